@@ -1,0 +1,37 @@
+"""A robot: its chain as URDF text, its joint limits and where each figure comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A serial arm.
+
+    Attributes:
+        name: key in the catalogue or file stem.
+        title: name for people.
+        urdf: URDF text without meshes.
+        joints: names of the moving joints, base to tip, shape of every array below: (n,).
+        tip: the flange link.
+        lower, upper: joint position limits, rad.
+        max_speed: rad/s. max_acceleration: rad/s^2, or None where nobody states it.
+        payload: kg or None. reach: m or None.
+        sources: quantity -> where the figure comes from.
+    """
+
+    name: str
+    title: str
+    urdf: str
+    joints: tuple[str, ...]
+    tip: str
+    lower: np.ndarray
+    upper: np.ndarray
+    max_speed: np.ndarray
+    max_acceleration: np.ndarray | None
+    payload: float | None
+    reach: float | None
+    sources: dict[str, str]
