@@ -21,6 +21,7 @@ class Robot:
         max_speed: rad/s. max_acceleration: rad/s^2, or None where nobody states it.
         payload: kg or None. reach: m or None.
         sources: quantity -> where the figure comes from.
+        not_known: quantities nobody states for this arm, in words.
     """
 
     name: str
@@ -35,3 +36,4 @@ class Robot:
     payload: float | None
     reach: float | None
     sources: dict[str, str]
+    not_known: tuple[str, ...] = ()

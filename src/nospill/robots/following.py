@@ -1,0 +1,145 @@
+"""Following inverse solutions along a path of the level tray: Newton continuation of all branches at once, with step control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.paths import Path
+from nospill.robots.kinematics import Kinematics
+from nospill.robots.newton import RESIDUAL, least_norm_step, newton, pose_gap
+
+SUBSTEPS = (1, 4, 16, 64, 256)
+"""An interval between two samples is tried in this many steps, one after the other, before a branch is given up."""
+
+MAX_PREDICTION = 0.3
+"""Largest change of a joint in one step, rad."""
+
+MAX_CORRECTION = 0.05
+"""Largest first Newton correction of a step, rad: farther off, another branch may be nearer."""
+
+CONTRACTION = 0.1
+"""The second correction must be this much smaller than the first: Newton converges to the branch the prediction came from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """What became of each branch.
+
+    Attributes:
+        s: (m,) path parameters.
+        q: (k, m, n) joint positions, rad, limits ignored; NaN after a branch is lost.
+        complete: (k,) whether the branch reaches the end of the path.
+        last: (k,) index in s of the last sample reached.
+    """
+
+    s: np.ndarray
+    q: np.ndarray
+    complete: np.ndarray
+    last: np.ndarray
+
+
+def tray_poses(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions (m, 3), m, and rotations Rz(yaw) (m, 3, 3) of the level tray at s (m,)."""
+    values = path.at(s)
+    cosine, sine = np.cos(values[:, 3]), np.sin(values[:, 3])
+    rotations = np.zeros((len(values), 3, 3))
+    rotations[:, 0, 0] = rotations[:, 1, 1] = cosine
+    rotations[:, 1, 0], rotations[:, 0, 1] = sine, -sine
+    rotations[:, 2, 2] = 1.0
+    return values[:, :3], rotations
+
+
+def tray_rates(path: Path, s: np.ndarray) -> np.ndarray:
+    """Return the change of the level tray's pose with s, (m, 6): dr/ds, m, and (0, 0, dyaw/ds), rad."""
+    slope = path.derivative(s, 1)
+    return np.concatenate([slope[:, :3], np.zeros((len(slope), 2)), slope[:, 3:]], axis=1)
+
+
+def follow(
+    arm: Kinematics, path: Path, s: np.ndarray, starts: np.ndarray, *, tool_position: np.ndarray, tool_yaw: float
+) -> Followed:
+    """Follow each start configuration along the path, joint limits ignored.
+
+    Args:
+        arm: forward kinematics.
+        path: path of the tray.
+        s: (m,) increasing path parameters.
+        starts: (k, n) joint positions that put the tray at s[0], rad.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+    """
+    stepper = _Stepper(arm, path, tool_position, tool_yaw)
+    branches = len(starts)
+    q = np.full((branches, len(s), arm.n), np.nan)
+    q[:, 0] = starts
+    last = np.zeros(branches, dtype=int)
+    active = np.arange(branches)
+    for index in range(1, len(s)):
+        if active.size == 0:
+            break
+        waiting = active
+        for substeps in SUBSTEPS:
+            reached, good = stepper.advance(q[waiting, index - 1], np.linspace(s[index - 1], s[index], substeps + 1))
+            q[waiting[good], index] = reached[good]
+            last[waiting[good]] = index
+            waiting = waiting[~good]
+            if waiting.size == 0:
+                break
+        active = np.setdiff1d(active, waiting, assume_unique=True)
+
+    complete = np.zeros(branches, dtype=bool)
+    complete[active] = True
+    positions, rotations = tray_poses(path, s)
+    for branch in active:
+        polished, error = newton(
+            arm, positions, rotations, q[branch], tool_position=tool_position, tool_yaw=tool_yaw, max_iterations=5
+        )
+        settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
+        complete[branch] = settled.all()
+        if not complete[branch]:
+            last[branch] = max(int(np.argmin(settled)) - 1, 0)
+        q[branch] = polished
+    return Followed(s, q, complete, last)
+
+
+class _Stepper:
+    """Predictor along dq/ds and two Newton corrections, on several branches at once."""
+
+    def __init__(self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float) -> None:
+        self._arm = arm
+        self._path = path
+        self._tool_position = tool_position
+        self._tool_yaw = tool_yaw
+
+    def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which of them made it (k,)."""
+        q = q.copy()
+        good = np.ones(len(q), dtype=bool)
+        positions, rotations = tray_poses(self._path, s[1:])
+        rates = tray_rates(self._path, s[:-1])
+        for step, width in enumerate(np.diff(s)):
+            rows = np.flatnonzero(good)
+            if rows.size == 0:
+                break
+            _, _, jacobian = self._at(q[rows])
+            prediction = width * least_norm_step(jacobian, np.broadcast_to(rates[step], (rows.size, 6)))
+            near = q[rows] + prediction
+            first = self._correction(near, positions[step], rotations[step])
+            second = self._correction(near + first, positions[step], rotations[step])
+            q[rows] = near + first + second
+            sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
+            good[rows] = (
+                (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
+            )
+        return q, good
+
+    def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        reached, turned, jacobian = self._at(q)
+        shape = (len(q), 3, 3)
+        gap = pose_gap(np.broadcast_to(position, shape[:2]), np.broadcast_to(rotation, shape), reached, turned)
+        return least_norm_step(jacobian, gap)
+
+    def _at(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self._arm.poses_and_jacobians(q, tool_position=self._tool_position, tool_yaw=self._tool_yaw)

@@ -1,0 +1,114 @@
+"""Inverse kinematics: all solutions at one pose, many poses from guesses, and the joint paths that follow a tray path.
+
+`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that exists at the start of the
+path is followed along all of it with a level tray, by Newton continuation with step control, so that a branch never jumps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from nospill.paths import Path
+from nospill.robots.closed_form import TURN, solutions_anywhere, turn_choices
+from nospill.robots.closed_form import inverse_solutions as inverse_solutions
+from nospill.robots.following import follow, tray_poses, tray_rates
+from nospill.robots.kinematics import FLANGE, ToolPosition, kinematics
+from nospill.robots.no_joint_path import explain
+from nospill.robots.newton import least_norm_step
+from nospill.robots.newton import solve_joints as solve_joints
+from nospill.robots.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class JointPath:
+    """One continuous way for the joints to carry the level tray along a path.
+
+    Attributes:
+        branch: start configuration in words, unique among the joint paths of one tray path.
+        s: (m,) path parameters from 0 to 1.
+        q: (m, n) joint positions, rad, all within the limits.
+        dq_ds: (m, n) derivative with respect to s, rad.
+        speed_figure: max over s and joints of |dq_i/ds| / max_speed_i, s: no motion with s' constant is shorter. Smaller is better.
+        limit_margin: least distance of a joint to one of its position limits, rad.
+    """
+
+    branch: str
+    s: np.ndarray
+    q: np.ndarray
+    dq_ds: np.ndarray
+    speed_figure: float
+    limit_margin: float
+
+    def at(self, s: np.ndarray) -> np.ndarray:
+        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation of the samples."""
+        span = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+        width = (self.s[span + 1] - self.s[span])[:, None]
+        u = (np.asarray(s) - self.s[span])[:, None] / width
+        start, end = self.q[span], self.q[span + 1]
+        start_slope, end_slope = width * self.dq_ds[span], width * self.dq_ds[span + 1]
+        rise = u * u * (3.0 - 2.0 * u)
+        return start + rise * (end - start) + u * (1.0 - u) * ((1.0 - u) * start_slope - u * end_slope)
+
+
+def joint_paths(
+    robot: Robot,
+    path: Path,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    samples: int = 201,
+) -> list[JointPath]:
+    """Return every continuous joint motion within the limits that carries the level tray along a path.
+
+    The tray's frame follows position = r(s), rotation = Rz(yaw(s)).
+
+    Args:
+        robot: an arm of six joints.
+        path: path of the tray frame in the robot's base frame.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+        samples: number of equally spaced path parameters.
+
+    Returns:
+        At least one joint path, best first: smallest speed figure, then farthest from the limits, then nearest to the middle of the ranges.
+
+    Raises:
+        ScenarioError: there is none. The message says whether the path leaves the arm's reach (from which s on, by how many mm), a joint limit is in
+            the way (which, where, by how much) or every branch ends in a singularity (where).
+    """
+    tool_position = np.asarray(tool_position, dtype=float)
+    arm = kinematics(robot)
+    s = np.linspace(0.0, 1.0, samples)
+    positions, rotations = tray_poses(path, s[:1])
+    starts, _ = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
+    followed = follow(arm, path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw)
+
+    found: list[tuple[tuple[float, ...], JointPath]] = []
+    middle = 0.5 * (robot.lower + robot.upper)
+    for q in followed.q[followed.complete]:
+        jacobian = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw)
+        dq_ds = least_norm_step(jacobian, tray_rates(path, s))
+        figure = float((np.abs(dq_ds) / robot.max_speed).max())
+        for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):
+            turned = q + TURN * np.array(turns)
+            margin = float(np.minimum(turned - robot.lower, robot.upper - turned).min())
+            off_middle = float((np.abs(turned.mean(axis=0) - middle) / (robot.upper - robot.lower)).sum())
+            joint_path = JointPath(_label(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
+            # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
+            found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
+    if not found:
+        raise explain(robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
+    return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
+
+
+def _label(q: np.ndarray) -> str:
+    # + 0.0 turns -0 into 0
+    return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
+
+
+def _constant(array: np.ndarray) -> np.ndarray:
+    array.setflags(write=False)
+    return array

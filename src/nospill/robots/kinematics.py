@@ -1,0 +1,219 @@
+"""Forward kinematics of an arm: one CasADi expression from its URDF, read by laws (SX) and by compiled functions (samples).
+
+The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by `tool_yaw` about
+the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's base frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as cs
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.robots.robot import Robot
+
+ToolPosition = Sequence[float] | np.ndarray | cs.SX
+
+FLANGE = (0.0, 0.0, 0.0)
+"""Tool position that makes the tool the flange."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToolMotions:
+    """Motion of the tool frame at m samples, in base axes.
+
+    Attributes:
+        position: (m, 3) origin, m.
+        rotation: (m, 3, 3), tool axes to base axes.
+        velocity, acceleration: (m, 3) first and second time derivative of the origin (classical, not spatial), m/s and m/s^2.
+        angular_velocity, angular_acceleration: (m, 3), rad/s and rad/s^2.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
+
+
+class Kinematics:
+    """Forward kinematics of one chain. Get it from `kinematics(robot)`, which keeps one per chain.
+
+    Attributes:
+        n: number of moving joints.
+    """
+
+    def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
+        """Build the expressions from URDF text.
+
+        Args:
+            urdf: URDF text without xacro.
+            joints: names of the moving joints in the order of q; every other joint stays at zero.
+            tip: the flange link.
+
+        Raises:
+            ScenarioError: the text is no URDF, or a joint or the tip is not in it.
+        """
+        self.n = len(joints)
+        q = cs.SX.sym("q", self.n)
+        rate = cs.SX.sym("qd", self.n)
+        rate_change = cs.SX.sym("qdd", self.n)
+        tool = cs.SX.sym("tool", 4)
+        flange_position, flange_rotation, flange_jacobian = _flange(urdf, joints, tip, q)
+
+        lever = flange_rotation @ tool[:3]
+        position = flange_position + lever
+        rotation = flange_rotation @ _about_z(tool[3])
+        spin = flange_jacobian[3:, :]
+        jacobian = cs.vertcat(flange_jacobian[:3, :] - cs.skew(lever) @ spin, spin)
+        twist = jacobian @ rate
+        # d/dt (J qd) along the motion; the angular velocity in base axes differentiates to the angular acceleration
+        twist_change = jacobian @ rate_change + cs.jtimes(twist, q, rate)
+
+        self._pose = _function("pose", [q, tool], [position, rotation])
+        self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
+        # flat columns, so that a call on m samples returns one column per sample
+        self._flat_pose = _function("flat_pose", [q, tool], [cs.vertcat(position, cs.vec(rotation.T))])
+        self._flat_jacobian = _function("flat_jacobian", [q, tool], [cs.vec(jacobian.T)])
+        self._flat_both = _function(
+            "flat_both", [q, tool], [cs.vertcat(position, cs.vec(rotation.T), cs.vec(jacobian.T))]
+        )
+        self._flat_motion = _function(
+            "flat_motion", [q, rate, rate_change, tool], [cs.vertcat(position, cs.vec(rotation.T), twist, twist_change)]
+        )
+
+    def pose(
+        self, q: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
+    ) -> tuple[cs.SX, cs.SX]:
+        """Return the tool's position (3,), m, and rotation (3, 3), tool axes to base axes, as expressions of q (n,), rad."""
+        position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
+        return position, rotation
+
+    def twist(
+        self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
+    ) -> tuple[cs.SX, cs.SX]:
+        """Return the velocity (3,) of the tool's origin, m/s, and its angular velocity (3,), rad/s, as expressions of q and qd (n,)."""
+        velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
+        return velocity, angular_velocity
+
+    def poses(
+        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions (m, 3), m, and rotations (m, 3, 3) of the tool at m samples.
+
+        Args:
+            q: (m, n) joint positions, rad.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+        """
+        flat = self._call(self._flat_pose, q, tool=_tool(tool_position, tool_yaw))
+        return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
+
+    def jacobians(self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0) -> np.ndarray:
+        """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
+
+        Rows 0 to 2 give the velocity of the tool's origin (m/s), rows 3 to 5 its angular velocity (rad/s), per joint speed (rad/s).
+
+        Args:
+            q: (m, n) joint positions, rad.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+        """
+        flat = self._call(self._flat_jacobian, q, tool=_tool(tool_position, tool_yaw))
+        return flat.reshape(-1, 6, self.n)
+
+    def poses_and_jacobians(
+        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
+        flat = self._call(self._flat_both, q, tool=_tool(tool_position, tool_yaw))
+        return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
+
+    def motions(
+        self,
+        q: np.ndarray,
+        qd: np.ndarray,
+        qdd: np.ndarray,
+        *,
+        tool_position: ToolPosition = FLANGE,
+        tool_yaw: float = 0.0,
+    ) -> ToolMotions:
+        """Return pose, velocity and acceleration of the tool at m samples.
+
+        Args:
+            q: (m, n) joint positions, rad. qd: (m, n) rad/s. qdd: (m, n) rad/s^2.
+            qd: see q.
+            qdd: see q.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+        """
+        flat = self._call(self._flat_motion, q, qd, qdd, tool=_tool(tool_position, tool_yaw))
+        return ToolMotions(
+            position=flat[:, :3],
+            rotation=flat[:, 3:12].reshape(-1, 3, 3),
+            velocity=flat[:, 12:15],
+            angular_velocity=flat[:, 15:18],
+            acceleration=flat[:, 18:21],
+            angular_acceleration=flat[:, 21:24],
+        )
+
+    def _call(self, function: Any, *samples: np.ndarray, tool: cs.DM) -> np.ndarray:
+        """Evaluate on (m, n) arrays, one sample per row; the tool is the same for all."""
+        count = len(samples[0])
+        for array in samples:
+            if np.shape(array) != (count, self.n):
+                raise ValueError(f"joint samples have shape {np.shape(array)}, expected ({count}, {self.n})")
+        if count == 0:
+            return np.zeros((0, function.size1_out(0)))
+        columns = [cs.DM(np.asarray(array, dtype=float).T) for array in samples]
+        return np.array(function(*columns, cs.repmat(tool, 1, count)).full().T, order="C")
+
+
+def kinematics(robot: Robot) -> Kinematics:
+    """Return the forward kinematics of an arm; built once per chain.
+
+    Raises:
+        ScenarioError: the URDF cannot be read, or a joint or the tip is not in it.
+    """
+    return _kinematics(robot.urdf, robot.joints, robot.tip)
+
+
+_kinematics = lru_cache(maxsize=32)(Kinematics)
+
+
+def _flange(urdf: str, joints: tuple[str, ...], tip: str, q: cs.SX) -> tuple[cs.SX, cs.SX, cs.SX]:
+    """Return position (3,), rotation (3, 3) and geometric Jacobian (6, n) of the flange in base axes."""
+    # imported here: it pulls in scipy, which a listing of the catalogue does not need
+    from adam.casadi import KinDynComputations
+
+    if "<robot" not in urdf:
+        raise ScenarioError("robot description has no <robot> element; give the text of a URDF file")
+    try:
+        chain = KinDynComputations(urdf, list(joints))
+        transform = chain.forward_kinematics(tip, cs.SX.eye(4), q)
+        # the first six columns belong to a floating base; the rest is for frame-origin velocity in base axes
+        jacobian = chain.jacobian(tip, cs.SX.eye(4), q)[:, 6:]
+    except Exception as error:  # the XML, the URDF reader and adam raise a dozen kinds
+        raise ScenarioError(f"robot description cannot be used (tip {tip!r}): {error}") from error
+    return transform[:3, 3], transform[:3, :3], jacobian
+
+
+def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
+    return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
+
+
+def _about_z(angle: cs.SX) -> cs.SX:
+    c, s = cs.cos(angle), cs.sin(angle)
+    return cs.vertcat(cs.horzcat(c, -s, 0), cs.horzcat(s, c, 0), cs.horzcat(0, 0, 1))
+
+
+def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:
+    if isinstance(position, cs.SX) or isinstance(yaw, cs.SX):
+        return cs.vertcat(cs.SX(position if isinstance(position, cs.SX) else list(position)), yaw)
+    return cs.DM([*(float(value) for value in position), float(yaw)])

@@ -1,0 +1,131 @@
+"""Why no joint path exists: out of reach, a joint limit, or a singularity; with the place on the path and the size."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.paths import Path
+from nospill.robots.closed_form import TURN, solutions_anywhere
+from nospill.robots.following import Followed, tray_poses
+from nospill.robots.kinematics import Kinematics, kinematics
+from nospill.robots.newton import pose_gap
+from nospill.robots.robot import Robot
+
+_ORIENTATION_WEIGHT = 100.0
+_RANDOM_STARTS = 16
+_BISECTIONS = 20
+
+
+def explain(
+    robot: Robot, path: Path, followed: Followed, *, tool_position: np.ndarray, tool_yaw: float
+) -> ScenarioError:
+    """Return the error that says why none of the followed branches is a joint path.
+
+    Args:
+        robot: the arm.
+        path: path of the tray.
+        followed: what `follow` returned for all solutions at the start.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+    """
+    if followed.complete.any():
+        return ScenarioError(_limit_in_the_way(robot, followed))
+    s = followed.s
+    solved = np.array([_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
+    if not solved.all():
+        return ScenarioError(_out_of_reach(robot, path, s, solved, tool_position, tool_yaw))
+    best = int(np.argmax(followed.last))
+    farthest = int(followed.last[best])
+    place = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
+    return ScenarioError(
+        f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a singularity, the last near "
+        f"s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; move the path or change its yaw there"
+    )
+
+
+def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
+    best: tuple[float, int, int, np.ndarray] | None = None
+    for q in followed.q[followed.complete]:
+        # for each joint the whole turns that break its limits least
+        turns = np.round((0.5 * (robot.lower + robot.upper) - 0.5 * (q.min(axis=0) + q.max(axis=0))) / TURN)
+        options = q + TURN * (turns + np.array([[-1.0], [0.0], [1.0]]))[:, None, :]
+        over = np.maximum(np.maximum(robot.lower - options, options - robot.upper), 0.0)
+        kept = np.argmin(over.max(axis=1), axis=0)
+        joints = np.arange(q.shape[1])
+        turned, excess = options[kept, :, joints].T, over[kept, :, joints].T
+        joint = int(np.argmax(excess.max(axis=0)))
+        worst = float(excess[:, joint].max())
+        if best is None or worst < best[0]:
+            best = (worst, joint, int(np.argmax(excess[:, joint] > 0)), turned)
+    assert best is not None, "called with no complete branch"
+    worst, joint, first, turned = best
+    upper = turned[first, joint] > robot.upper[joint]
+    limit = robot.upper[joint] if upper else robot.lower[joint]
+    return (
+        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of {int(followed.complete.sum())} continuous branches "
+        f"passes the {'upper' if upper else 'lower'} limit of {robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
+        f"{np.degrees(worst):.3g} deg, from s = {followed.s[first]:.3f} on; move the path or change its yaw"
+    )
+
+
+def _reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
+    positions, rotations = tray_poses(path, np.array([s]))
+    exact, _ = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
+    return len(exact) > 0
+
+
+def _out_of_reach(
+    robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, tool_position: np.ndarray, tool_yaw: float
+) -> str:
+    first = int(np.argmin(solved))
+    edge = float(s[first])
+    if first > 0:
+        inside = float(s[first - 1])
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (inside + edge)
+            if _reachable(robot, path, middle, tool_position, tool_yaw):
+                inside = middle
+            else:
+                edge = middle
+    outside = s[~solved]
+    shortfall = _shortfalls(kinematics(robot), path, outside, tool_position, tool_yaw)
+    worst = int(np.argmax(shortfall))
+    reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
+    return (
+        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on, by up to {1000 * shortfall[worst]:.4g} mm at "
+        f"s = {outside[worst]:.3f}; move the path nearer to the robot's base or away from its axis"
+    )
+
+
+def _shortfalls(
+    arm: Kinematics, path: Path, s: np.ndarray, tool_position: np.ndarray, tool_yaw: float, *, iterations: int = 60
+) -> np.ndarray:
+    """Return how near (m,) in m the tray can come to its place on the path with its orientation kept.
+
+    Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is kept, from several
+    starts; at a place out of reach the gap that remains is the distance to the edge of the workspace.
+    """
+    generator = np.random.default_rng(0)
+    positions, rotations = tray_poses(path, np.repeat(s, _RANDOM_STARTS))
+    q = generator.uniform(-np.pi, np.pi, size=(len(positions), arm.n))
+    weight = np.array([1.0, 1.0, 1.0, *[_ORIENTATION_WEIGHT] * 3])
+
+    def linearised(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        reached, turned, jacobian = arm.poses_and_jacobians(at, tool_position=tool_position, tool_yaw=tool_yaw)
+        return pose_gap(positions, rotations, reached, turned) * weight, jacobian * weight[:, None]
+
+    gap, jacobian = linearised(q)
+    damping = np.full(len(q), 1e-1)
+    for _ in range(iterations):
+        transposed = np.swapaxes(jacobian, 1, 2)
+        normal = transposed @ jacobian + damping[:, None, None] * np.eye(arm.n)
+        trial = q + np.linalg.solve(normal, (transposed @ gap[..., None]))[..., 0]
+        trial_gap, trial_jacobian = linearised(trial)
+        better = np.linalg.norm(trial_gap, axis=1) < np.linalg.norm(gap, axis=1)
+        q[better], gap[better], jacobian[better] = trial[better], trial_gap[better], trial_jacobian[better]
+        damping = np.clip(np.where(better, damping / 4.0, damping * 6.0), 1e-8, 1e6)
+    remaining = np.where(
+        np.linalg.norm(gap[:, 3:], axis=1) < 0.1 * _ORIENTATION_WEIGHT, np.linalg.norm(gap[:, :3], axis=1), np.inf
+    )
+    return remaining.reshape(-1, _RANDOM_STARTS).min(axis=1)
