@@ -58,8 +58,8 @@ def robot_table() -> list[dict[str, object]]:
     """Return one plain (JSON-ready) row per arm of the catalogue, for `nospill robots`.
 
     Returns:
-        Rows with the keys name, title, joints (names), reach_m, payload_kg, lower_deg, upper_deg, max_speed_deg_s, max_acceleration_rad_s2
-        (None where nobody states it), sources, not_known.
+        Rows with the keys name, title, joints (names), reach_m, payload_kg, lower_deg, upper_deg, max_speed_deg_s,
+        max_acceleration_rad_s2 (None where nobody states it), sources, not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 

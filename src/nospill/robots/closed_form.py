@@ -1,6 +1,7 @@
 """All inverse solutions of a six-joint arm, by EAIK's subproblem decomposition polished on our own forward kinematics.
 
-Source: Ostermeier, Kuelz, Althoff, "Automatic geometric decomposition for analytical inverse kinematics", IEEE RA-L 2025 (EAIK).
+Source: Ostermeier, Kuelz, Althoff, "Automatic geometric decomposition for analytical inverse kinematics", IEEE
+    RA-L 2025 (EAIK).
 EAIK knows neither tool nor limits and mixes least-squares answers in; all three are dealt with here.
 """
 
@@ -40,8 +41,8 @@ def inverse_solutions(
         tool_yaw: turn of the tool about the flange's z, rad.
 
     Returns:
-        (k, 6), rad; k is 0 where there is none. A joint that can turn by more than a full turn gives one row per admissible turn, at most one
-        full turn away from the middle of its range.
+        (k, 6), rad; k is 0 where there is none. A joint that can turn by more than a full turn gives one row per
+        admissible turn, at most one full turn away from the middle of its range.
 
     Raises:
         ScenarioError: the arm has not six joints, or no closed form is known for its geometry.
@@ -52,9 +53,11 @@ def inverse_solutions(
 
 
 def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[list[int]]:
-    """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) without leaving the limits.
+    """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) without
+    leaving the limits.
 
-    A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion with less room.
+    A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion
+        with less room.
     """
     middle = 0.5 * (robot.lower + robot.upper)
     bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - lowest) / TURN - 1e-12)
@@ -79,7 +82,8 @@ def solutions_anywhere(
     tool_position: ToolPosition = FLANGE,
     tool_yaw: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the exact solutions (k, 6) for one pose with every joint in (-pi, pi], limits ignored, and EAIK's least-squares answers (l, 6).
+    """Return the exact solutions (k, 6) for one pose with every joint in (-pi, pi], limits ignored, and EAIK's least-
+    squares answers (l, 6).
 
     Raises:
         ScenarioError: the arm has not six joints, or no closed form is known for its geometry.

@@ -1,4 +1,6 @@
-"""Following inverse solutions along a path of the level tray: Newton continuation of all branches at once, with step control."""
+"""Following inverse solutions along a path of the level tray: Newton continuation of all branches at once, with step
+control.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ MAX_CORRECTION = 0.05
 """Largest first Newton correction of a step, rad: farther off, another branch may be nearer."""
 
 CONTRACTION = 0.1
-"""The second correction must be this much smaller than the first: Newton converges to the branch the prediction came from."""
+"""The second correction must be this much smaller than the first: Newton converges to the branch the prediction came
+from.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +118,9 @@ class _Stepper:
         self._tool_yaw = tool_yaw
 
     def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which of them made it (k,)."""
+        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which of them made it
+        (k,).
+        """
         q = q.copy()
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])

@@ -1,7 +1,8 @@
 """Inverse kinematics: all solutions at one pose, many poses from guesses, and the joint paths that follow a tray path.
 
-`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that exists at the start of the
-path is followed along all of it with a level tray, by Newton continuation with step control, so that a branch never jumps.
+`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that
+exists at the start of the path is followed along all of it with a level tray, by Newton continuation with step
+control, so that a branch never jumps.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from nospill.robots.closed_form import TURN, solutions_anywhere, turn_choices
 from nospill.robots.closed_form import inverse_solutions as inverse_solutions
 from nospill.robots.following import follow, tray_poses, tray_rates
 from nospill.robots.kinematics import FLANGE, ToolPosition, kinematics
-from nospill.robots.no_joint_path import explain
 from nospill.robots.newton import least_norm_step
 from nospill.robots.newton import solve_joints as solve_joints
+from nospill.robots.no_joint_path import explain
 from nospill.robots.robot import Robot
 
 
@@ -31,7 +32,8 @@ class JointPath:
         s: (m,) path parameters from 0 to 1.
         q: (m, n) joint positions, rad, all within the limits.
         dq_ds: (m, n) derivative with respect to s, rad.
-        speed_figure: max over s and joints of |dq_i/ds| / max_speed_i, s: no motion with s' constant is shorter. Smaller is better.
+        speed_figure: max over s and joints of |dq_i/ds| / max_speed_i, s: no motion with s' constant is shorter.
+            Smaller is better.
         limit_margin: least distance of a joint to one of its position limits, rad.
     """
 
@@ -43,7 +45,9 @@ class JointPath:
     limit_margin: float
 
     def at(self, s: np.ndarray) -> np.ndarray:
-        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation of the samples."""
+        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation of
+        the samples.
+        """
         span = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         width = (self.s[span + 1] - self.s[span])[:, None]
         u = (np.asarray(s) - self.s[span])[:, None] / width
@@ -73,11 +77,13 @@ def joint_paths(
         samples: number of equally spaced path parameters.
 
     Returns:
-        At least one joint path, best first: smallest speed figure, then farthest from the limits, then nearest to the middle of the ranges.
+        At least one joint path, best first: smallest speed figure, then farthest from the limits, then nearest to
+            the middle of the ranges.
 
     Raises:
-        ScenarioError: there is none. The message says whether the path leaves the arm's reach (from which s on, by how many mm), a joint limit is in
-            the way (which, where, by how much) or every branch ends in a singularity (where).
+        ScenarioError: there is none. The message says whether the path leaves the arm's reach (from which s on,
+            by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
+            singularity (where).
     """
     tool_position = np.asarray(tool_position, dtype=float)
     arm = kinematics(robot)

@@ -1,7 +1,9 @@
-"""Forward kinematics of an arm: one CasADi expression from its URDF, read by laws (SX) and by compiled functions (samples).
+"""Forward kinematics of an arm: one CasADi expression from its URDF, read by laws (SX) and by compiled functions
+(samples).
 
-The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by `tool_yaw` about
-the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's base frame.
+The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by
+`tool_yaw` about the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's
+base frame.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ class ToolMotions:
     Attributes:
         position: (m, 3) origin, m.
         rotation: (m, 3, 3), tool axes to base axes.
-        velocity, acceleration: (m, 3) first and second time derivative of the origin (classical, not spatial), m/s and m/s^2.
+        velocity, acceleration: (m, 3) first and second time derivative of the origin (classical, not spatial),
+            m/s and m/s^2.
         angular_velocity, angular_acceleration: (m, 3), rad/s and rad/s^2.
     """
 
@@ -91,14 +94,18 @@ class Kinematics:
     def pose(
         self, q: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
     ) -> tuple[cs.SX, cs.SX]:
-        """Return the tool's position (3,), m, and rotation (3, 3), tool axes to base axes, as expressions of q (n,), rad."""
+        """Return the tool's position (3,), m, and rotation (3, 3), tool axes to base axes, as expressions of q (n,),
+        rad.
+        """
         position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
         return position, rotation
 
     def twist(
         self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
     ) -> tuple[cs.SX, cs.SX]:
-        """Return the velocity (3,) of the tool's origin, m/s, and its angular velocity (3,), rad/s, as expressions of q and qd (n,)."""
+        """Return the velocity (3,) of the tool's origin, m/s, and its angular velocity (3,), rad/s, as expressions of
+        q and qd (n,).
+        """
         velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
         return velocity, angular_velocity
 
@@ -118,7 +125,8 @@ class Kinematics:
     def jacobians(self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0) -> np.ndarray:
         """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
 
-        Rows 0 to 2 give the velocity of the tool's origin (m/s), rows 3 to 5 its angular velocity (rad/s), per joint speed (rad/s).
+        Rows 0 to 2 give the velocity of the tool's origin (m/s), rows 3 to 5 its angular velocity (rad/s), per joint
+        speed (rad/s).
 
         Args:
             q: (m, n) joint positions, rad.

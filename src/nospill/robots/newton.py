@@ -12,7 +12,9 @@ RESIDUAL = 1e-11
 """Largest pose error (m and rad, norm of six) that counts as solved."""
 
 DAMPING = 1e-12
-"""Added to J J^T (m^2 and rad^2): keeps the step finite at a singularity and costs no accuracy elsewhere, since the residual decides."""
+"""Added to J J^T (m^2 and rad^2): keeps the step finite at a singularity and costs no accuracy elsewhere, since the
+residual decides.
+"""
 
 
 def solve_joints(
@@ -88,8 +90,8 @@ def newton(
         max_step: largest change of one joint in one step, rad.
 
     Returns:
-        Joint positions (m, n), rad, and pose errors (m,), the norm of position (m) and rotation (rad) error. A sample stops when it is
-        solved and a further step brings nothing, so the answer is as good as rounding allows.
+        Joint positions (m, n), rad, and pose errors (m,), the norm of position (m) and rotation (rad) error. A sample
+        stops when it is solved and a further step brings nothing, so the answer is as good as rounding allows.
     """
     q = np.array(q_start, dtype=float)
     error = np.full(len(q), np.inf)
@@ -113,7 +115,9 @@ def newton(
 
 
 def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Return the small motion (m, 6) from the reached to the wanted poses: translation, m, and rotation vector, rad, in base axes."""
+    """Return the small motion (m, 6) from the reached to the wanted poses: translation, m, and rotation vector, rad,
+    in base axes.
+    """
     turn = rotations @ np.swapaxes(turned, 1, 2)
     sine = 0.5 * np.stack(
         [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
@@ -129,7 +133,9 @@ def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, 
 
 
 def least_norm_step(jacobian: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, 6); jacobian is (m, 6, n), n >= 6."""
+    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, 6); jacobian is (m, 6, n), n
+    >= 6.
+    """
     transposed = np.swapaxes(jacobian, 1, 2)
     gram = jacobian @ transposed + DAMPING * np.eye(6)
     return (transposed @ np.linalg.solve(gram, gap[..., None]))[..., 0]

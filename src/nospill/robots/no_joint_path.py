@@ -103,8 +103,9 @@ def _shortfalls(
 ) -> np.ndarray:
     """Return how near (m,) in m the tray can come to its place on the path with its orientation kept.
 
-    Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is kept, from several
-    starts; at a place out of reach the gap that remains is the distance to the edge of the workspace.
+    Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is
+    kept, from several starts; at a place out of reach the gap that remains is the distance to the edge of the
+    workspace.
     """
     generator = np.random.default_rng(0)
     positions, rotations = tray_poses(path, np.repeat(s, _RANDOM_STARTS))
