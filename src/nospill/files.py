@@ -1,0 +1,161 @@
+"""Writing that leaves the old file or folder, or the new one, never half of either."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from nospill.errors import PlanFolderError
+
+_SWAP_ATTEMPTS = 50
+"""How often another writer may win the place between our two renames before we give up."""
+
+Replaceable = Callable[[set[str]], bool]
+"""Judges by the names in a folder that is not empty whether it may be thrown away."""
+
+
+def is_plan_folder(names: set[str]) -> bool:
+    """Whether a folder with these names in it was written as a plan: it holds summary.json."""
+    return "summary.json" in names
+
+
+def require_replaceable(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Path:
+    """Check, before any long work and without writing, that `atomic_folder` may write `target`.
+
+    Args:
+        target: the folder to be; it may be missing, empty or one that `replaceable` accepts.
+        replaceable: whether a folder that is not empty may be thrown away.
+
+    Returns:
+        The absolute target with symbolic links followed.
+
+    Raises:
+        PlanFolderError: `target` holds something else, is no folder, is the folder we stand in, or cannot be written.
+    """
+    try:
+        place = Path(target).expanduser().resolve()
+        _refuse_foreign(place, replaceable)
+        if Path.cwd().is_relative_to(place):
+            raise PlanFolderError(f"{place} holds the folder you are in and cannot be replaced; name another folder")
+        ground = next(parent for parent in place.parents if parent.exists())
+        if not os.access(ground, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, f"no permission to write in {ground}")
+    except (OSError, RuntimeError) as error:  # RuntimeError: "~name" without such a user, or links in a circle
+        raise _cannot_write(Path(target), error) from error
+    return place
+
+
+@contextmanager
+def atomic_folder(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Iterator[Path]:
+    """Fill a new folder and put it in the place of the old one when it is complete.
+
+    The body writes into a hidden sibling of `target`. When it ends, everything is flushed to the disk, the old folder
+    is renamed away, the new one renamed into its place and the old one deleted. A run that is killed leaves the old
+    folder or none under the name `target`, and perhaps a hidden sibling ".NAME.*.partial" or ".NAME.*.old" that can
+    be deleted. Of two writers at once the later wins.
+
+    Args:
+        target: the folder to be, as for `require_replaceable`; missing parents are made.
+        replaceable: whether a folder that is not empty may be thrown away.
+
+    Yields:
+        The temporary folder to write into; it exists and is empty.
+
+    Raises:
+        PlanFolderError: `target` must not be replaced, or the disk refuses (full, read-only, no permission).
+    """
+    place = require_replaceable(target, replaceable=replaceable)
+    sibling = f".{place.name}.{secrets.token_hex(4)}"
+    partial = place.with_name(f"{sibling}.partial")
+    try:
+        partial.mkdir(parents=True)
+        yield partial
+        _flush_tree(partial)
+        _swap(partial, place, place.with_name(f"{sibling}.old"), replaceable)
+    except OSError as error:
+        raise _cannot_write(place, error) from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def atomic_text(path: str | Path, text: str) -> None:
+    """Write a text file (UTF-8, line ends as they are in `text`) so that readers see the old or the new content.
+
+    Raises:
+        PlanFolderError: the disk refuses, or `path` is a folder.
+    """
+    place = Path(path)
+    partial = place.with_name(f".{place.name}.{secrets.token_hex(4)}.partial")
+    try:
+        with partial.open("x", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(place)
+        _flush(place.parent)
+    except OSError as error:
+        raise _cannot_write(place, error) from error
+    finally:
+        with suppress(OSError):
+            partial.unlink()
+
+
+def _refuse_foreign(place: Path, replaceable: Replaceable) -> None:
+    # Looked at twice: another writer may be taking the old folder away just now, and half of it is seen.
+    if all(_is_foreign(place, replaceable) for _ in range(2)):
+        raise PlanFolderError(f"{place} holds files that nospill did not write; name a new or an empty folder")
+
+
+def _is_foreign(place: Path, replaceable: Replaceable) -> bool:
+    try:
+        names = set(os.listdir(place))
+    except FileNotFoundError:
+        return False
+    return bool(names) and not replaceable(names)
+
+
+def _swap(partial: Path, place: Path, old: Path, replaceable: Replaceable) -> None:
+    """Rename `partial` to `place` by way of `old`, and again when another writer came between the two renames."""
+    for _ in range(_SWAP_ATTEMPTS):
+        _refuse_foreign(place, replaceable)
+        try:
+            with suppress(FileNotFoundError):
+                place.rename(old)
+            partial.rename(place)
+        except BaseException as error:
+            if isinstance(error, OSError) and error.errno in (errno.ENOTEMPTY, errno.EEXIST):
+                shutil.rmtree(old, ignore_errors=True)
+                continue
+            if old.exists() and not place.exists():
+                old.rename(place)
+            raise
+        _flush(place.parent)
+        shutil.rmtree(old, ignore_errors=True)
+        return
+    raise PlanFolderError(f"{place} is being written by other runs all the time; name another folder")
+
+
+def _flush(path: Path) -> None:
+    """Flush one file, or the entries of one folder, to the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _flush_tree(folder: Path) -> None:
+    for parent, _, names in os.walk(folder):
+        for name in names:
+            _flush(Path(parent, name))
+        _flush(Path(parent))
+
+
+def _cannot_write(place: Path, error: Exception) -> PlanFolderError:
+    reason = (error.strerror if isinstance(error, OSError) else None) or str(error) or type(error).__name__
+    return PlanFolderError(f"cannot write {place}: {reason}; make room, ask for permission or name another place")
