@@ -47,14 +47,13 @@ def inverse_solutions(
     Raises:
         ScenarioError: the arm has not six joints, or no closed form is known for its geometry.
     """
-    exact, _ = solutions_anywhere(robot, position, rotation, tool_position=tool_position, tool_yaw=tool_yaw)
+    exact = solutions_anywhere(robot, position, rotation, tool_position=tool_position, tool_yaw=tool_yaw)
     rows = [q + TURN * np.array(turns) for q in exact for turns in product(*turn_choices(robot, q, q))]
     return np.array(rows).reshape(-1, len(robot.joints))
 
 
 def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[list[int]]:
-    """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) without
-    leaving the limits.
+    """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) within limits.
 
     A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion
         with less room.
@@ -81,9 +80,8 @@ def solutions_anywhere(
     *,
     tool_position: ToolPosition = FLANGE,
     tool_yaw: float = 0.0,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the exact solutions (k, 6) for one pose with every joint in (-pi, pi], limits ignored, and EAIK's least-
-    squares answers (l, 6).
+) -> np.ndarray:
+    """Return the distinct exact solutions (k, 6) for one pose, limits ignored, every joint in (-pi, pi], rad.
 
     Raises:
         ScenarioError: the arm has not six joints, or no closed form is known for its geometry.
@@ -99,9 +97,7 @@ def solutions_anywhere(
     answer = solver.calculate_IK(pose)
     rows = np.array(answer.Q, dtype=float).reshape(-1, arm.n)
     approximate = np.array(answer.is_LS, dtype=bool).reshape(-1)
-    rows, approximate = rows[np.isfinite(rows).all(axis=1)], approximate[np.isfinite(rows).all(axis=1)]
-
-    start = rows[~approximate]
+    start = rows[~approximate & np.isfinite(rows).all(axis=1)]
     polished, error = newton(
         arm,
         np.broadcast_to(flange_position, (len(start), 3)),
@@ -109,8 +105,7 @@ def solutions_anywhere(
         start,
         max_iterations=10,
     )
-    wrapped = _wrap(polished[error < RESIDUAL])
-    return _distinct(wrapped), rows[approximate]
+    return _distinct(_wrap(polished[error < RESIDUAL]))
 
 
 @lru_cache(maxsize=32)

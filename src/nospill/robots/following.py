@@ -1,6 +1,4 @@
-"""Following inverse solutions along a path of the level tray: Newton continuation of all branches at once, with step
-control.
-"""
+"""Following inverse solutions along a path of the level tray: Newton continuation of all branches, with step control."""
 
 from __future__ import annotations
 
@@ -118,9 +116,7 @@ class _Stepper:
         self._tool_yaw = tool_yaw
 
     def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which of them made it
-        (k,).
-        """
+        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which made it (k,)."""
         q = q.copy()
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])

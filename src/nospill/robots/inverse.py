@@ -45,9 +45,7 @@ class JointPath:
     limit_margin: float
 
     def at(self, s: np.ndarray) -> np.ndarray:
-        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation of
-        the samples.
-        """
+        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation."""
         span = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         width = (self.s[span + 1] - self.s[span])[:, None]
         u = (np.asarray(s) - self.s[span])[:, None] / width
@@ -89,7 +87,7 @@ def joint_paths(
     arm = kinematics(robot)
     s = np.linspace(0.0, 1.0, samples)
     positions, rotations = tray_poses(path, s[:1])
-    starts, _ = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
+    starts = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
     followed = follow(arm, path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw)
 
     found: list[tuple[tuple[float, ...], JointPath]] = []

@@ -1,5 +1,4 @@
-"""Forward kinematics of an arm: one CasADi expression from its URDF, read by laws (SX) and by compiled functions
-(samples).
+"""Forward kinematics of an arm: one CasADi expression from its URDF, for laws (SX) and for samples (compiled).
 
 The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by
 `tool_yaw` about the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's
@@ -94,18 +93,14 @@ class Kinematics:
     def pose(
         self, q: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
     ) -> tuple[cs.SX, cs.SX]:
-        """Return the tool's position (3,), m, and rotation (3, 3), tool axes to base axes, as expressions of q (n,),
-        rad.
-        """
+        """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
         position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
         return position, rotation
 
     def twist(
         self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
     ) -> tuple[cs.SX, cs.SX]:
-        """Return the velocity (3,) of the tool's origin, m/s, and its angular velocity (3,), rad/s, as expressions of
-        q and qd (n,).
-        """
+        """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, of q, qd (n,); base axes."""
         velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
         return velocity, angular_velocity
 
@@ -155,9 +150,9 @@ class Kinematics:
         """Return pose, velocity and acceleration of the tool at m samples.
 
         Args:
-            q: (m, n) joint positions, rad. qd: (m, n) rad/s. qdd: (m, n) rad/s^2.
-            qd: see q.
-            qdd: see q.
+            q: (m, n) joint positions, rad.
+            qd: (m, n) joint speeds, rad/s.
+            qdd: (m, n) joint accelerations, rad/s^2.
             tool_position: (3,) tool origin in flange axes, m.
             tool_yaw: turn of the tool about the flange's z, rad.
         """

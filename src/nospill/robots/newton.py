@@ -59,8 +59,8 @@ def solve_joints(
         worst = int(np.nanargmax(np.where(np.isnan(error), np.inf, error)))
         unsolved = int(np.sum(~(error < RESIDUAL)))
         raise ModelError(
-            f"robot {robot.name!r}: no joint positions found for {unsolved} of {len(q)} tray poses; worst is sample {worst} at "
-            f"{_point(positions[worst])} m with a pose error of {error[worst]:.3g} (m, rad), allowed {RESIDUAL:g}; "
+            f"robot {robot.name!r}: no joint positions found for {unsolved} of {len(q)} tray poses; worst is sample "
+            f"{worst} at {_point(positions[worst])} m with a pose error of {error[worst]:.3g} (m, rad), allowed {RESIDUAL:g}; "
             "the pose is out of reach or at a singularity"
         )
     return q
@@ -115,9 +115,7 @@ def newton(
 
 
 def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Return the small motion (m, 6) from the reached to the wanted poses: translation, m, and rotation vector, rad,
-    in base axes.
-    """
+    """Return the motion (m, 6) from reached to wanted poses: translation, m, and rotation vector, rad, in base axes."""
     turn = rotations @ np.swapaxes(turned, 1, 2)
     sine = 0.5 * np.stack(
         [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
@@ -133,9 +131,7 @@ def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, 
 
 
 def least_norm_step(jacobian: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, 6); jacobian is (m, 6, n), n
-    >= 6.
-    """
+    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, 6); jacobian is (m, 6, n)."""
     transposed = np.swapaxes(jacobian, 1, 2)
     gram = jacobian @ transposed + DAMPING * np.eye(6)
     return (transposed @ np.linalg.solve(gram, gap[..., None]))[..., 0]

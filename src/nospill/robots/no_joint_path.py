@@ -39,8 +39,8 @@ def explain(
     farthest = int(followed.last[best])
     place = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
     return ScenarioError(
-        f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a singularity, the last near "
-        f"s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; move the path or change its yaw there"
+        f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
+        f"singularity, the last near s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; move the path or change its yaw there"
     )
 
 
@@ -63,15 +63,15 @@ def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
     upper = turned[first, joint] > robot.upper[joint]
     limit = robot.upper[joint] if upper else robot.lower[joint]
     return (
-        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of {int(followed.complete.sum())} continuous branches "
-        f"passes the {'upper' if upper else 'lower'} limit of {robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
+        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
+        f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of {robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
         f"{np.degrees(worst):.3g} deg, from s = {followed.s[first]:.3f} on; move the path or change its yaw"
     )
 
 
 def _reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
     positions, rotations = tray_poses(path, np.array([s]))
-    exact, _ = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
+    exact = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
     return len(exact) > 0
 
 
@@ -93,8 +93,8 @@ def _out_of_reach(
     worst = int(np.argmax(shortfall))
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return (
-        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on, by up to {1000 * shortfall[worst]:.4g} mm at "
-        f"s = {outside[worst]:.3f}; move the path nearer to the robot's base or away from its axis"
+        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on, by up to "
+        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f}; move the path nearer to the robot's base or away from its axis"
     )
 
 
