@@ -1,1 +1,29 @@
-"""TODO"""
+"""The constraints, as one visible table: a new one is a file here and a line below."""
+
+from nospill.constraints.base import Constraint as Constraint
+from nospill.constraints.jerk import PathJerk, TiltJerk
+from nospill.constraints.joint_position import JointPosition
+from nospill.constraints.joint_speed import JointSpeed
+from nospill.constraints.lift import Lift
+from nospill.constraints.residual_height import EndDisplacement, ResidualHeight
+from nospill.constraints.slip import Slip
+from nospill.constraints.slosh_height import SloshHeight
+from nospill.constraints.tilt import Tilt
+from nospill.constraints.tip import Tip
+from nospill.constraints.twist import Twist
+
+CONSTRAINTS: tuple[Constraint, ...] = (
+    SloshHeight(),
+    ResidualHeight(),
+    EndDisplacement(),
+    Lift(),
+    Slip(),
+    Tip(),
+    Twist(),
+    JointPosition(),
+    JointSpeed(),
+    Tilt(),
+    PathJerk(),
+    TiltJerk(),
+)
+"""Every constraint, in the order of the certificate."""

@@ -1,0 +1,204 @@
+"""The numbers of a scene, apart from its structure.
+
+`Structure` says what there is (hashable; it decides the shape of every expression); `SceneNumbers` holds how large it is. A law
+reads a numbers record whose leaves are floats or SX alike: `flatten` turns a record into one parameter vector, `symbolic` makes
+the same record with the entries of an SX vector as leaves.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar
+
+import casadi as ca
+import numpy as np
+
+from nospill.containers.base import DiscFootprint
+from nospill.scene import EndCondition, Fidelity, Scene
+
+Number = Any
+"""A float, a numpy array, or the SX expression that stands for it."""
+
+Record = TypeVar("Record")
+
+
+@dataclass(frozen=True, slots=True)
+class OscillatorNumbers:
+    """One modal mass; fields as in `slosh.modes.Oscillator`, `curvature` = P in 1/m."""
+
+    frequency: Number
+    curvature: Number
+    mass: Number
+    height: Number
+    damping: Number
+    surface_gain: Number
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectNumbers:
+    """One object on the tray, SI.
+
+    Attributes:
+        position: (3,) bottom centre in the tray frame. yaw: of the object on the tray.
+        mass, centre, inertia: of the part that moves with the container: () kg, (3,) m, (3, 3) kg m^2 about the centre, object axes.
+        weight: of everything, N, the scale of forces.
+        friction: coefficient the plan may use.
+        footprint: (2,) m: radius twice for a disc, half lengths for a rectangle.
+        twist_radius: mean lever arm of friction under uniform pressure, m; 2R/3 for a disc.
+        liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
+        oscillators: the modal masses.
+    """
+
+    position: Number
+    yaw: Number
+    mass: Number
+    centre: Number
+    inertia: Number
+    weight: Number
+    friction: Number
+    footprint: Number
+    twist_radius: Number
+    liquid_height: Number
+    max_slosh_height: Number
+    static_correction: Number
+    oscillators: tuple[OscillatorNumbers, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SceneNumbers:
+    """Everything the laws read, SI; arrays as in the records of the same names in `scene`, `paths`, `tray` and `robots`."""
+
+    gravity: Number
+    path_breaks: Number
+    path_coefficients: Number
+    tray_offset: Number
+    tray_yaw_on_flange: Number
+    joint_lower: Number
+    joint_upper: Number
+    joint_speed_limit: Number
+    max_tilt: Number
+    path_jerk_limit: Number
+    tilt_jerk_limit: Number
+    path_jerk_weight: Number
+    tilt_jerk_weight: Number
+    residual_fraction: Number
+    objects: tuple[ObjectNumbers, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectStructure:
+    """Kind of footprint and, per oscillator, the horizontal directions it moves in (0 = x, 1 = y)."""
+
+    footprint: Literal["disc", "rectangle"]
+    oscillators: tuple[tuple[int, ...], ...]
+
+    @property
+    def coordinates(self) -> int:
+        """Number of slosh coordinates of the object."""
+        return sum(len(directions) for directions in self.oscillators)
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """What decides the shape of the expressions."""
+
+    fidelity: Fidelity
+    tilt_free: bool
+    end: EndCondition
+    spans: int
+    degree: int
+    urdf: str
+    joints: tuple[str, ...]
+    tip: str
+    objects: tuple[ObjectStructure, ...]
+
+
+def flatten(record: object) -> np.ndarray:
+    """All leaves of a numbers record in field order (arrays column by column), shape (n,)."""
+    if isinstance(record, tuple):
+        parts = [flatten(item) for item in record]
+        return np.concatenate(parts) if parts else np.zeros(0)
+    if dataclasses.is_dataclass(record):
+        return np.concatenate([flatten(getattr(record, field.name)) for field in dataclasses.fields(record)])
+    return np.asarray(record, dtype=float).ravel(order="F")
+
+
+def symbolic(template: Record, vector: ca.SX) -> Record:
+    """The record of the same shape as `template` whose leaves are the entries of `vector`, in the order of `flatten`."""
+    record, used = _unflatten(template, vector, 0)
+    if used != vector.numel():
+        raise ValueError(f"vector has {vector.numel()} entries, the record {used}")
+    return record
+
+
+def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
+    if isinstance(template, tuple):
+        items = []
+        for item in template:
+            value, start = _unflatten(item, vector, start)
+            items.append(value)
+        return tuple(items), start
+    if dataclasses.is_dataclass(template) and not isinstance(template, type):
+        values = {}
+        for field in dataclasses.fields(template):
+            values[field.name], start = _unflatten(getattr(template, field.name), vector, start)
+        return type(template)(**values), start
+    shape = np.shape(template)
+    size = int(np.prod(shape))
+    piece = vector[start : start + size]
+    if len(shape) == 2:
+        piece = ca.reshape(piece, *shape)
+    elif len(shape) == 3:
+        # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
+        step = shape[0] * shape[1]
+        piece = [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
+    return piece, start + size
+
+
+def structure_of(scene: Scene) -> Structure:
+    """The structure of a scene."""
+    objects = []
+    for cargo in scene.cargo:
+        axes = {"x": 0, "y": 1}
+        oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
+        objects.append(
+            ObjectStructure(
+                footprint="disc" if isinstance(cargo.container.footprint, DiscFootprint) else "rectangle",
+                oscillators=tuple(tuple(axes[d] for d in oscillator.directions) for oscillator in oscillators),
+            )
+        )
+    return Structure(
+        fidelity=scene.fidelity,
+        tilt_free=scene.motion.tilt_free,
+        end=scene.motion.end,
+        spans=scene.path.coefficients.shape[1],
+        degree=scene.path.coefficients.shape[0] - 1,
+        urdf=scene.robot.urdf,
+        joints=scene.robot.joints,
+        tip=scene.robot.tip,
+        objects=tuple(objects),
+    )
+
+
+def numbers_of(scene: Scene) -> SceneNumbers:
+    """The numbers of a scene."""
+    from nospill.contact import object_numbers
+
+    return SceneNumbers(
+        gravity=scene.gravity,
+        path_breaks=scene.path.breaks,
+        path_coefficients=scene.path.coefficients,
+        tray_offset=scene.tray.offset,
+        tray_yaw_on_flange=scene.tray.yaw_on_flange,
+        joint_lower=scene.robot.lower,
+        joint_upper=scene.robot.upper,
+        joint_speed_limit=scene.robot.max_speed,
+        max_tilt=scene.motion.max_tilt,
+        path_jerk_limit=scene.motion.path_jerk_limit,
+        tilt_jerk_limit=scene.motion.tilt_jerk_limit,
+        path_jerk_weight=scene.planning.path_jerk_weight,
+        tilt_jerk_weight=scene.planning.tilt_jerk_weight,
+        residual_fraction=scene.motion.residual_fraction,
+        objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
+    )

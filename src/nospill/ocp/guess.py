@@ -1,0 +1,136 @@
+"""Starting points: smooth motions along the path, and answers carried from one grid to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.ocp.collocation import interpolate_step
+from nospill.ocp.layout import Layout, layout_of
+from nospill.ocp.problem import Stages
+from nospill.numbers import structure_of
+from nospill.robots.inverse import JointPath
+from nospill.scene import Scene
+from nospill.slosh.modes import STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How a starting motion differs from the plain quintic.
+
+    Attributes:
+        stretch: factor on the estimated duration.
+        skew: shifts the middle of the motion earlier (negative) or later, -0.3 to 0.3.
+        tilt: (2,) rad, amplitude of a smooth lean of theta_x and theta_y, where free.
+    """
+
+    stretch: float = 1.0
+    skew: float = 0.0
+    tilt: tuple[float, float] = (0.0, 0.0)
+
+
+def quintic(tau: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """10 tau^3 - 15 tau^4 + 6 tau^5 and its first two derivatives: rest to rest over the unit interval."""
+    return (
+        tau**3 * (10 - 15 * tau + 6 * tau**2),
+        30 * tau**2 * (1 - tau) ** 2,
+        60 * tau * (1 - tau) * (1 - 2 * tau),
+    )
+
+
+def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
+    """End time of a quintic motion that uses about half of friction and slosh height and 80 % of joint speed, s."""
+    s, rate, change = quintic(np.linspace(0.0, 1.0, 201))
+    first, second = scene.path.derivative(s, 1), scene.path.derivative(s, 2)
+    unit_acceleration = second * rate[:, None] ** 2 + first * change[:, None]
+    offset = max((float(np.hypot(*cargo.position)) for cargo in scene.cargo), default=0.0)
+    turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
+    demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
+    allowed = min(0.5 * cargo.planned_friction * STANDARD_GRAVITY for cargo in scene.cargo)
+    for cargo in scene.cargo:
+        for mode in cargo.filling.modes.oscillators[:1] if cargo.filling else ():
+            assert cargo.filling is not None
+            allowed = min(allowed, 0.5 * cargo.filling.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))
+    speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
+    fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
+    jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
+    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.max_duration))
+
+
+def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:  # noqa: B008
+    """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
+    layout = layout_of(structure_of(scene))
+    duration = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    tau = np.linspace(0.0, 1.0, intervals + 1)
+    # Time is warped by w(tau) = tau + skew tau (1 - tau), monotone for |skew| < 1.
+    warp, warp_rate = tau + start.skew * tau * (1 - tau), 1 + start.skew * (1 - 2 * tau)
+    s, rate, change = quintic(warp)
+    table = np.zeros((intervals + 1, layout.size))
+    chains = [(s, rate * warp_rate / duration, (change * warp_rate**2 - 2 * start.skew * rate) / duration**2)]
+    for index in range(layout.chains - 1):
+        amplitude = start.tilt[index]
+        bump = 64 * tau**3 * (1 - tau) ** 3
+        slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
+        bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
+        chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
+    for index, chain in enumerate(chains):
+        table[:, 3 * index : 3 * index + 3] = np.column_stack(chain)
+        table[:-1, layout.jerks.start + index] = np.diff(chain[2]) * intervals / duration
+    table[:, layout.interval] = duration / intervals
+    for joint in range(layout.joints):
+        position, slope = _hermite(joint_path.s, joint_path.q[:, joint], joint_path.dq_ds[:, joint], s)
+        table[:, layout.joint_position.start + joint] = position
+        table[:, layout.joint_speed.start + joint] = slope * chains[0][1]
+    return Stages(duration / intervals, table)
+
+
+def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
+    """The same motion on another grid: chains and slosh by their own polynomials, joints linearly."""
+    old, duration = stages.table, stages.duration
+    times = np.linspace(0.0, duration, intervals + 1)
+    index = np.clip((times / stages.interval).astype(int), 0, stages.intervals - 1)
+    local = (times - index * stages.interval)[:, None]
+    table = np.zeros((intervals + 1, layout.size))
+    origin = old[index]
+    for chain in range(layout.chains):
+        value, rate, change = (origin[:, 3 * chain + order : 3 * chain + order + 1] for order in range(3))
+        jerk = origin[:, layout.jerks.start + chain : layout.jerks.start + chain + 1]
+        columns = [
+            value + rate * local + change * local**2 / 2 + jerk * local**3 / 6,
+            rate + change * local + jerk * local**2 / 2,
+            change + jerk * local,
+        ]
+        table[:, 3 * chain : 3 * chain + 3] = np.hstack(columns)
+        table[:-1, layout.jerks.start + chain] = np.diff(table[:, 3 * chain + 2]) * intervals / duration
+    table[:, layout.interval] = duration / intervals
+    first, second = origin[:, layout.acceleration(0)], origin[:, layout.acceleration(1)]
+    displacement, velocity = interpolate_step(
+        origin[:, layout.displacement], origin[:, layout.velocity], (first, second), local, stages.interval
+    )
+    table[:, layout.displacement], table[:, layout.velocity] = displacement, velocity
+    table[:, layout.acceleration(0)], table[:, layout.acceleration(1)] = first, second
+    joints = slice(layout.joint_position.start, layout.joint_speed.stop)
+    grid = np.arange(stages.intervals) * stages.interval
+    for column in range(joints.start, joints.stop):
+        table[:, column] = np.interp(times, grid, old[:-1, column])
+    return Stages(duration / intervals, table)
+
+
+def _hermite(knots: np.ndarray, values: np.ndarray, slopes: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cubic Hermite interpolation and its derivative."""
+    index = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+    width = knots[index + 1] - knots[index]
+    t = (at - knots[index]) / width
+    left, right = values[index], values[index + 1]
+    left_slope, right_slope = slopes[index] * width, slopes[index + 1] * width
+    position = (
+        (2 * t**3 - 3 * t**2 + 1) * left
+        + (t**3 - 2 * t**2 + t) * left_slope
+        + (3 * t**2 - 2 * t**3) * right
+        + (t**3 - t**2) * right_slope
+    )
+    rate = (
+        6 * (t**2 - t) * (left - right) + (3 * t**2 - 4 * t + 1) * left_slope + (3 * t**2 - 2 * t) * right_slope
+    ) / width
+    return position, rate

@@ -1,0 +1,150 @@
+"""A scene as an optimal control problem with numbers: parameters, scales, bounds, and the way in and out of its variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.numbers import SceneNumbers, Structure, numbers_of, structure_of
+from nospill.ocp.layout import Layout
+from nospill.ocp.transcription import Transcription, transcribe
+from nospill.scene import Scene
+
+_SHORTEST = 0.05
+"""Shortest motion considered, s: keeps the interval away from zero."""
+
+_LARGEST_SLOSH_SCALE = 0.02
+"""Scale of a surface height when its limit is generous, m."""
+
+Reserves = dict[tuple[str, int], float]
+"""(constraint, subject index) -> fraction of the budget kept back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stages:
+    """A candidate motion on the grid, in physical units.
+
+    Attributes:
+        interval: length of an interval, s.
+        table: (N + 1, layout.size), one stage vector a row (see `Layout`); the controls of the last row are not used.
+    """
+
+    interval: float
+    table: np.ndarray
+
+    @property
+    def intervals(self) -> int:
+        """N."""
+        return len(self.table) - 1
+
+    @property
+    def duration(self) -> float:
+        """End time, s."""
+        return self.interval * self.intervals
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One nonlinear programme.
+
+    Attributes:
+        scene, structure, numbers: what it was made from.
+        transcription: functions and constraint bounds.
+        parameters: of the functions.
+        scales: (layout.size,) physical size of a scaled one.
+        lower, upper: bounds of the scaled variables.
+    """
+
+    scene: Scene
+    structure: Structure
+    numbers: SceneNumbers
+    transcription: Transcription
+    parameters: np.ndarray
+    scales: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+    def encode(self, stages: Stages) -> np.ndarray:
+        """Scaled variables of a candidate on this problem's grid."""
+        return (stages.table / self.scales).ravel()[: self.transcription.variables]
+
+    def decode(self, variables: np.ndarray) -> Stages:
+        """The candidate that scaled variables stand for."""
+        size = self.transcription.layout.size
+        padded = np.zeros((self.transcription.intervals + 1) * size)
+        padded[: len(variables)] = variables
+        table = padded.reshape(-1, size) * self.scales
+        return Stages(float(table[0, self.transcription.layout.interval]), table)
+
+
+def build_problem(scene: Scene, intervals: int, *, nominal_duration: float, reserves: Reserves) -> Problem:
+    """The problem of a scene on a grid.
+
+    Args:
+        scene: the task.
+        intervals: N.
+        nominal_duration: expected end time, s, for the scales only.
+        reserves: fraction of each budget kept back from the optimiser.
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    transcription = transcribe(structure, numbers, intervals)
+    scales = _scales(scene, transcription.layout, nominal_duration, intervals)
+    lower, upper = _bounds(scene, transcription.layout, scales, intervals)
+    return Problem(
+        scene=scene,
+        structure=structure,
+        numbers=numbers,
+        transcription=transcription,
+        parameters=transcription.parameters(numbers, scales, reserves),
+        scales=scales,
+        lower=lower,
+        upper=upper,
+    )
+
+
+def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np.ndarray:
+    scales = np.ones(layout.size)
+    tilt = 0.3
+    for chain in range(layout.chains):
+        value = 1.0 if chain == 0 else tilt
+        scales[3 * chain : 3 * chain + 3] = value, 2 * value / duration, 10 * value / duration**2
+    scales[layout.interval] = duration / intervals
+    limits = [scene.motion.path_jerk_limit] + [scene.motion.tilt_jerk_limit] * (layout.chains - 1)
+    scales[layout.jerks] = [0.3 * limit for limit in limits]
+    heights = []
+    for cargo in scene.cargo:
+        for mode in cargo.filling.modes.oscillators if cargo.filling else ():
+            assert cargo.filling is not None
+            height = min(cargo.filling.max_slosh_height, _LARGEST_SLOSH_SCALE)
+            heights += [(height / abs(mode.surface_gain), mode.frequency)] * len(mode.directions)
+    displacement = np.array([size for size, _ in heights])
+    frequency = np.array([frequency for _, frequency in heights])
+    scales[layout.displacement] = displacement
+    scales[layout.velocity] = displacement * frequency
+    for point in range(2):
+        scales[layout.acceleration(point)] = displacement * frequency**2
+    scales[layout.joint_speed] = scene.robot.max_speed
+    return scales
+
+
+def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) -> tuple[np.ndarray, np.ndarray]:
+    lower = np.full((intervals + 1, layout.size), -np.inf)
+    upper = np.full((intervals + 1, layout.size), np.inf)
+    lower[:, 1] = 0.0
+    lower[:, layout.interval] = _SHORTEST / intervals
+    upper[:, layout.interval] = scene.motion.max_duration / intervals
+    ends = (lower[0], upper[0], lower[-1], upper[-1])
+    for row in ends:
+        row[: layout.interval] = 0.0
+    for row in ends[2:]:
+        row[0] = 1.0
+    for row in ends[:2]:
+        row[layout.displacement] = row[layout.velocity] = 0.0
+    for row in ends[2:]:
+        if scene.motion.end in ("still", "published"):
+            row[layout.displacement] = 0.0
+        if scene.motion.end == "still":
+            row[layout.velocity] = 0.0
+    size = intervals * layout.size + layout.states
+    return (lower / scales).ravel()[:size], (upper / scales).ravel()[:size]

@@ -1,0 +1,204 @@
+"""One stage of the optimal control problem as expressions of its own variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from nospill.constraints import CONSTRAINTS
+from nospill.constraints.base import Place, smooth_rows
+from nospill.frames import SX, FrameMotion, tray_rates, tray_rotation
+from nospill.numbers import SceneNumbers, Structure
+from nospill.ocp.collocation import POINTS, advance_chain, gauss_step
+from nospill.ocp.layout import Chain, Layout
+from nospill.ocp.path_expression import path_expression
+from nospill.robots.kinematics import kinematics
+from nospill.sample import Sample, sample_objects, split_states, tray_motion
+from nospill.slosh.motion import motion_residual
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Rows of one constraint and one subject inside a stage: first row, number of rows, and which repetition (point) it is."""
+
+    constraint: str
+    subject: int
+    first: int
+    count: int
+    repetition: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrayState:
+    """Pose and motion of the tray frame from the chains: base-frame position and velocity, rotation to base, body motion."""
+
+    position: SX
+    velocity: SX
+    rotation: SX
+    motion: FrameMotion
+
+
+class RowCollector:
+    """Gathers smooth rows and remembers which constraint and subject each belongs to."""
+
+    def __init__(self, reserves: dict[tuple[str, int], SX]) -> None:
+        self._reserves = reserves
+        self.values: list[SX] = []
+        self.lower: list[np.ndarray] = []
+        self.upper: list[np.ndarray] = []
+        self.blocks: list[Block] = []
+        self._count = 0
+
+    def add(self, sample: Sample, places: tuple[Place, ...], repetition: int = 0) -> None:
+        """Add every constraint of the given places."""
+        for constraint in CONSTRAINTS:
+            if constraint.place not in places:
+                continue
+            for subject, budgets in enumerate(constraint.budgets(sample)):
+                first = self._count
+                for budget in budgets:
+                    value, lower, upper = smooth_rows(budget, self._reserves[constraint.name, subject])
+                    self.values.append(value)
+                    self.lower.append(lower)
+                    self.upper.append(upper)
+                    self._count += len(lower)
+                self.blocks.append(Block(constraint.name, subject, first, self._count - first, repetition))
+
+    def stacked(self) -> tuple[SX, np.ndarray, np.ndarray]:
+        """All rows with their bounds."""
+        if not self.values:
+            return SX(0, 1), np.zeros(0), np.zeros(0)
+        return ca.vertcat(*self.values), np.concatenate(self.lower), np.concatenate(self.upper)
+
+
+def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain, ...]) -> TrayState:
+    """The tray frame's pose and motion from s and, where free, the tilt angles."""
+    s, speed, acceleration = chains[0]
+    value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)
+    rate, change = first * speed, second * speed**2 + first * acceleration
+    level = (SX(0), SX(0), SX(0))
+    theta_x, theta_y = (chains[1], chains[2]) if structure.tilt_free else (level, level)
+    rotation = tray_rotation(value[3], theta_y[0], theta_x[0])
+    omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
+    motion = tray_motion(rotation, change[:3], omega, alpha, numbers.gravity)
+    return TrayState(value[:3], rate[:3], rotation, motion)
+
+
+@dataclass(frozen=True, slots=True)
+class StageExpressions:
+    """The pieces a transcription maps: next state, equalities (zero), rows with bounds, cost share; all in physical units
+    except the equalities, which are divided by their scales."""
+
+    following: SX
+    equalities: SX
+    rows: SX
+    lower: np.ndarray
+    upper: np.ndarray
+    blocks: tuple[Block, ...]
+    cost: SX
+
+
+def stage_expressions(
+    structure: Structure,
+    layout: Layout,
+    numbers: SceneNumbers,
+    stage: SX,
+    *,
+    scales: SX,
+    reserves: dict[tuple[str, int], SX],
+    intervals: int,
+) -> StageExpressions:
+    """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
+    chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
+    jerks = stage[layout.jerks]
+    interval = stage[layout.interval]
+    accelerations = (stage[layout.acceleration(0)], stage[layout.acceleration(1)])
+    step = gauss_step(stage[layout.displacement], stage[layout.velocity], accelerations, interval)
+
+    ends = [advance_chain(chain, jerks[index], interval) for index, chain in enumerate(chains)]
+    following = ca.vertcat(
+        *[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity
+    )
+
+    collector = RowCollector(reserves)
+    equalities = [_kinematics(structure, numbers, stage, layout, chains)]
+    tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
+    node = Sample(
+        structure,
+        numbers,
+        joint_position=stage[layout.joint_position],
+        joint_speed=stage[layout.joint_speed],
+        tilt=tilt,
+        jerks=jerks,
+    )
+    collector.add(node, (Place.JOINT, Place.CONTROL))
+
+    for point in range(2):
+        moved = tuple(
+            advance_chain(chain, jerks[index], POINTS[point] * interval) for index, chain in enumerate(chains)
+        )
+        tray = tray_state(structure, numbers, moved).motion
+        slosh = split_states(
+            structure, step.point_displacements[point], step.point_velocities[point], accelerations[point]
+        )
+        objects = sample_objects(structure, numbers, tray, slosh)
+        collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), point)
+        residuals = [
+            motion_residual(
+                oscillator, directions, item.motion, state, damp_against_spin=structure.fidelity == "deliverable"
+            )
+            for item in objects
+            for oscillator, directions, state in zip(
+                item.numbers.oscillators, item.structure.oscillators, item.states, strict=True
+            )
+        ]
+        if residuals:
+            equalities.append(ca.vertcat(*residuals) / scales[layout.acceleration(point)])
+
+    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.chains - 1)
+    cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
+    rows, lower, upper = collector.stacked()
+    return StageExpressions(
+        following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
+    )
+
+
+def _kinematics(
+    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...]
+) -> SX:
+    # Pose and twist of the tray from the joints equal those from the path; half the antisymmetric part of R_d^T R is
+    # sin(angle) times the axis of the remaining turn, zero only where the attitudes agree (or differ by half a turn).
+    q, qd = stage[layout.joint_position], stage[layout.joint_speed]
+    tray = tray_state(structure, numbers, chains)
+    arm = kinematics(structure)
+    tool = {"tool_position": numbers.tray_offset, "tool_yaw": numbers.tray_yaw_on_flange}
+    position, rotation = arm.pose(q, **tool)
+    velocity, omega = arm.twist(q, qd, **tool)
+    turn = tray.rotation.T @ rotation
+    return ca.vertcat(
+        position - tray.position,
+        ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2,
+        velocity - tray.velocity,
+        tray.rotation.T @ omega - tray.motion.angular_velocity,
+    )
+
+
+def terminal_rows(
+    structure: Structure,
+    layout: Layout,
+    numbers: SceneNumbers,
+    state: SX,
+    reserves: dict[tuple[str, int], SX],
+) -> RowCollector:
+    """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
+    zero = SX.zeros(3)
+    rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
+    slosh = split_states(
+        structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates)
+    )
+    objects = sample_objects(structure, numbers, rest, slosh)
+    collector = RowCollector(reserves)
+    collector.add(Sample(structure, numbers, objects=objects), (Place.END,))
+    return collector

@@ -1,0 +1,93 @@
+"""Everything a constraint may look at, at one instant, built the same way for the optimiser and for the judge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.contact import Wrench, contact_wrench
+from nospill.frames import SX, FrameMotion
+from nospill.numbers import ObjectNumbers, ObjectStructure, SceneNumbers, Structure
+from nospill.slosh.height import surface_vector
+from nospill.slosh.motion import OscillatorState
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectSample:
+    """One object: its numbers and structure, motion of its frame, wrench from the tray, surface height (2, 1) m, slosh states."""
+
+    numbers: ObjectNumbers
+    structure: ObjectStructure
+    motion: FrameMotion
+    wrench: Wrench
+    surface: SX
+    states: tuple[OscillatorState, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One instant of a scene. A part that the asker cannot supply is absent; a constraint says by its `place` what it needs.
+
+    Attributes:
+        structure, numbers: of the scene.
+        objects: one per cargo.
+        joint_position, joint_speed: (n, 1), rad and rad/s.
+        tilt: (2, 1), theta_x and theta_y, rad.
+        jerks: third derivative of s (1/s^3), then of theta_x and theta_y (rad/s^3) where the tilt is free.
+    """
+
+    structure: Structure
+    numbers: SceneNumbers
+    objects: tuple[ObjectSample, ...] = ()
+    joint_position: SX | None = None
+    joint_speed: SX | None = None
+    tilt: SX | None = None
+    jerks: SX | None = None
+
+
+SloshStates = tuple[tuple[OscillatorState, ...], ...]
+"""Per object, per oscillator."""
+
+
+def object_motion(numbers: ObjectNumbers, tray: FrameMotion) -> FrameMotion:
+    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame."""
+    return tray.at(numbers.position).turned(numbers.yaw)
+
+
+def sample_objects(
+    structure: Structure, numbers: SceneNumbers, tray: FrameMotion, slosh: SloshStates
+) -> tuple[ObjectSample, ...]:
+    """The objects' part of a sample."""
+    samples = []
+    for object_structure, object_numbers, states in zip(structure.objects, numbers.objects, slosh, strict=True):
+        motion = object_motion(object_numbers, tray)
+        wrench = contact_wrench(structure.fidelity, object_numbers, object_structure, motion, states)
+        surface = surface_vector(
+            object_numbers, object_structure, motion, states, corrected=structure.fidelity == "full"
+        )
+        samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states))
+    return tuple(samples)
+
+
+def split_states(structure: Structure, position: SX, velocity: SX, acceleration: SX) -> SloshStates:
+    """Slosh states from stacked coordinates, each of shape (total coordinates, 1), object by object, oscillator by oscillator."""
+    states, start = [], 0
+    for item in structure.objects:
+        own = []
+        for directions in item.oscillators:
+            part = slice(start, start + len(directions))
+            own.append(OscillatorState(position[part], velocity[part], acceleration[part]))
+            start += len(directions)
+        states.append(tuple(own))
+    return tuple(states)
+
+
+def coordinate_count(structure: Structure) -> int:
+    """Number of slosh coordinates of all objects."""
+    return sum(item.coordinates for item in structure.objects)
+
+
+def tray_motion(rotation: SX, acceleration: SX, omega: SX, alpha: SX, gravity: SX | float) -> FrameMotion:
+    """The tray frame's motion from base-frame acceleration (3, 1) and body rates: specific force R^T (a + g e_z)."""
+    return FrameMotion(omega, alpha, rotation.T @ (acceleration + ca.vertcat(0, 0, gravity)))

@@ -1,0 +1,232 @@
+"""Problem -> Solution, through a visible table of solvers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.ocp.problem import Problem, Stages
+
+Progress = Callable[[int, float, float], None]
+"""Called with iteration, duration in s and largest constraint violation (scaled)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SolveOptions:
+    """Limits and start mode: iterations, seconds, and the initial barrier parameter (small when the start is nearly optimal)."""
+
+    max_iterations: int
+    max_time: float
+    barrier_start: float | None = None
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What a solver returned; `converged` is its own word and decides nothing by itself.
+
+    Attributes:
+        stages: the candidate motion.
+        variables: scaled. multipliers: of the constraints. bound_multipliers: of the variables' bounds.
+        objective: t_e + sum k mean(u^2). violation: largest scaled constraint violation.
+        status: a sentence. iterations, solve_time_s: effort.
+    """
+
+    stages: Stages
+    variables: np.ndarray
+    multipliers: np.ndarray
+    bound_multipliers: np.ndarray
+    objective: float
+    violation: float
+    converged: bool
+    status: str
+    iterations: int
+    solve_time_s: float
+
+
+def _ipopt_options(options: SolveOptions) -> dict[str, Any]:
+    settings: dict[str, Any] = {
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "ipopt.max_iter": options.max_iterations,
+        "ipopt.max_wall_time": options.max_time,
+        "ipopt.tol": 1e-6,
+        "ipopt.constr_viol_tol": 1e-7,
+        "ipopt.acceptable_tol": 1e-4,
+        "ipopt.acceptable_iter": 8,
+        "ipopt.acceptable_constr_viol_tol": 1e-6,
+        # The free barrier strategy needs a third of the iterations of the monotone one on these problems.
+        "ipopt.mu_strategy": "adaptive",
+    }
+    if options.barrier_start is not None:
+        settings |= {
+            "ipopt.mu_strategy": "monotone",
+            "ipopt.mu_init": options.barrier_start,
+            "ipopt.warm_start_init_point": "yes",
+            "ipopt.warm_start_bound_push": 1e-6,
+            "ipopt.warm_start_mult_bound_push": 1e-6,
+            "ipopt.warm_start_slack_bound_push": 1e-6,
+        }
+    return settings
+
+
+def _fatrop_options(options: SolveOptions) -> dict[str, Any]:
+    return {
+        "fatrop.print_level": 0,
+        "fatrop.max_iter": options.max_iterations,
+        "fatrop.tol": 1e-6,
+        "structure_detection": "manual",
+    }
+
+
+SOLVERS: dict[str, Callable[[SolveOptions], dict[str, Any]]] = {
+    "ipopt": _ipopt_options,
+    "fatrop": _fatrop_options,
+}
+"""Name -> options. A further NLP solver of casadi is one line here."""
+
+_SENTENCES = {
+    "Solve_Succeeded": "converged to an optimum",
+    "Solved_To_Acceptable_Level": "converged to a slightly relaxed tolerance",
+    "Infeasible_Problem_Detected": "ended at a point that cannot be made feasible locally",
+    "Maximum_Iterations_Exceeded": "stopped at the limit of iterations; raise planning.max_iterations",
+    "Maximum_WallTime_Exceeded": "stopped at the time limit; raise planning.max_solve_time",
+    "Restoration_Failed": "could not restore feasibility",
+    "Search_Direction_Becomes_Too_Small": "made no further progress",
+    "Diverging_Iterates": "diverged",
+    "Invalid_Number_Detected": "met a number that is not finite",
+    "User_Requested_Stop": "was stopped by the user",
+}
+
+
+def solve(problem: Problem, start: Stages, *, solver: str, options: SolveOptions, warm: Solution | None = None) -> Solution:
+    """Solve from a starting motion.
+
+    Args:
+        problem: what to solve.
+        start: on the problem's grid.
+        solver: key of `SOLVERS`.
+        options: limits.
+        warm: an earlier answer of a problem of the same shape, whose multipliers are used.
+
+    Raises:
+        ScenarioError: unknown solver.
+    """
+    if solver not in SOLVERS:
+        raise ScenarioError(f'planning.solver "{solver}" is not known; allowed: {", ".join(SOLVERS)}')
+    transcription = problem.transcription
+    settings = SOLVERS[solver](options) | {
+        "print_time": False,
+        "error_on_fail": False,
+        "jac_g": transcription.jac_g,
+        "grad_f": transcription.grad_f,
+        "hess_lag": transcription.hess_lag,
+        "no_nlp_grad": True,
+        "calc_lam_p": False,
+    }
+    if solver == "fatrop":
+        settings |= _fatrop_structure(problem)
+    watcher = None
+    if options.progress is not None and solver == "ipopt":
+        watcher = _Watcher(problem, options.progress)
+        settings["iteration_callback"] = watcher
+    began = time.perf_counter()
+    nlpsol = ca.nlpsol("plan", solver, transcription.nlp, settings)
+    arguments: dict[str, Any] = {
+        "x0": problem.encode(start),
+        "p": problem.parameters,
+        "lbx": problem.lower,
+        "ubx": problem.upper,
+        "lbg": transcription.lower,
+        "ubg": transcription.upper,
+    }
+    if warm is not None:
+        arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
+    result = nlpsol(**arguments)
+    elapsed = time.perf_counter() - began
+    stats = nlpsol.stats()
+    variables = np.asarray(result["x"]).ravel()
+    values = np.asarray(result["g"]).ravel()
+    return Solution(
+        stages=problem.decode(variables),
+        variables=variables,
+        multipliers=np.asarray(result["lam_g"]).ravel(),
+        bound_multipliers=np.asarray(result["lam_x"]).ravel(),
+        objective=float(result["f"]),
+        violation=violation(problem, values),
+        converged=bool(stats["success"]),
+        status=_sentence(solver, str(stats["return_status"])),
+        iterations=int(stats["iter_count"]),
+        solve_time_s=elapsed,
+    )
+
+
+def violation(problem: Problem, values: np.ndarray) -> float:
+    """Largest violation of the constraint bounds, scaled units; infinite where a value is not a number."""
+    short = np.maximum(problem.transcription.lower - values, values - problem.transcription.upper)
+    return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
+
+
+def _sentence(solver: str, status: str) -> str:
+    return f"{solver} {_SENTENCES.get(status, 'ended with ' + status.replace('_', ' ').lower())}"
+
+
+def _fatrop_structure(problem: Problem) -> dict[str, Any]:
+    transcription = problem.transcription
+    layout, count = transcription.layout, transcription.intervals
+    rows = transcription.stage_height - layout.states
+    end_rows = len(transcription.lower) - count * transcription.stage_height
+    equality = (transcription.lower == transcription.upper).tolist()
+    return {
+        "N": count,
+        "nx": [layout.states] * (count + 1),
+        "nu": [layout.size - layout.states] * count + [0],
+        "ng": [rows] * count + [end_rows],
+        "equality": equality,
+    }
+
+
+class _Watcher(ca.Callback):
+    """Turns the solver's iterations into progress calls."""
+
+    def __init__(self, problem: Problem, progress: Progress) -> None:
+        ca.Callback.__init__(self)
+        self._problem, self._progress, self._iteration = problem, progress, 0
+        transcription = problem.transcription
+        self._sizes = {
+            "x": transcription.variables,
+            "f": 1,
+            "g": len(transcription.lower),
+            "lam_x": transcription.variables,
+            "lam_g": len(transcription.lower),
+            "lam_p": len(problem.parameters),
+        }
+        self.construct("watcher", {})
+
+    def get_n_in(self) -> int:
+        return ca.nlpsol_n_out()
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return ca.nlpsol_out(i)
+
+    def get_name_out(self, i: int) -> str:
+        return "ret"
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self._sizes[ca.nlpsol_out(i)], 1)
+
+    def eval(self, arg: list[Any]) -> list[int]:
+        values = dict(zip(ca.nlpsol_out(), arg, strict=False))
+        stages = self._problem.decode(np.asarray(values["x"]).ravel())
+        self._progress(self._iteration, stages.duration, violation(self._problem, np.asarray(values["g"]).ravel()))
+        self._iteration += 1
+        return [0]
