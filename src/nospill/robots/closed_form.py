@@ -1,7 +1,7 @@
 """All inverse solutions of a six-joint arm, by EAIK's subproblem decomposition polished on our own forward kinematics.
 
 Source: Ostermeier, Kuelz, Althoff, "Automatic geometric decomposition for analytical inverse kinematics", IEEE
-    RA-L 2025 (EAIK).
+RA-L 2025 (EAIK).
 EAIK knows neither tool nor limits and mixes least-squares answers in; all three are dealt with here.
 """
 
@@ -56,7 +56,7 @@ def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[
     """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) within limits.
 
     A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion
-        with less room.
+    with less room.
     """
     middle = 0.5 * (robot.lower + robot.upper)
     bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - lowest) / TURN - 1e-12)

@@ -1,4 +1,4 @@
-"""Following inverse solutions along a path of the level tray: Newton continuation of all branches, with step control."""
+"""Following inverse solutions along a path of the level tray: Newton continuation with step control."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ MAX_CORRECTION = 0.05
 """Largest first Newton correction of a step, rad: farther off, another branch may be nearer."""
 
 CONTRACTION = 0.1
-"""The second correction must be this much smaller than the first: Newton converges to the branch the prediction came
-from.
-"""
+"""Largest second correction over the first: so Newton converges to the branch the prediction came from."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ class JointPath:
     """One continuous way for the joints to carry the level tray along a path.
 
     Attributes:
-        branch: start configuration in words, unique among the joint paths of one tray path.
+        branch: start configuration in words.
         s: (m,) path parameters from 0 to 1.
         q: (m, n) joint positions, rad, all within the limits.
         dq_ds: (m, n) derivative with respect to s, rad.
@@ -76,12 +76,12 @@ def joint_paths(
 
     Returns:
         At least one joint path, best first: smallest speed figure, then farthest from the limits, then nearest to
-            the middle of the ranges.
+        the middle of the ranges.
 
     Raises:
         ScenarioError: there is none. The message says whether the path leaves the arm's reach (from which s on,
-            by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
-            singularity (where).
+        by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
+        singularity (where).
     """
     tool_position = np.asarray(tool_position, dtype=float)
     arm = kinematics(robot)

@@ -100,7 +100,7 @@ class Kinematics:
     def twist(
         self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
     ) -> tuple[cs.SX, cs.SX]:
-        """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, of q, qd (n,); base axes."""
+        """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, for q, qd (n,)."""
         velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
         return velocity, angular_velocity
 

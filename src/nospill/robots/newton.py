@@ -60,8 +60,8 @@ def solve_joints(
         unsolved = int(np.sum(~(error < RESIDUAL)))
         raise ModelError(
             f"robot {robot.name!r}: no joint positions found for {unsolved} of {len(q)} tray poses; worst is sample "
-            f"{worst} at {_point(positions[worst])} m with a pose error of {error[worst]:.3g} (m, rad), allowed {RESIDUAL:g}; "
-            "the pose is out of reach or at a singularity"
+            f"{worst} at {_point(positions[worst])} m with a pose error of {error[worst]:.3g} (m, rad), "
+            f"allowed {RESIDUAL:g}; the pose is out of reach or at a singularity"
         )
     return q
 

@@ -12,7 +12,7 @@ from nospill.robots.kinematics import Kinematics, kinematics
 from nospill.robots.newton import pose_gap
 from nospill.robots.robot import Robot
 
-_ORIENTATION_WEIGHT = 100.0
+_ORIENTATION_WEIGHT = 100.0  # m per rad
 _RANDOM_STARTS = 16
 _BISECTIONS = 20
 
@@ -40,11 +40,13 @@ def explain(
     place = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
     return ScenarioError(
         f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
-        f"singularity, the last near s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; move the path or change its yaw there"
+        f"singularity, the last near s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; "
+        "move the path or change its yaw there"
     )
 
 
 def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
+    """Return the message for the branch that breaks its limits least, with the whole turns that suit it best."""
     best: tuple[float, int, int, np.ndarray] | None = None
     for q in followed.q[followed.complete]:
         # for each joint the whole turns that break its limits least
@@ -64,7 +66,8 @@ def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
     limit = robot.upper[joint] if upper else robot.lower[joint]
     return (
         f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
-        f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of {robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
+        f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
+        f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
         f"{np.degrees(worst):.3g} deg, from s = {followed.s[first]:.3f} on; move the path or change its yaw"
     )
 
@@ -94,14 +97,15 @@ def _out_of_reach(
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return (
         f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on, by up to "
-        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f}; move the path nearer to the robot's base or away from its axis"
+        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f}; "
+        "move the path nearer to the robot's base or away from its axis"
     )
 
 
 def _shortfalls(
     arm: Kinematics, path: Path, s: np.ndarray, tool_position: np.ndarray, tool_yaw: float, *, iterations: int = 60
 ) -> np.ndarray:
-    """Return how near (m,) in m the tray can come to its place on the path with its orientation kept.
+    """Return how far (m,) in m the tray stays from its place on the path when its orientation is kept.
 
     Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is
     kept, from several starts; at a place out of reach the gap that remains is the distance to the edge of the
