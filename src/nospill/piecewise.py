@@ -17,7 +17,7 @@ SAME_KNOT = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """A piecewise polynomial: breaks (m + 1,); coefficients (degree + 1, m, k) of s - breaks[i], highest power first."""
+    """A piecewise polynomial: breaks (m + 1,), coefficients (degree + 1, m, k), in the convention of `paths.Path`."""
 
     breaks: np.ndarray
     coefficients: np.ndarray
@@ -89,7 +89,8 @@ def spline_of_curve(curve: Callable[[np.ndarray, int], np.ndarray], *, tolerance
     """C4 spline of degree 5 on as few equal spans as keep it within `tolerance` of a smooth curve; None beyond 256.
 
     Args:
-        curve: function of s (n,) and the order of the derivative, giving (n, k); slope and curvature are met at the ends.
+        curve: function of s (n,) and the order of the derivative, giving (n, k); slope and curvature are met at the
+            ends.
         tolerance: largest distance at equal s.
     """
     from scipy.interpolate import make_interp_spline

@@ -1,7 +1,7 @@
 """What every container answers, whatever its shape.
 
-Container frame: origin at the centre of the bottom, z along the axis towards the rim, x and y along the tray's axes turned by
-the yaw of the container on the tray.
+Container frame: origin at the centre of the bottom, z along the axis towards the rim, x and y along the tray's axes
+turned by the yaw of the container on the tray.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Footprint = DiscFootprint | RectangleFootprint
 
 @dataclass(frozen=True, slots=True)
 class MassProperties:
-    """Mass in kg, centre of mass (3,) in m in the container frame, inertia about that centre (3, 3) in kg m^2, container axes."""
+    """Mass in kg, centre of mass (3,) in m in the container frame, inertia about it (3, 3) in kg m^2, container axes."""
 
     mass: float
     centre: np.ndarray
@@ -57,7 +57,7 @@ class Container(Protocol):
 
     @property
     def outline(self) -> np.ndarray:
-        """Corner points of the footprint's convex hull in the container frame, shape (n, 2), m; a disc gives 64 points."""
+        """Corners of the footprint's convex hull in the container frame, shape (n, 2), m; a disc gives 64 points."""
         ...
 
     def volume(self, liquid_height: float) -> float:
@@ -77,5 +77,5 @@ class Container(Protocol):
         ...
 
     def slosh_modes(self, liquid: Liquid, liquid_height: float, count: int, damping: float | None = None) -> SloshModes:
-        """The first `count` modes in each direction; `damping` overrides the first mode's damping ratio (others scale with it)."""
+        """The first `count` modes in each direction; `damping` overrides the slowest mode's ratio, others scale with it."""
         ...

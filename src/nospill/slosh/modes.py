@@ -19,7 +19,9 @@ class Oscillator:
         mass: modal mass m_n, kg.
         height: height H_n of the mass above the container's bottom at rest, m.
         damping: damping ratio zeta_n.
-        surface_gain: C_n, height of the surface at the wall per displacement of the mass (signed where walls differ in sign).
+        surface_gain: C_n, height of the surface at the wall towards which the mass has moved, per its displacement;
+            free of g. Positive for every mode: an apparent gravity that leans moves every mass and every crest to the
+            same side.
         directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
         wave_number: k_n, 1/m.
     """
@@ -46,10 +48,13 @@ class SloshModes:
         oscillators: ordered mode by mode; a box gives x then y for every mode.
         liquid_mass: m_F, kg.
         liquid_height: h at rest, m.
-        fixed_mass: m_0 = m_F - sum m_n, kg.
+        fixed_mass: m_0 = m_F - sum m_n, kg. Negative in a shallow box, whose modes along x and along y both leave it
+            although each is carried rigidly across its own direction; m_0 plus those masses is never negative.
         fixed_height: H_0 above the bottom from sum m_i H_i = m_F h/2, m.
-        fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); zero about the vertical.
-        frozen_yaw_inertia: inertia of the frozen liquid about the vertical axis, a bound for the twist constraint, kg m^2.
+        fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); zero about the
+            vertical.
+        frozen_yaw_inertia: inertia of the frozen liquid about the vertical axis, a bound for the twist constraint, kg
+            m^2.
         quasi_static_gain: (2,), m: height at the wall per lateral/axial apparent gravity with all modes, along x and y
             (R, or half the side of a box).
     """
@@ -62,3 +67,19 @@ class SloshModes:
     fixed_inertia: np.ndarray
     frozen_yaw_inertia: float
     quasi_static_gain: np.ndarray
+
+    @property
+    def static_correction(self) -> np.ndarray:
+        """Quasi-static height that the modes carried leave out, along x and y, shape (2,), m, read-only.
+
+        quasi_static_gain - sum C_n g/omega_n^2. With a the specific force at the rest surface the height at the wall is
+        |sum C_n q_n - static_correction a_xy/a_z|: the modes not carried follow the apparent gravity at once. For one
+        mode of a circular cup it is (1 - 2/(xi_1^2 - 1)) R, 16 % of the radius.
+        """
+        carried = [
+            sum(mode.surface_gain / mode.curvature for mode in self.oscillators if axis in mode.directions)
+            for axis in ("x", "y")
+        ]
+        correction = self.quasi_static_gain - carried
+        correction.flags.writeable = False
+        return correction
