@@ -1,0 +1,219 @@
+"""From a cargo entry to the object on the tray: its liquid, its mass properties, and whether they can be true."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from nospill.cargo import Cargo, Filling
+from nospill.containers.base import Container, DiscFootprint, MassProperties
+from nospill.errors import ScenarioError
+from nospill.liquids import LIQUIDS, Liquid
+from nospill.scenario.cargo_entries import CargoTable, LiquidTable
+from nospill.scene import Fidelity
+from nospill.units import as_written, format_quantity, listed
+
+_SAME_MASS = 1e-9
+"""Relative difference below which two masses count as equal."""
+
+_FARTHEST_EMPTY_CENTRE = 1.5
+"""Distance from mid-height to the implied centre of the empty container, in heights. Rounded figures (the published
+ones) put it a little above the rim; much farther means that mass and centre of mass contradict each other."""
+
+
+def read_cargo(
+    entry: CargoTable, *, friction: float, friction_reserve: float, fidelity: Fidelity, slosh_modes: int
+) -> Cargo:
+    """Build one object.
+
+    Args:
+        entry: its validated keys.
+        friction: the tray's coefficient of friction, for objects that bring none of their own.
+        friction_reserve: the fraction of it kept back, likewise.
+        fidelity: "deliverable" takes everything at rest as the homogeneous solid of the outer shape with its centre at
+            the given height, as the published computations do (yaw inertia m R^2/2); "full" adds the frozen liquid to
+            the empty container by the parallel-axis theorem.
+        slosh_modes: modes in each direction.
+
+    Raises:
+        ScenarioError: keys that contradict each other, liquid above the rim, masses that cannot be; the message starts
+            with the key.
+        ModelError: the slosh model does not cover this filling.
+    """
+    container = entry.container()
+    _check_keys(entry)
+    filling = None if entry.liquid is None else _filling(entry, container, slosh_modes)
+    total, empty = (
+        _solid_masses(entry, container) if filling is None else _filled_masses(entry, container, filling, fidelity)
+    )
+    return Cargo(
+        name=entry.name,
+        shape=entry.shape,
+        container=container,
+        position=_constant(entry.at),
+        yaw=entry.yaw,
+        total=total,
+        empty=empty,
+        friction=friction if entry.friction is None else entry.friction,
+        friction_reserve=friction_reserve if entry.friction_reserve is None else entry.friction_reserve,
+        filling=filling,
+    )
+
+
+def _check_keys(entry: CargoTable) -> None:
+    if entry.liquid is None:
+        stray = [
+            key
+            for key in ("liquid_height", "max_slosh_height", "damping", "empty_mass")
+            if getattr(entry, key) is not None
+        ]
+        if stray:
+            raise ScenarioError(f"{stray[0]} is given but liquid is not; name the liquid or leave {stray[0]} out")
+        if entry.mass is None:
+            raise ScenarioError('mass is missing: a solid object needs one, for example mass = "0.35 kg"')
+        if entry.centre_of_mass is not None and entry.centre_of_mass_height is not None:
+            raise ScenarioError("centre_of_mass and centre_of_mass_height are both given; keep one of them")
+        return
+    if entry.liquid_height is None:
+        raise ScenarioError('liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm"')
+    if entry.centre_of_mass is not None:
+        raise ScenarioError("centre_of_mass is for solid objects; give centre_of_mass_height for a filled container")
+    if entry.mass is not None and entry.empty_mass is not None:
+        raise ScenarioError("mass and empty_mass are both given; keep one of them (mass includes the liquid)")
+
+
+def _liquid(value: str | LiquidTable) -> Liquid:
+    if isinstance(value, LiquidTable):
+        return Liquid(
+            "custom", value.density, value.kinematic_viscosity, value.surface_tension, source="given in the scenario"
+        )
+    if value not in LIQUIDS:
+        raise ScenarioError(
+            f"liquid {as_written(value)} is unknown; choose {listed(tuple(LIQUIDS))}, "
+            "or give { density = ..., kinematic_viscosity = ... }"
+        )
+    return LIQUIDS[value]
+
+
+def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filling:
+    assert entry.liquid is not None and entry.liquid_height is not None  # _check_keys
+    liquid, level, rim = _liquid(entry.liquid), entry.liquid_height, container.height
+    room = rim - level
+    if room <= 0.0:
+        where = "above" if room < 0.0 else "at"
+        raise ScenarioError(
+            f"liquid_height {_mm(level)} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup"
+        )
+    limit = room if entry.max_slosh_height is None else entry.max_slosh_height
+    if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+        raise ScenarioError(
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
+            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit"
+        )
+    modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
+    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes)
+
+
+def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperties, MassProperties]:
+    assert entry.mass is not None  # _check_keys
+    total = container.solid_properties(entry.mass)
+    if entry.centre_of_mass is not None:
+        total = _centred(total, np.asarray(entry.centre_of_mass))
+        key, shown = "centre_of_mass", f"({', '.join(_mm(x) for x in entry.centre_of_mass)})"
+    elif entry.centre_of_mass_height is not None:
+        total = _centred(total, np.array([0.0, 0.0, entry.centre_of_mass_height]))
+        key, shown = "centre_of_mass_height", _mm(entry.centre_of_mass_height)
+    else:
+        return total, total
+    _check_height(key, shown, float(total.centre[2]), container.height)
+    outside = _beyond_footprint(container, total.centre[:2])
+    if outside >= 0.0:
+        raise ScenarioError(
+            f"{key} {shown} is {_mm(outside)} outside the footprint: the object tips over at rest; move it inside"
+        )
+    return total, total
+
+
+def _filled_masses(
+    entry: CargoTable, container: Container, filling: Filling, fidelity: Fidelity
+) -> tuple[MassProperties, MassProperties]:
+    level = filling.liquid_height
+    liquid_mass = filling.liquid.density * container.volume(level)
+    frozen = entry.container(height=level).solid_properties(liquid_mass)
+    empty_mass = entry.empty_mass or 0.0
+    if entry.mass is not None:
+        empty_mass = entry.mass - liquid_mass
+        if empty_mass < -_SAME_MASS * liquid_mass:
+            raise ScenarioError(
+                f"mass {format_quantity(entry.mass, 'mass')} is less than its liquid's alone "
+                f"({format_quantity(liquid_mass, 'mass', digits=4)} of {filling.liquid.name}); mass includes the liquid"
+            )
+        empty_mass = 0.0 if empty_mass < _SAME_MASS * liquid_mass else empty_mass
+    empty = container.shell_properties(empty_mass)
+    if entry.centre_of_mass_height is not None:
+        empty = _centred(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
+    total = _joined(empty, frozen)
+    if fidelity == "deliverable":
+        total = _centred(container.solid_properties(total.mass), total.centre)
+    return total, empty
+
+
+def _empty_centre(height: float, container: Container, frozen: MassProperties, empty_mass: float) -> np.ndarray:
+    """Centre of the empty container from that of the whole, at `height` on the axis, less the liquid's."""
+    shown = _mm(height)
+    _check_height("centre_of_mass_height", shown, height, container.height)
+    moment = (frozen.mass + empty_mass) * height - frozen.mass * float(frozen.centre[2])
+    if empty_mass == 0.0:
+        raise ScenarioError(
+            f"centre_of_mass_height {shown} is given for a container without mass; give mass or empty_mass too"
+        )
+    implied = moment / empty_mass
+    if abs(implied - container.height / 2.0) > _FARTHEST_EMPTY_CENTRE * container.height:
+        raise ScenarioError(
+            f"centre_of_mass_height {shown} would put the empty container's own centre at "
+            f"{_mm(implied)} (its height is {_mm(container.height)}); "
+            "check it against the masses"
+        )
+    return np.array([0.0, 0.0, implied])
+
+
+def _check_height(key: str, shown: str, height: float, rim: float) -> None:
+    if not 0.0 < height <= rim:
+        raise ScenarioError(
+            f"{key} {shown} is not inside the object: its height must be above 0 and at most {_mm(rim)}"
+        )
+
+
+def _beyond_footprint(container: Container, point: np.ndarray) -> float:
+    """How far `point` (2,) lies outside the footprint, m; negative inside."""
+    footprint = container.footprint
+    if isinstance(footprint, DiscFootprint):
+        return math.hypot(*point) - footprint.radius
+    return max(abs(float(point[0])) - footprint.half_x, abs(float(point[1])) - footprint.half_y)
+
+
+def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
+    return dataclasses.replace(body, centre=_constant(centre))
+
+
+def _joined(first: MassProperties, second: MassProperties) -> MassProperties:
+    """Two bodies as one: inertias moved to the common centre by the parallel-axis theorem."""
+    mass = first.mass + second.mass
+    centre = (first.mass * first.centre + second.mass * second.centre) / mass
+    inertia = np.zeros((3, 3))
+    for body in (first, second):
+        arm = body.centre - centre
+        inertia += body.inertia + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return MassProperties(mass, _constant(centre), _constant(inertia))
+
+
+def _mm(length: float) -> str:
+    return format_quantity(length, "length", digits=4)
+
+
+def _constant(values: object) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    array.flags.writeable = False
+    return array

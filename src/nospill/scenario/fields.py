@@ -1,0 +1,148 @@
+"""Types of the values in a scenario: bounded quantities, vectors of them, names. Each reads and describes itself."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from nospill.errors import ScenarioError
+from nospill.units import DIMENSIONS, as_written, format_quantity, listed, quantity
+
+SENTENCE = "nospill_sentence"
+"""Type of the pydantic errors that carry a finished sentence (value first, then what is allowed) in their context."""
+
+_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
+
+
+class Table(BaseModel):
+    """A table of a scenario file: unknown keys are refused, values never change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def refuse(sentence: str) -> PydanticCustomError:
+    """The error a field raises: a sentence that starts with the value; the key is put before it when it is reported."""
+    return PydanticCustomError(SENTENCE, "{sentence}", {"sentence": sentence})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """A quantity of one dimension within bounds (SI). Metadata for `Annotated[float, ...]`."""
+
+    dimension: str
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+
+    def read(self, value: object) -> float:
+        """Return `value` in SI units, or raise the pydantic error that says what is allowed."""
+        try:
+            number = quantity(value, self.dimension)
+        except ScenarioError as error:
+            raise refuse(str(error)) from None
+        if (
+            (self.above is not None and not number > self.above)
+            or (self.at_least is not None and not number >= self.at_least)
+            or (self.below is not None and not number < self.below)
+            or (self.at_most is not None and not number <= self.at_most)
+        ):
+            raise refuse(f"{as_written(value)} is out of range: it must be {self.range}")
+        return number
+
+    @property
+    def range(self) -> str:
+        """The bounds in words, or an empty text."""
+        bounds = (
+            ("above", self.above),
+            ("at least", self.at_least),
+            ("below", self.below),
+            ("at most", self.at_most),
+        )
+        words = [f"{word} {format_quantity(bound, self.dimension)}" for word, bound in bounds if bound is not None]
+        return " and ".join(words)
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        kind = DIMENSIONS[self.dimension]
+        bounds = {
+            "exclusiveMinimum": self.above,
+            "minimum": self.at_least,
+            "exclusiveMaximum": self.below,
+            "maximum": self.at_most,
+        }
+        number = {"type": "number", **{key: bound for key, bound in bounds.items() if bound is not None}}
+        units = "|".join(re.escape(unit) for unit in kind.units if unit)
+        pattern = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*" + (f"({units})?" if units else "") + r"\s*$"
+        return {"anyOf": [number, {"type": "string", "pattern": pattern}]}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Vector:
+    """A list of quantities, all of one kind. Metadata for `Annotated[tuple[float, ...], ...]`.
+
+    Attributes:
+        entry: what each of them is.
+        axes: what they stand for, one name each ("x", "y").
+        scalar_is_last: a single value may stand for the last one, the others being zero.
+    """
+
+    entry: Measured
+    axes: tuple[str, ...]
+    scalar_is_last: bool = False
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """Return the entries in SI units, or raise the pydantic error that says what is allowed."""
+        if self.scalar_is_last and not isinstance(value, list | tuple):
+            return (0.0,) * (len(self.axes) - 1) + (self.entry.read(value),)
+        wanted = f"{DIMENSIONS[self.entry.dimension].title} for each of {listed(self.axes, last='and')}"
+        if not isinstance(value, list | tuple):
+            raise refuse(f"{as_written(value)} is not a list of {len(self.axes)} values; give {wanted}")
+        if len(value) != len(self.axes):
+            entries = "1 value" if len(value) == 1 else f"{len(value)} values"
+            raise refuse(f"{as_written(value)} has {entries} where {len(self.axes)} are needed; give {wanted}")
+        return tuple(self.entry.read(entry) for entry in value)
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        entry = self.entry.__get_pydantic_json_schema__(schema, handler)
+        vector = {"type": "array", "items": entry, "minItems": len(self.axes), "maxItems": len(self.axes)}
+        return {"anyOf": [entry, vector]} if self.scalar_is_last else vector
+
+
+@dataclass(frozen=True, slots=True)
+class SafeName:
+    """A name that can be a file name and a column name everywhere."""
+
+    def read(self, value: object) -> str:
+        """Return the name, or raise the pydantic error that says what is allowed."""
+        if not isinstance(value, str) or _NAME.fullmatch(value) is None:
+            raise refuse(f"{as_written(value)} is not a name; use 1 to 64 letters (a to z), digits, - and _")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"type": "string", "pattern": f"^{_NAME.pattern}$"}
+
+
+_COORDINATE = Measured(dimension="length", at_least=-100.0, at_most=100.0)
+
+Name = Annotated[str, SafeName()]
+Size = Annotated[float, Measured(dimension="length", above=0.0, at_most=10.0)]
+Angle = Annotated[float, Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)]
+Mass = Annotated[float, Measured(dimension="mass", above=0.0, at_most=1000.0)]
+Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
+FrictionReserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]
+Point = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y", "z"))]
+PointOnTray = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y"))]

@@ -1,0 +1,106 @@
+"""Whether the objects stand on the tray and apart from each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from nospill.cargo import Cargo
+from nospill.containers.base import DiscFootprint
+from nospill.scenario.messages import Fault
+from nospill.tray import Tray
+from nospill.units import as_written, format_quantity
+
+_TOUCHING = 1e-9
+"""Overlap in m that is rounding: objects may touch, and stand flush with the edge."""
+
+
+def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
+    """Every object that is not wholly on the tray, then every pair that overlaps, as place and sentence."""
+    faults: list[Fault] = []
+    for item in cargo:
+        out = overhang(item, tray)
+        if out > _TOUCHING:
+            sides = " x ".join(format_quantity(side, "length") for side in tray.size)
+            at = ", ".join(format_quantity(coordinate, "length") for coordinate in item.position)
+            faults.append(
+                (
+                    f"cargo {as_written(item.name)}",
+                    f"at ({at}) stands {_shown(out)} over the edge of the tray (size {sides}); "
+                    "move it in or use a larger tray",
+                )
+            )
+    for first, second in combinations(cargo, 2):
+        depth = overlap(first, second)
+        if depth > _TOUCHING:
+            faults.append(
+                (
+                    f"cargo {as_written(second.name)}",
+                    f"overlaps {as_written(first.name)} by {_shown(depth)}; move them apart",
+                )
+            )
+    return faults
+
+
+def overhang(item: Cargo, tray: Tray) -> float:
+    """How far the footprint sticks out over the tray's edge, m; negative: the gap that is left."""
+    centre, corners, radius = _footprint(item)
+    farthest = np.max(np.abs(corners if corners is not None else centre), axis=0) + radius
+    return float(np.max(farthest - tray.size / 2.0))
+
+
+def overlap(first: Cargo, second: Cargo) -> float:
+    """How far two footprints reach into each other, m (the shortest move that parts them); negative or zero: apart."""
+    centre_1, corners_1, radius_1 = _footprint(first)
+    centre_2, corners_2, radius_2 = _footprint(second)
+    if corners_1 is not None and corners_2 is not None:
+        return _polygon_overlap(corners_1, corners_2)
+    if corners_1 is not None:
+        return radius_2 - _distance_to_polygon(centre_2[0], corners_1)
+    if corners_2 is not None:
+        return radius_1 - _distance_to_polygon(centre_1[0], corners_2)
+    return radius_1 + radius_2 - math.hypot(*(centre_1[0] - centre_2[0]))
+
+
+def _footprint(item: Cargo) -> tuple[np.ndarray, np.ndarray | None, float]:
+    """Centre (1, 2) on the tray; then the corners (n, 2) and no radius or, for a disc, no corners and its radius."""
+    centre = item.position[None, :]
+    if isinstance(item.container.footprint, DiscFootprint):
+        return centre, None, item.container.footprint.radius
+    cosine, sine = math.cos(item.yaw), math.sin(item.yaw)
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    return centre, centre + item.container.outline @ turn.T, 0.0
+
+
+def _normals(corners: np.ndarray) -> np.ndarray:
+    """Outward unit normals (n, 2) of a convex polygon's edges, from each corner to the next."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    normals = np.column_stack((edges[:, 1], -edges[:, 0])) / np.linalg.norm(edges, axis=1, keepdims=True)
+    inwards = np.einsum("ij,ij->i", normals, corners.mean(axis=0) - corners) > 0.0
+    return np.where(inwards[:, None], -normals, normals)
+
+
+def _polygon_overlap(first: np.ndarray, second: np.ndarray) -> float:
+    """Separating axis theorem: the least overlap over all edge normals of both."""
+    normals = np.vstack((_normals(first), _normals(second)))
+    on_first, on_second = first @ normals.T, second @ normals.T
+    depth = np.minimum(on_first.max(axis=0) - on_second.min(axis=0), on_second.max(axis=0) - on_first.min(axis=0))
+    return float(depth.min())
+
+
+def _distance_to_polygon(point: np.ndarray, corners: np.ndarray) -> float:
+    """Signed distance of `point` (2,) from a convex polygon, m; negative inside."""
+    beyond = np.einsum("ij,ij->i", _normals(corners), point - corners)
+    if beyond.max() <= 0.0:
+        return float(beyond.max())
+    edges = np.roll(corners, -1, axis=0) - corners
+    along = np.einsum("ij,ij->i", point - corners, edges) / np.einsum("ij,ij->i", edges, edges)
+    nearest = corners + np.clip(along, 0.0, 1.0)[:, None] * edges
+    return float(np.linalg.norm(point - nearest, axis=1).min())
+
+
+def _shown(length: float) -> str:
+    return format_quantity(length, "length", digits=3)

@@ -1,0 +1,161 @@
+"""From what pydantic found to sentences that name the place in the file, the value and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from nospill.errors import ScenarioError
+from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
+from nospill.scenario.fields import SENTENCE
+from nospill.scenario.model import Scenario
+from nospill.scenario.path_entries import PATH_TABLES
+from nospill.units import as_written, listed
+
+Fault = tuple[str, str]
+"""Place in the file ("[tray]", 'cargo "c2"' or "" for the top level), and what is wrong there."""
+
+Location = tuple[int | str, ...]
+"""Where pydantic found an error: keys, indices and, behind a union, the tag of its member."""
+
+
+def report(label: str, faults: Sequence[Fault]) -> ScenarioError:
+    """The error for a scenario called `label` (its file as the user named it): the first fault, and how many more."""
+    place, text = faults[0]
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    line = ": ".join(part for part in (label, place, text) if part) + more
+    return ScenarioError(" ".join(line.splitlines()))
+
+
+def cargo_place(index: int, entry: object) -> str:
+    """How messages call the cargo entry at `index`: by its name, or by its number (from 1) while it has none."""
+    name = entry.get("name") if isinstance(entry, dict) else None
+    return f"cargo {as_written(name)}" if isinstance(name, str) and name else f"cargo {index + 1}"
+
+
+def faults_of(error: ValidationError, table: Mapping[str, Any]) -> list[Fault]:
+    """Every error of a validated scenario `table`, in the file's order of tables."""
+    return [
+        _fault(detail["type"], detail["loc"], detail["input"], detail.get("ctx", {}), table)
+        for detail in error.errors(include_url=False)
+    ]
+
+
+def _fault(kind: str, location: Location, value: object, context: Mapping[str, Any], table: Mapping[str, Any]) -> Fault:
+    place, keys, model = _resolve(location, table)
+    subject = _key_path(keys) or place
+    place = place if keys else ""
+    shown = as_written(value)
+    if kind == "missing":
+        return place, f"{subject} is missing: {_description(model, keys)}"
+    if kind == "extra_forbidden":
+        return place, _unknown_key(str(keys[-1]), model)
+    if kind == SENTENCE:
+        return place, f"{subject} {context['sentence']}"
+    if kind == "list_type" and location == ("cargo",) and isinstance(value, dict):
+        return place, f"{subject} is a single table; write [[cargo]], with two brackets, for every object"
+    if kind in _SENTENCES:
+        return place, f"{subject} {_SENTENCES[kind](shown, context)}"
+    return place, f"{subject} {shown} is not accepted here ({kind})"
+
+
+def _one_of(choices: str) -> str:
+    """`'a', 'b' or 'c'` as pydantic lists them, in the quotes of TOML."""
+    return choices.replace("'", '"')
+
+
+def _entries(context: Mapping[str, Any]) -> str:
+    least, given = context["min_length"], context["actual_length"]
+    entry = "entry" if least == 1 else "entries"
+    return f"has {given or 'no'} {'entry' if given == 1 else 'entries'}; at least {least} {entry} are needed".replace(
+        "1 entry are", "1 entry is"
+    )
+
+
+def _tag(shown: str, context: Mapping[str, Any]) -> str:
+    key, choices = _choices(context)
+    near = difflib.get_close_matches(str(context["tag"]), choices, n=1)
+    hint = f'; did you mean "{near[0]}"?' if near else ""
+    expected = listed([as_written(choice) for choice in choices])
+    return f"has the unknown {key} {as_written(context['tag'])}; choose one of {expected}{hint}"
+
+
+def _no_tag(shown: str, context: Mapping[str, Any]) -> str:
+    key, choices = _choices(context)
+    return f"has no {key}; choose one of {listed([as_written(choice) for choice in choices])}"
+
+
+def _choices(context: Mapping[str, Any]) -> tuple[str, list[str]]:
+    """The key that tells the members of a union apart, and its values."""
+    key = context["discriminator"].strip("'")
+    return key, list(CARGO_TABLES if key == "shape" else PATH_TABLES)
+
+
+_SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
+    "literal_error": lambda shown, context: f"{shown} is not one of {_one_of(context['expected'])}",
+    "string_type": lambda shown, context: f'{shown} is not text; put it in quotes, for example "water"',
+    "int_type": lambda shown, context: f"{shown} is not a whole number",
+    "greater_than_equal": lambda shown, context: f"{shown} is out of range: it must be at least {context['ge']}",
+    "less_than_equal": lambda shown, context: f"{shown} is out of range: it must be at most {context['le']}",
+    "list_type": lambda shown, context: f"{shown} is not a list; put the values in brackets",
+    "too_short": lambda shown, context: _entries(context),
+    "model_type": lambda shown, context: f"{shown} is not a table; write its keys under their own heading",
+    "model_attributes_type": lambda shown, context: f"{shown} is not a table; write its keys under their own heading",
+    "union_tag_invalid": _tag,
+    "union_tag_not_found": _no_tag,
+}
+"""Pydantic's error type -> what follows the key in the message."""
+
+
+def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Location, type[BaseModel] | None]:
+    """Place, the keys below it without the unions' tags, and the model whose keys are allowed there."""
+    head = location[0]
+    if head == "cargo" and len(location) > 1 and isinstance(location[1], int):
+        place = cargo_place(location[1], table["cargo"][location[1]])
+        model = CARGO_TABLES.get(str(location[2])) if len(location) > 2 else None
+        keys = location[3:]
+        if len(keys) > 1 and keys[0] == "liquid":
+            return place, ("liquid", *keys[2:]), LiquidTable
+        return place, keys, model
+    if head == "path":
+        model = PATH_TABLES.get(str(location[1])) if len(location) > 1 else None
+        return ("[path]", location[2:], model) if len(location) > 1 else ("", location, Scenario)
+    if len(location) == 1:
+        return "", location, Scenario
+    return f"[{head}]", location[1:], _table_model(str(head))
+
+
+def _table_model(key: str) -> type[BaseModel] | None:
+    annotation = Scenario.model_fields[key].annotation
+    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+
+
+def _key_path(keys: Location) -> str:
+    text = ""
+    for key in keys:
+        text += f" entry {key + 1}" if isinstance(key, int) else f".{key}" if text else key
+    return text
+
+
+def _description(model: type[BaseModel] | None, keys: Location) -> str:
+    field = None if model is None else model.model_fields.get(str(keys[-1]))
+    return (field.description if field else None) or "it has to be given"
+
+
+def _unknown_key(key: str, model: type[BaseModel] | None) -> str:
+    allowed = list(model.model_fields) if model else []
+    text = f"unknown key {as_written(key)}"
+    near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.7)
+    if near:
+        return f'{text}; did you mean "{near[0]}"?'
+    owner = next((name for name in Scenario.model_fields if _owns(name, key) and _table_model(name) is not model), None)
+    hint = f"; it belongs to [{owner}]" if owner else ""
+    return f"{text}{hint}; allowed here: {', '.join(allowed)}"
+
+
+def _owns(name: str, key: str) -> bool:
+    model = _table_model(name)
+    return model is not None and key in model.model_fields

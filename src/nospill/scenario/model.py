@@ -1,0 +1,123 @@
+"""The keys of a scenario file, their types and bounds: what pydantic checks and what the JSON schema says."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from nospill.scenario.cargo_entries import CargoEntry
+from nospill.scenario.fields import Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
+from nospill.scenario.path_entries import PathEntry
+from nospill.scene import EndCondition, Fidelity
+
+
+class RobotTable(Table):
+    """`[robot]`: the arm."""
+
+    model: Annotated[str, Field(strict=True, description="name of an arm in the catalogue (`nospill robots`)")]
+
+
+class TrayTable(Table):
+    """`[tray]`: the board on the flange."""
+
+    size: Annotated[
+        tuple[float, ...],
+        Vector(entry=Measured(dimension="length", above=0.0, at_most=10.0), axes=("x", "y")),
+        Field(description='side lengths along x and y, for example ["335 mm", "250 mm"]'),
+    ]
+    friction: Annotated[Friction, Field(description="measured coefficient of friction between tray and cargo")]
+    friction_reserve: Annotated[FrictionReserve, Field(description="fraction of the friction that is kept back")] = 0.1
+    offset: Annotated[
+        tuple[float, ...],
+        Vector(
+            entry=Measured(dimension="length", at_least=-2.0, at_most=2.0), axes=("x", "y", "z"), scalar_is_last=True
+        ),
+        Field(description="centre of the surface in the flange frame, or just its height along the flange's axis"),
+    ] = (0.0, 0.0, 0.0)
+    yaw_on_flange: Annotated[Angle, Field(description="turn of the tray about the flange's axis")] = 0.0
+
+
+class MotionTable(Table):
+    """`[motion]`: what the motion may do."""
+
+    tilt: Annotated[Literal["fixed", "free"], Field(description="whether the tray may pitch and roll")] = "fixed"
+    max_tilt: Annotated[
+        float,
+        Measured(dimension="angle", above=0.0, below=math.radians(60.0)),
+        Field(description="bound on each tilt angle; the slosh model and the angles themselves end at 60 deg"),
+    ] = math.radians(30.0)
+    path_jerk_limit: Annotated[
+        float,
+        Measured(dimension="path_jerk", above=0.0, at_most=1e6),
+        Field(description="bound on the third derivative of the path parameter"),
+    ] = 1000.0
+    tilt_jerk_limit: Annotated[
+        float,
+        Measured(dimension="angular_jerk", above=0.0, at_most=1e6),
+        Field(description="bound on each tilt angle's third derivative"),
+    ] = 1000.0
+    end: Annotated[EndCondition, Field(description="what is asked of the liquids at the end")] = "residual"
+    residual_fraction: Annotated[
+        float,
+        Measured(dimension="ratio", above=0.0, at_most=1.0),
+        Field(description="greatest surface height after the end, as a fraction of max_slosh_height"),
+    ] = 0.2
+    max_duration: Annotated[
+        float,
+        Measured(dimension="time", above=0.0, at_most=600.0),
+        Field(description="longest motion that is considered"),
+    ] = 20.0
+
+
+_JerkWeight = Annotated[
+    float,
+    Measured(dimension="number", at_least=0.0, at_most=1.0),
+    Field(description="weight of the mean square of the jerk, beside the duration in seconds"),
+]
+
+
+class PlanningTable(Table):
+    """`[planning]`: how to look for the motion."""
+
+    path_jerk_weight: _JerkWeight = 1e-5
+    tilt_jerk_weight: _JerkWeight = 1e-5
+    intervals: Annotated[int, Field(strict=True, ge=20, le=1000, description="intervals of the time grid")] = 100
+    solver: Annotated[Literal["ipopt", "fatrop"], Field(description="the nonlinear programming solver")] = "ipopt"
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=100_000, description="iterations of one solve")] = 1000
+    max_solve_time: Annotated[
+        float,
+        Measured(dimension="time", above=0.0, at_most=86400.0),
+        Field(description="longest time that one solve may take"),
+    ] = 120.0
+    starts: Annotated[int, Field(strict=True, ge=1, le=100, description="number of starting points")] = 3
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
+    slosh_modes: Annotated[int, Field(strict=True, ge=1, le=10, description="liquid modes in each direction")] = 1
+
+
+class OutputTable(Table):
+    """`[output]`: what is written."""
+
+    rate: Annotated[
+        float,
+        Measured(dimension="frequency", at_least=10.0, at_most=20e3),
+        Field(description="rate of the exported samples"),
+    ] = 500.0
+
+
+class Scenario(Table):
+    """A scenario file of nospill: one planning task."""
+
+    fidelity: Annotated[
+        Fidelity, Field(description="the physics: the published equations, or the whole contact and slosh model")
+    ] = "full"
+    name: Annotated[Name | None, Field(description="short name of the task; the file's name when not given")] = None
+    description: Annotated[str, Field(strict=True, description="one line about the task")] = ""
+    robot: Annotated[RobotTable, Field(description="the arm, with the key model")]
+    tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
+    cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
+    path: Annotated[PathEntry, Field(description="the way the tray goes, with the key type")]
+    motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
+    planning: Annotated[PlanningTable, Field(description="the table [planning]")] = PlanningTable()
+    output: Annotated[OutputTable, Field(description="the table [output]")] = OutputTable()

@@ -1,0 +1,244 @@
+"""Reading a scenario into a Scene, and writing it back as a file that needs no other."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+import tomli_w
+from pydantic import ValidationError
+
+from nospill.cargo import Cargo
+from nospill.errors import ModelError, ScenarioError
+from nospill.examples import EXAMPLES, example_path
+from nospill.files import atomic_text
+from nospill.robots.catalog import load_robot
+from nospill.scenario.cargo_reader import read_cargo
+from nospill.scenario.layout import layout_faults
+from nospill.scenario.messages import Fault, cargo_place, faults_of, report
+from nospill.scenario.model import Scenario
+from nospill.scene import MotionRules, PlanningOptions, Scene
+from nospill.slosh.modes import STANDARD_GRAVITY
+from nospill.tray import Tray
+from nospill.units import as_written
+
+_LARGEST_FILE = 10_000_000
+_NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
+
+
+def read_scenario(path: str | os.PathLike[str]) -> Scene:
+    """Read a scenario file, or a bundled example by its name.
+
+    Args:
+        path: a TOML file, or a key of `nospill.examples.EXAMPLES` (a file of that very name wins).
+
+    Raises:
+        ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
+            file, the place in it, the value and what is allowed.
+    """
+    label = os.fspath(path)
+    file = _locate(label)
+    return _scene(_parsed(file, label), label=label, name=file.stem, folder=file.parent)
+
+
+def scene_from_table(table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".") -> Scene:
+    """Build a scene from the parsed content of a scenario file.
+
+    Args:
+        table: keys and values as in the file; it is not changed.
+        name: the scene's name where the table has none, and what messages call it.
+        folder: where files that the table names are looked up.
+
+    Raises:
+        ScenarioError: as for `read_scenario`.
+    """
+    return _scene(table, label=name, name=name, folder=FilePath(folder))
+
+
+def scenario_text(scene: Scene) -> str:
+    """The scenario of a scene as TOML that needs no other file; reading it gives an equal scene."""
+    return tomli_w.dumps(scene.source)
+
+
+def write_scenario(scene: Scene, path: str | FilePath) -> None:
+    """Write `scenario_text` to a file, whole or not at all.
+
+    Raises:
+        PlanFolderError: the file cannot be written.
+    """
+    atomic_text(path, scenario_text(scene))
+
+
+def scenario_schema() -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a scenario file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
+
+
+def _locate(label: str) -> FilePath:
+    file = FilePath(label)
+    try:
+        if file.is_file():
+            return file
+        if label in EXAMPLES:
+            return example_path(label)
+        if file.is_dir():
+            raise report(label, [("", "is a folder; name the scenario file in it")])
+        exists = file.exists()
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
+    if exists:
+        raise report(label, [("", "is not a regular file; give a TOML file")])
+    near = difflib.get_close_matches(label, EXAMPLES, n=1)
+    hint = f'did you mean "{near[0]}"?' if near else f"bundled examples: {', '.join(EXAMPLES)}"
+    raise report(label or '""', [("", f"no such file, and no bundled example of that name; {hint}")])
+
+
+def _parsed(file: FilePath, label: str) -> dict[str, Any]:
+    try:
+        size = file.stat().st_size
+        if size > _LARGEST_FILE:
+            raise report(label, [("", f"is too large for a scenario ({size} bytes, at most {_LARGEST_FILE} are read)")])
+        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise report(label, [("", f"is not UTF-8 text (byte {error.start + 1}); save it as UTF-8")]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise report(label, [("", _syntax(str(error)))]) from None
+    except RecursionError:
+        raise report(label, [("", "is not a scenario: it is nested too deeply")]) from None
+    except (OSError, ValueError) as error:  # ValueError: a whole number of thousands of digits
+        raise report(label, [("", f"cannot be read: {_reason(error)}")]) from None
+
+
+def _syntax(message: str) -> str:
+    if "Cannot overwrite a value" in message or "Cannot declare" in message:
+        message += "; the same key or table is given twice"
+    return f"is not valid TOML: {message}"
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
+@contextmanager
+def _at(label: str, place: str) -> Iterator[None]:
+    """Name the place in the messages of the parts, which do not know it."""
+    try:
+        yield
+    except (ScenarioError, ModelError) as error:
+        raise report(label, [(place, str(error))]) from None
+
+
+def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath) -> Scene:
+    try:
+        scenario = Scenario.model_validate(dict(table))
+    except ValidationError as error:
+        raise report(label, faults_of(error, table)) from None
+    with _at(label, "[robot]"):
+        robot = load_robot(scenario.robot.model)
+    with _at(label, "[path]"):
+        read_in = scenario.path.standalone(folder)
+        path = scenario.path.model_copy(update=read_in).build()
+    tray = Tray(
+        size=_constant(scenario.tray.size),
+        offset=_constant(scenario.tray.offset),
+        yaw_on_flange=scenario.tray.yaw_on_flange,
+    )
+    cargo = _cargo(scenario, label)
+    faults = layout_faults(cargo, tray)
+    if faults:
+        raise report(label, faults)
+    scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
+    source = {**table, "name": scene_name, "path": {**table["path"], **read_in}}
+    return Scene(
+        name=scene_name,
+        fidelity=scenario.fidelity,
+        robot=robot,
+        tray=tray,
+        cargo=cargo,
+        path=path,
+        motion=_motion(scenario),
+        planning=_planning(scenario),
+        output_rate=scenario.output.rate,
+        gravity=STANDARD_GRAVITY,
+        slosh_modes=scenario.planning.slosh_modes,
+        source=_plain(source),
+    )
+
+
+def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
+    cargo: list[Cargo] = []
+    faults: list[Fault] = []
+    owners: dict[str, int] = {}
+    for index, entry in enumerate(scenario.cargo):
+        place = cargo_place(index, {"name": entry.name})
+        if entry.name in owners:
+            first = owners[entry.name] + 1
+            text = f"name {as_written(entry.name)} is already taken by cargo {first}; give every object its own"
+            faults.append((f"cargo {index + 1}", text))
+        owners.setdefault(entry.name, index)
+        try:
+            item = read_cargo(
+                entry,
+                friction=scenario.tray.friction,
+                friction_reserve=scenario.tray.friction_reserve,
+                fidelity=scenario.fidelity,
+                slosh_modes=scenario.planning.slosh_modes,
+            )
+        except (ScenarioError, ModelError) as error:
+            faults.append((place, str(error)))
+        else:
+            cargo.append(item)
+    if faults:
+        raise report(label, faults)
+    return tuple(cargo)
+
+
+def _motion(scenario: Scenario) -> MotionRules:
+    rules = scenario.motion
+    return MotionRules(
+        tilt_free=rules.tilt == "free",
+        max_tilt=rules.max_tilt,
+        path_jerk_limit=rules.path_jerk_limit,
+        tilt_jerk_limit=rules.tilt_jerk_limit,
+        end=rules.end,
+        residual_fraction=rules.residual_fraction,
+        max_duration=rules.max_duration,
+    )
+
+
+def _planning(scenario: Scenario) -> PlanningOptions:
+    options = scenario.planning
+    return PlanningOptions(
+        path_jerk_weight=options.path_jerk_weight,
+        tilt_jerk_weight=options.tilt_jerk_weight,
+        intervals=options.intervals,
+        solver=options.solver,
+        max_iterations=options.max_iterations,
+        max_solve_time=options.max_solve_time,
+        starts=options.starts,
+        seed=options.seed,
+    )
+
+
+def _plain(value: Any) -> Any:
+    """A deep copy of strings, numbers, lists and tables that TOML can hold; keys without a value are left out."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items() if entry is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, bool | str):
+        return value
+    return int(value) if isinstance(value, int) else float(value)
+
+
+def _constant(values: tuple[float, ...]) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    array.flags.writeable = False
+    return array
