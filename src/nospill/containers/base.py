@@ -35,7 +35,7 @@ Footprint = DiscFootprint | RectangleFootprint
 
 @dataclass(frozen=True, slots=True)
 class MassProperties:
-    """Mass in kg, centre of mass (3,) in m in the container frame, inertia about it (3, 3) in kg m^2, container axes."""
+    """Mass in kg, centre of mass (3,) in m in the container frame, inertia about it (3, 3) kg m^2, container axes."""
 
     mass: float
     centre: np.ndarray
@@ -77,5 +77,5 @@ class Container(Protocol):
         ...
 
     def slosh_modes(self, liquid: Liquid, liquid_height: float, count: int, damping: float | None = None) -> SloshModes:
-        """The first `count` modes in each direction; `damping` overrides the slowest mode's ratio, others scale with it."""
+        """The first `count` modes in each direction; `damping` sets the slowest mode's ratio, the others scale."""
         ...

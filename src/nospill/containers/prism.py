@@ -88,7 +88,7 @@ def check_filling(liquid: Liquid, liquid_height: float, count: int, *, rim: floa
     """Refuse what no modes can be computed for.
 
     Raises:
-        ScenarioError: liquid height not in (0, rim], viscosity or density not above 0, no modes, damping not in [0, 1).
+        ScenarioError: liquid height not in (0, rim], viscosity or density not above 0, no mode, damping not in [0, 1).
     """
     if not 0.0 < liquid_height <= rim:
         raise ScenarioError(
@@ -96,7 +96,7 @@ def check_filling(liquid: Liquid, liquid_height: float, count: int, *, rim: floa
         )
     if not (liquid.density > 0.0 and 0.0 < liquid.kinematic_viscosity < math.inf):
         raise ScenarioError(
-            f"liquid {liquid.name}: density {liquid.density:g} kg/m^3 and viscosity {liquid.kinematic_viscosity:g} m^2/s "
+            f"liquid {liquid.name}: density {liquid.density:g} kg/m^3, viscosity {liquid.kinematic_viscosity:g} m^2/s; both "
             "must be above 0"
         )
     if count < 1:
@@ -142,8 +142,8 @@ def slosh_model(
     largest = max(oscillator.damping for oscillator in oscillators)
     if largest >= 1.0:
         raise ScenarioError(
-            f"liquid {liquid.name}: damping ratio {largest:.3g} of a slosh mode, below 1 is allowed; it is too viscous to "
-            "slosh: carry fewer modes, or model it as a solid"
+            f"liquid {liquid.name}: damping ratio {largest:.3g} of a slosh mode, below 1 is allowed; it is too viscous "
+            "to slosh: carry fewer modes, or model it as a solid"
         )
     fixed_mass = frozen.mass - sum(oscillator.mass for oscillator in oscillators)
     if abs(fixed_mass) < _SMALLEST_FIXED_FRACTION * frozen.mass:
