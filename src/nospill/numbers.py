@@ -132,6 +132,11 @@ def symbolic(template: Record, vector: ca.SX) -> Record:
     return record
 
 
+def constants(record: Record) -> Record:
+    """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
+    return symbolic(record, ca.SX(ca.DM(flatten(record))))
+
+
 def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
     if isinstance(template, tuple):
         items = []

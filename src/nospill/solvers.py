@@ -11,7 +11,8 @@ import casadi as ca
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.ocp.problem import Problem, Stages
+from nospill.ocp.problem import Problem
+from nospill.ocp.stages import Stages
 
 Progress = Callable[[int, float, float], None]
 """Called with iteration, duration in s and largest constraint violation (scaled)."""

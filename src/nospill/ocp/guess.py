@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.ocp.collocation import interpolate_step
-from nospill.ocp.layout import Layout, layout_of
-from nospill.ocp.problem import Stages
 from nospill.numbers import structure_of
+from nospill.ocp.layout import Layout, layout_of
+from nospill.ocp.stages import Stages, sample_stages
 from nospill.robots.inverse import JointPath
 from nospill.scene import Scene
 from nospill.slosh.modes import STANDARD_GRAVITY
@@ -78,10 +77,9 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         table[:, 3 * index : 3 * index + 3] = np.column_stack(chain)
         table[:-1, layout.jerks.start + index] = np.diff(chain[2]) * intervals / duration
     table[:, layout.interval] = duration / intervals
-    for joint in range(layout.joints):
-        position, slope = _hermite(joint_path.s, joint_path.q[:, joint], joint_path.dq_ds[:, joint], s)
-        table[:, layout.joint_position.start + joint] = position
-        table[:, layout.joint_speed.start + joint] = slope * chains[0][1]
+    slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
+    table[:, layout.joint_position] = joint_path.at(np.clip(s, 0.0, 1.0))
+    table[:, layout.joint_speed] = slopes * chains[0][1][:, None]
     return Stages(duration / intervals, table)
 
 
@@ -89,48 +87,17 @@ def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
     """The same motion on another grid: chains and slosh by their own polynomials, joints linearly."""
     old, duration = stages.table, stages.duration
     times = np.linspace(0.0, duration, intervals + 1)
-    index = np.clip((times / stages.interval).astype(int), 0, stages.intervals - 1)
-    local = (times - index * stages.interval)[:, None]
+    samples = sample_stages(stages, layout, times)
     table = np.zeros((intervals + 1, layout.size))
-    origin = old[index]
-    for chain in range(layout.chains):
-        value, rate, change = (origin[:, 3 * chain + order : 3 * chain + order + 1] for order in range(3))
-        jerk = origin[:, layout.jerks.start + chain : layout.jerks.start + chain + 1]
-        columns = [
-            value + rate * local + change * local**2 / 2 + jerk * local**3 / 6,
-            rate + change * local + jerk * local**2 / 2,
-            change + jerk * local,
-        ]
-        table[:, 3 * chain : 3 * chain + 3] = np.hstack(columns)
-        table[:-1, layout.jerks.start + chain] = np.diff(table[:, 3 * chain + 2]) * intervals / duration
+    table[:, : 3 * layout.chains] = samples.chains
+    accelerations = samples.chains[:, 2::3]
+    table[:-1, layout.jerks] = np.diff(accelerations, axis=0) * intervals / duration
     table[:, layout.interval] = duration / intervals
-    first, second = origin[:, layout.acceleration(0)], origin[:, layout.acceleration(1)]
-    displacement, velocity = interpolate_step(
-        origin[:, layout.displacement], origin[:, layout.velocity], (first, second), local, stages.interval
-    )
-    table[:, layout.displacement], table[:, layout.velocity] = displacement, velocity
-    table[:, layout.acceleration(0)], table[:, layout.acceleration(1)] = first, second
+    table[:, layout.displacement], table[:, layout.velocity] = samples.displacement, samples.velocity
+    for point in range(2):
+        table[:, layout.acceleration(point)] = samples.accelerations[point]
     joints = slice(layout.joint_position.start, layout.joint_speed.stop)
     grid = np.arange(stages.intervals) * stages.interval
     for column in range(joints.start, joints.stop):
         table[:, column] = np.interp(times, grid, old[:-1, column])
     return Stages(duration / intervals, table)
-
-
-def _hermite(knots: np.ndarray, values: np.ndarray, slopes: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic Hermite interpolation and its derivative."""
-    index = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-    width = knots[index + 1] - knots[index]
-    t = (at - knots[index]) / width
-    left, right = values[index], values[index + 1]
-    left_slope, right_slope = slopes[index] * width, slopes[index + 1] * width
-    position = (
-        (2 * t**3 - 3 * t**2 + 1) * left
-        + (t**3 - 2 * t**2 + t) * left_slope
-        + (3 * t**2 - 2 * t**3) * right
-        + (t**3 - t**2) * right_slope
-    )
-    rate = (
-        6 * (t**2 - t) * (left - right) + (3 * t**2 - 4 * t + 1) * left_slope + (3 * t**2 - 2 * t) * right_slope
-    ) / width
-    return position, rate

@@ -8,6 +8,7 @@ import numpy as np
 
 from nospill.numbers import SceneNumbers, Structure, numbers_of, structure_of
 from nospill.ocp.layout import Layout
+from nospill.ocp.stages import Stages
 from nospill.ocp.transcription import Transcription, transcribe
 from nospill.scene import Scene
 
@@ -19,29 +20,6 @@ _LARGEST_SLOSH_SCALE = 0.02
 
 Reserves = dict[tuple[str, int], float]
 """(constraint, subject index) -> fraction of the budget kept back."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stages:
-    """A candidate motion on the grid, in physical units.
-
-    Attributes:
-        interval: length of an interval, s.
-        table: (N + 1, layout.size), one stage vector a row (see `Layout`); the controls of the last row are not used.
-    """
-
-    interval: float
-    table: np.ndarray
-
-    @property
-    def intervals(self) -> int:
-        """N."""
-        return len(self.table) - 1
-
-    @property
-    def duration(self) -> float:
-        """End time, s."""
-        return self.interval * self.intervals
 
 
 @dataclass(frozen=True, slots=True)

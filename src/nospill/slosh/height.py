@@ -36,3 +36,11 @@ def crest_demands(structure: ObjectStructure, eta: SX) -> tuple[SX, ...]:
     if structure.footprint == "disc":
         return (eta,)
     return (eta[0] + eta[1], eta[0] - eta[1])
+
+
+def crest(structure: ObjectStructure, eta: SX) -> SX:
+    """Greatest height round the wall, scalar, m."""
+    height = SX(0)
+    for demand in crest_demands(structure, eta):
+        height = ca.fmax(height, ca.norm_2(demand))
+    return height

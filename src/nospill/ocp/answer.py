@@ -1,0 +1,139 @@
+"""From the grid of the optimal control problem to the exported samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from nospill.frames import SX, FrameMotion
+from nospill.numbers import SceneNumbers, Structure, constants, numbers_of, structure_of
+from nospill.ocp.layout import Layout, layout_of
+from nospill.ocp.stage import tray_state
+from nospill.ocp.stages import Stages, StageSamples, sample_stages
+from nospill.robots.kinematics import kinematics
+from nospill.robots.newton import solve_joints
+from nospill.sample import sample_objects, split_states
+from nospill.scene import Scene
+from nospill.slosh.height import crest
+from nospill.trajectory import SloshTrack, Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class TraySamples:
+    """The tray frame at m samples: position (m, 3), rotation (m, 3, 3) tray to base, twist and its derivative (m, 6) in base axes (linear, then
+    angular), body motion (9, m): angular velocity, angular acceleration, specific force in tray axes."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    twist: np.ndarray
+    twist_change: np.ndarray
+    body: np.ndarray
+
+
+def export_samples(scene: Scene, stages: Stages) -> Trajectory:
+    """Sample a solved motion at the scene's output rate, until the first sample at or after its end.
+
+    s and tilt follow their own polynomials exactly; the joints are solved on every sample from the tray's pose, their speeds and
+    accelerations from its twist. Past the end the motion stands still.
+
+    Raises:
+        ModelError: the joints cannot follow (does not happen on a feasible motion).
+    """
+    structure = structure_of(scene)
+    numbers = constants(numbers_of(scene))
+    layout = layout_of(structure)
+    count = int(np.ceil(stages.duration * scene.output_rate - 1e-9)) + 1
+    t = np.arange(count) / scene.output_rate
+    samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
+    samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
+    tray = _tray_samples(structure, numbers, layout, samples.chains)
+    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray)
+    tilt = [np.zeros((count, 2)) for _ in range(3)]
+    if structure.tilt_free:
+        tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
+    return Trajectory(
+        t=t,
+        s=samples.chains[:, 0],
+        s_rate=samples.chains[:, 1],
+        s_acceleration=samples.chains[:, 2],
+        tilt=tilt[0],
+        tilt_rate=tilt[1],
+        tilt_acceleration=tilt[2],
+        joints=scene.robot.joints,
+        joint_position=position,
+        joint_speed=speed,
+        joint_acceleration=acceleration,
+        tray_position=tray.position,
+        tray_quaternion=Rotation.from_matrix(tray.rotation).as_quat(),
+        slosh=_slosh_tracks(scene, structure, numbers, samples, tray),
+    )
+
+
+def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, chains: np.ndarray) -> TraySamples:
+    symbol = SX.sym("chains", 3 * layout.chains)
+    state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+    motion, rotation = state.motion, state.rotation
+    acceleration = rotation @ motion.specific_force - ca.vertcat(0, 0, numbers.gravity)
+    parts = [
+        state.position,
+        ca.vec(rotation.T),
+        state.velocity,
+        rotation @ motion.angular_velocity,
+        acceleration,
+        rotation @ motion.angular_acceleration,
+        motion.angular_velocity,
+        motion.angular_acceleration,
+        motion.specific_force,
+    ]
+    function = ca.Function("tray", [symbol], [ca.densify(ca.vertcat(*parts))], {"cse": True})
+    flat = np.array(function(ca.DM(chains.T)).full())
+    return TraySamples(
+        position=flat[:3].T.copy(),
+        rotation=flat[3:12].T.reshape(-1, 3, 3),
+        twist=flat[12:18].T,
+        twist_change=flat[18:24].T,
+        body=flat[24:33],
+    )
+
+
+def _joint_samples(
+    scene: Scene, stages: Stages, layout: Layout, t: np.ndarray, tray: TraySamples
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    grid = np.arange(stages.intervals) * stages.interval
+    start = np.column_stack(
+        [np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T]
+    )
+    arm = kinematics(scene.robot)
+    position = solve_joints(scene.robot, tray.position, tray.rotation, start, **tool)
+    inverse = np.linalg.pinv(arm.jacobians(position, **tool))
+    speed = (inverse @ tray.twist[:, :, None])[:, :, 0]
+    bias = arm.motions(position, speed, np.zeros_like(speed), **tool)
+    drift = np.hstack([bias.acceleration, bias.angular_acceleration])
+    acceleration = (inverse @ (tray.twist_change - drift)[:, :, None])[:, :, 0]
+    return position, speed, acceleration
+
+
+def _slosh_tracks(
+    scene: Scene, structure: Structure, numbers: SceneNumbers, samples: StageSamples, tray: TraySamples
+) -> dict[str, SloshTrack]:
+    count = samples.displacement.shape[1]
+    if count == 0:
+        return {}
+    displacement, body = SX.sym("q", count), SX.sym("body", 9)
+    zeros = SX.zeros(count)
+    slosh = split_states(structure, displacement, zeros, zeros)
+    objects = sample_objects(structure, numbers, FrameMotion(body[:3], body[3:6], body[6:]), slosh)
+    heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
+    function = ca.Function("heights", [displacement, body], [ca.densify(ca.vertcat(*heights))])
+    table = np.array(function(ca.DM(samples.displacement.T), ca.DM(tray.body)).full())
+    tracks, start = {}, 0
+    carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
+    for row, (cargo, item) in enumerate(carriers):
+        own = slice(start, start + item.coordinates)
+        start += item.coordinates
+        tracks[cargo.name] = SloshTrack(samples.displacement[:, own], samples.velocity[:, own], table[row])
+    return tracks

@@ -1,0 +1,219 @@
+"""The exported trajectory: what the controller and the judge receive, sampled at a fixed rate."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from nospill.errors import PlanFolderError
+
+_NEARLY_THERE = 1e-7
+"""Remaining path parameter from which on the motion is taken to stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class SloshTrack:
+    """Planned liquid of one object: modal displacement and velocity (m, k), m and m/s, container axes; surface height (m,), m."""
+
+    displacement: np.ndarray
+    velocity: np.ndarray
+    height: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectorySample:
+    """The trajectory at one instant; fields as in `Trajectory`."""
+
+    t: float
+    s: float
+    joint_position: np.ndarray
+    joint_speed: np.ndarray
+    joint_acceleration: np.ndarray
+    tray_position: np.ndarray
+    tray_quaternion: np.ndarray
+    tilt: np.ndarray
+    slosh_height: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Samples at a fixed rate, from rest to rest; the last ones may already stand still.
+
+    Attributes:
+        t: (m,) s. s, s_rate, s_acceleration: (m,), 1, 1/s, 1/s^2.
+        tilt, tilt_rate, tilt_acceleration: (m, 2) theta_x and theta_y, rad, rad/s, rad/s^2.
+        joints: names. joint_position, joint_speed, joint_acceleration: (m, n), rad, rad/s, rad/s^2.
+        tray_position: (m, 3) tray frame in the base frame, m. tray_quaternion: (m, 4), (x, y, z, w), tray to base.
+        slosh: per object with liquid.
+    """
+
+    t: np.ndarray
+    s: np.ndarray
+    s_rate: np.ndarray
+    s_acceleration: np.ndarray
+    tilt: np.ndarray
+    tilt_rate: np.ndarray
+    tilt_acceleration: np.ndarray
+    joints: tuple[str, ...]
+    joint_position: np.ndarray
+    joint_speed: np.ndarray
+    joint_acceleration: np.ndarray
+    tray_position: np.ndarray
+    tray_quaternion: np.ndarray
+    slosh: dict[str, SloshTrack]
+
+    @property
+    def rate(self) -> float:
+        """Samples per second, Hz."""
+        return (len(self.t) - 1) / float(self.t[-1] - self.t[0])
+
+    @property
+    def end_time(self) -> float:
+        """Time at which s reaches 1, s.
+
+        The jerk is constant just before the end, where 1 - s = J tau^3/6 and s' = J tau^2/2: the remaining time after a sample is
+        tau = 3 (1 - s)/s'.
+        """
+        moving = np.flatnonzero(1.0 - self.s > _NEARLY_THERE)
+        if len(moving) == 0 or self.s_rate[moving[-1]] <= 0.0:
+            return float(self.t[-1])
+        last = moving[-1]
+        end = self.t[last] + 3.0 * (1.0 - self.s[last]) / self.s_rate[last]
+        return float(min(end, self.t[-1]))
+
+    def at(self, t: float) -> TrajectorySample:
+        """The trajectory at time `t` in s: joints by the cubic through positions and speeds, the rest linearly.
+
+        Raises:
+            ValueError: outside the trajectory.
+        """
+        if not self.t[0] <= t <= self.t[-1]:
+            raise ValueError(f"t = {t:.4g} s is outside the trajectory ({self.t[0]:.4g} to {self.t[-1]:.4g} s)")
+        left = int(np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2))
+        width = self.t[left + 1] - self.t[left]
+        u = (t - self.t[left]) / width
+
+        def linear(values: np.ndarray) -> np.ndarray:
+            return (1 - u) * values[left] + u * values[left + 1]
+
+        q, qd = self.joint_position, self.joint_speed
+        cubic = (
+            (1 + 2 * u) * (1 - u) ** 2 * q[left]
+            + u * (1 - u) ** 2 * width * qd[left]
+            + u**2 * (3 - 2 * u) * q[left + 1]
+            - u**2 * (1 - u) * width * qd[left + 1]
+        )
+        quaternion = linear(self.tray_quaternion)
+        return TrajectorySample(
+            t=float(t),
+            s=float(linear(self.s)),
+            joint_position=cubic,
+            joint_speed=linear(qd),
+            joint_acceleration=linear(self.joint_acceleration),
+            tray_position=linear(self.tray_position),
+            tray_quaternion=quaternion / np.linalg.norm(quaternion),
+            tilt=linear(self.tilt),
+            slosh_height={name: float(linear(track.height)) for name, track in self.slosh.items()},
+        )
+
+
+def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, str, int | None]]:
+    """(header, attribute or object name, component) of every column of the file; `slosh` gives coordinates per object."""
+    columns: list[tuple[str, str, int | None]] = [
+        ("t_s", "t", None),
+        ("s", "s", None),
+        ("s_rate_1_s", "s_rate", None),
+        ("s_acceleration_1_s2", "s_acceleration", None),
+    ]
+    for suffix, attribute in (("rad", "tilt"), ("rate_rad_s", "tilt_rate"), ("acceleration_rad_s2", "tilt_acceleration")):
+        columns += [(f"theta_{axis}_{suffix}", attribute, index) for index, axis in enumerate("xy")]
+    for suffix, attribute in (
+        ("rad", "joint_position"),
+        ("rad_s", "joint_speed"),
+        ("rad_s2", "joint_acceleration"),
+    ):
+        columns += [(f"{name}_{suffix}", attribute, index) for index, name in enumerate(joints)]
+    columns += [(f"tray_{axis}_m", "tray_position", index) for index, axis in enumerate("xyz")]
+    columns += [(f"tray_q{axis}", "tray_quaternion", index) for index, axis in enumerate("xyzw")]
+    for name, count in slosh.items():
+        columns += [(f"{name}_slosh_{index + 1}_m", f"displacement:{name}", index) for index in range(count)]
+        columns += [(f"{name}_slosh_rate_{index + 1}_m_s", f"velocity:{name}", index) for index in range(count)]
+        columns.append((f"{name}_height_m", f"height:{name}", None))
+    return columns
+
+
+def _column(trajectory: Trajectory, key: str, component: int | None) -> np.ndarray:
+    kind, _, name = key.partition(":")
+    values = getattr(trajectory.slosh[name], kind) if name else getattr(trajectory, kind)
+    return values if component is None else values[:, component]
+
+
+def trajectory_text(trajectory: Trajectory) -> str:
+    """The trajectory as CSV with units in the header and 17 significant digits."""
+    counts = {name: track.displacement.shape[1] for name, track in trajectory.slosh.items()}
+    columns = _columns(trajectory.joints, counts)
+    table = np.column_stack([_column(trajectory, key, component) for _, key, component in columns])
+    buffer = io.StringIO()
+    np.savetxt(buffer, table, delimiter=",", fmt="%.17g", header=",".join(name for name, _, _ in columns), comments="")
+    return buffer.getvalue()
+
+
+def read_trajectory(path: FilePath) -> Trajectory:
+    """Read what `trajectory_text` wrote; joints and objects are taken from the header.
+
+    Raises:
+        PlanFolderError: the file is missing or is not such a table; names the line or column.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise PlanFolderError(f"{path}: cannot be read ({error})") from error
+    lines = text.splitlines()
+    header = next(csv.reader(lines[:1]), [])
+    joints = tuple(name.removesuffix("_rad_s2") for name in header if name.endswith("_rad_s2") and not name.startswith("theta_"))
+    names = [name.removesuffix("_height_m") for name in header if name.endswith("_height_m")]
+    slosh = {name: sum(h.startswith(f"{name}_slosh_rate_") for h in header) for name in names}
+    columns = _columns(joints, slosh)
+    if header != [name for name, _, _ in columns]:
+        missing = [name for name, _, _ in columns if name not in header]
+        wrong = f"column {missing[0]} is missing" if missing else "the columns are not in the order nospill writes"
+        raise PlanFolderError(f"{path}: not a trajectory of nospill: {wrong}")
+    try:
+        table = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
+    except ValueError as error:
+        raise PlanFolderError(f"{path}: {error}") from error
+    if len(table) < 10 or table.shape[1] != len(columns):
+        raise PlanFolderError(f"{path}: {len(table)} rows of {table.shape[1]} values, expected at least 10 of {len(columns)}")
+    if not np.all(np.isfinite(table)):
+        row, column = np.argwhere(~np.isfinite(table))[0]
+        raise PlanFolderError(f"{path}: line {row + 2}, column {header[column]}: the value is not a finite number")
+    where: dict[str, list[int]] = {}
+    for index, (_, key, _) in enumerate(columns):
+        where.setdefault(key, []).append(index)
+
+    def block(key: str) -> np.ndarray:
+        return table[:, where[key]]
+
+    flat = {key: block(key)[:, 0] for key in ("t", "s", "s_rate", "s_acceleration")}
+    wide = {
+        key: block(key)
+        for key in (
+            "tilt",
+            "tilt_rate",
+            "tilt_acceleration",
+            "joint_position",
+            "joint_speed",
+            "joint_acceleration",
+            "tray_position",
+            "tray_quaternion",
+        )
+    }
+    tracks = {
+        name: SloshTrack(block(f"displacement:{name}"), block(f"velocity:{name}"), block(f"height:{name}")[:, 0])
+        for name in names
+    }
+    return Trajectory(joints=joints, slosh=tracks, **flat, **wide)
