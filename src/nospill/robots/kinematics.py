@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
+from xml.etree import ElementTree
 
 import casadi as cs
 import numpy as np
@@ -195,10 +196,21 @@ def _flange(urdf: str, joints: tuple[str, ...], tip: str, q: cs.SX) -> tuple[cs.
     # imported here: it pulls in scipy, which a listing of the catalogue does not need
     from adam.casadi import KinDynComputations
 
-    if "<robot" not in urdf:
-        raise ScenarioError("robot description has no <robot> element; give the text of a URDF file")
     try:
-        chain = KinDynComputations(urdf, list(joints))
+        tree = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise ScenarioError(f"robot description is no XML: {error}; give the text of a URDF file") from error
+    if tree.tag != "robot":
+        raise ScenarioError(
+            f"robot description starts with <{tree.tag}>, expected <robot>; give the text of a URDF file"
+        )
+    # defaults of the URDF format that adam expects to be written out
+    for joint in tree.findall("joint"):
+        for element, standard in (("origin", {"xyz": "0 0 0", "rpy": "0 0 0"}), ("axis", {"xyz": "1 0 0"})):
+            if joint.find(element) is None:
+                ElementTree.SubElement(joint, element, standard)
+    try:
+        chain = KinDynComputations(ElementTree.tostring(tree, encoding="unicode"), list(joints))
         transform = chain.forward_kinematics(tip, cs.SX.eye(4), q)
         # the first six columns belong to a floating base; the rest is for frame-origin velocity in base axes
         jacobian = chain.jacobian(tip, cs.SX.eye(4), q)[:, 6:]

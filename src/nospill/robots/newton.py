@@ -123,10 +123,12 @@ def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, 
     size = np.linalg.norm(sine, axis=1)
     cosine = 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0)
     angle = np.arctan2(size, cosine)
-    # at half a turn the sine vanishes though the gap does not: any axis leads away from there
-    half_turn = (size < 1e-9) & (cosine < 0)
     vector = sine * np.where(size > 1e-9, angle / np.maximum(size, 1e-300), 1.0)[:, None]
-    vector[half_turn] = [0.0, 0.0, np.pi]
+    # at half a turn the sine vanishes though the gap does not; the turn is 2 a a^T - I there, with a its axis
+    for row in np.flatnonzero((size < 1e-9) & (cosine < 0)):
+        outer = 0.5 * (turn[row] + np.eye(3))
+        longest = int(np.argmax(np.diag(outer)))
+        vector[row] = np.pi * outer[longest] / np.sqrt(outer[longest, longest])
     return np.concatenate([positions - reached, vector], axis=1)
 
 
