@@ -27,7 +27,7 @@ test: $(VENV)/.ready-test
 check: $(VENV)/.ready-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/pyright
 	$(BIN)/lint-imports --no-logo
 
 # The stamps are written last, so a set-up that was cut short is done again.

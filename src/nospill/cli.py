@@ -1,0 +1,366 @@
+"""The command line: reads arguments, calls one function, prints what it returned.
+
+Exit codes: 0 certified (or done), 1 solved but not certified, 2 bad input, 3 no solution, 70 a fault of nospill itself,
+130 stopped by the user. Heavy libraries are imported inside the commands, so that help and errors come at once.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, redirect_stdout
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ParamSpec, Self
+
+import typer
+
+from nospill.errors import NoSolutionError, NospillError
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.certify import Certificate, CertificateRow
+    from nospill.plan import Plan
+    from nospill.planner import PlanningProgress
+
+INTERNAL_ERROR = 70
+STOPPED = 130
+OUTPUT_CLOSED = 141
+
+SUMMARY_KEYS = (
+    "scenario",
+    "status",
+    "message",
+    "duration_s",
+    "plan_time_s",
+    "solve_time_s",
+    "iterations",
+    "starts",
+    "max_tray_acceleration_m_s2",
+    "max_tray_angular_acceleration_rad_s2",
+    "max_tilt_deg",
+    "max_joint_speed_use",
+    "max_slosh_height_m",
+    "residual_slosh_height_m",
+    "certificate",
+)
+"""Keys of the summary, in order; a failed plan has them all, null from the duration on."""
+
+P = ParamSpec("P")
+
+app = typer.Typer(
+    name="nospill",
+    help="Plan and certify the fastest motion of a robot arm that carries open cups and loose objects on a tray.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Entry point of the command `nospill`."""
+    app()
+
+
+def _reported(command: Callable[P, int]) -> Callable[P, None]:
+    """Turn what a command returns or raises into one line and an exit code."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            code = command(*args, **kwargs)
+            sys.stdout.flush()
+        except NospillError as error:
+            code = error.exit_code
+            _say(_one_line(error))
+        except KeyboardInterrupt:
+            code = STOPPED
+            _say("stopped; nothing was written")
+        except BrokenPipeError:
+            code = OUTPUT_CLOSED
+            os.dup2(
+                os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+            )  # or the interpreter complains when it flushes
+        except Exception as error:
+            code = INTERNAL_ERROR
+            if os.environ.get("NOSPILL_TRACEBACK") == "1":
+                traceback.print_exc()
+            what = f"{type(error).__name__}: {_one_line(error)}"
+            _say(f"internal error: {what}; please report it with the scenario (NOSPILL_TRACEBACK=1 shows where)")
+        raise typer.Exit(code)
+
+    return run
+
+
+def _one_line(error: Exception | str) -> str:
+    return " ".join(str(error).split())
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"nospill {version('nospill')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Plan and certify the fastest motion of a robot arm that carries open cups and loose objects on a tray."""
+
+
+@app.command()
+@_reported
+def plan(
+    scenario: Annotated[str, typer.Argument(help="A scenario file (TOML) or the name of a bundled example.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
+    no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
+) -> int:
+    """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
+    with _only_stderr() if as_json else nullcontext(), _Progress() as progress:
+        from nospill.files import require_replaceable
+        from nospill.scenario import read_scenario
+
+        if output is not None:
+            require_replaceable(output)
+        scene = read_scenario(scenario)
+        progress.say("load the optimiser")
+        from nospill.planner import plan as find_plan
+
+        outcome: Plan | NoSolutionError
+        try:
+            outcome = find_plan(scene, progress=progress.show)
+            if output is not None:
+                progress.say("write")
+                outcome.save(output, extra=None if no_figures else functools.partial(_write_figures, outcome))
+        except NoSolutionError as error:
+            outcome = error
+    if isinstance(outcome, NoSolutionError):
+        if as_json:
+            _print_json(_failed_summary(scene.name, outcome))
+        raise outcome
+    if as_json:
+        _print_json(outcome.summary())
+    else:
+        _print_certificate(outcome.certificate)
+        print(f"duration: {outcome.duration:.3f} s")
+        print(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
+    if not outcome.certificate.ok:
+        _say(_one_line(outcome.message))
+    return 0 if outcome.certificate.ok else 1
+
+
+@app.command()
+@_reported
+def check(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+) -> int:
+    """Judge a plan folder again, from its trajectory and scenario alone; nothing is optimised or written."""
+    from nospill.certify import certify
+    from nospill.plan import load_plan
+
+    saved = load_plan(folder)
+    certificate = certify(saved.trajectory, saved.scene)
+    _print_certificate(certificate)
+    return 0 if certificate.ok else 1
+
+
+@app.command()
+@_reported
+def plot(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+) -> int:
+    """Draw the figures of a plan folder again."""
+    from nospill.files import atomic_folder
+    from nospill.plan import load_plan
+    from nospill.plots import save_figures
+
+    saved = load_plan(folder)
+    figures = folder / "figures"
+    with _Progress() as progress, atomic_folder(figures, replaceable=_only_figures) as partial:
+        progress.say("draw")
+        save_figures(saved, partial)
+        names = sorted(path.name for path in partial.iterdir())
+    for name in names:
+        print(figures / name)
+    return 0
+
+
+@app.command()
+@_reported
+def examples() -> int:
+    """List the bundled examples."""
+    from nospill.examples import EXAMPLES
+
+    _print_table(("example", "what it shows"), [(name, text) for name, text in EXAMPLES.items()])
+    return 0
+
+
+@app.command()
+@_reported
+def robots(
+    as_json: Annotated[bool, typer.Option("--json", help="Print limits and their sources as JSON.")] = False,
+) -> int:
+    """List the robots in the catalogue."""
+    from nospill.robots.catalog import robot_table
+
+    table = robot_table()
+    if as_json:
+        _print_json(table)
+        return 0
+    keys = ("name", "title", "reach_m", "payload_kg")
+    _print_table(("robot", "what it is", "reach m", "payload kg"), [[row[key] for key in keys] for row in table])
+    return 0
+
+
+@app.command()
+@_reported
+def schema() -> int:
+    """Print the JSON schema of a scenario file."""
+    from nospill.scenario import scenario_schema
+
+    _print_json(scenario_schema())
+    return 0
+
+
+class _Progress:
+    """Where planning stands, on stderr: one moving line on a terminal, elsewhere one line for each phase."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+
+        console = Console(stderr=True)
+        self._status = console.status("") if console.is_terminal else None
+        self._last = ""
+
+    def __enter__(self) -> Self:
+        if self._status is not None:
+            self._status.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._status is not None:
+            self._status.stop()
+
+    def show(self, report: PlanningProgress) -> None:
+        """Say what the planner reports; called once an iteration."""
+        details = [
+            f"iteration {report.iteration}" if report.iteration is not None else "",
+            f"{report.duration_s:.3f} s" if report.duration_s is not None else "",
+            f"violation {report.violation:.1e}" if report.violation is not None else "",
+        ]
+        self.say(report.phase, ", ".join(filter(None, details)))
+
+    def say(self, phase: str, details: str = "") -> None:
+        """Say a phase and, where the line can move, its details."""
+        if self._status is not None:
+            self._status.update(f"{phase} {details}")
+        elif phase != self._last:
+            _say(f"{phase} ...")
+        self._last = phase
+
+
+@contextmanager
+def _only_stderr() -> Iterator[None]:
+    """Send everything that Python and the compiled solvers print to stderr, so that stdout stays clean for JSON."""
+    import ctypes
+
+    sys.stdout.flush()
+    stdout = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        if os.name == "posix":
+            ctypes.CDLL(None).fflush(None)  # what C code has printed may still wait in its own buffer
+        os.dup2(stdout, 1)
+        os.close(stdout)
+
+
+def _write_figures(found: Plan, folder: Path) -> None:
+    from nospill.plots import save_figures
+
+    save_figures(found, folder / "figures")
+
+
+def _only_figures(names: set[str]) -> bool:
+    return all(name.endswith((".png", ".pdf")) for name in names)
+
+
+def _failed_summary(scenario: str, error: NoSolutionError) -> dict[str, object]:
+    known = {"scenario": scenario, "status": "failed", "message": _one_line(error)}
+    return {key: known.get(key) for key in SUMMARY_KEYS}
+
+
+def _print_json(value: object) -> None:
+    print(json.dumps(value, indent=2, allow_nan=False))
+
+
+def _print_certificate(certificate: Certificate) -> None:
+    """Print the worst row of each constraint and the verdict."""
+    worst: dict[str, CertificateRow] = {}
+    for row in certificate.rows:
+        known = worst.get(row.constraint)
+        if known is None or (row.ok, row.worst_margin) < (known.ok, known.worst_margin):
+            worst[row.constraint] = row
+    _print_table(
+        ("constraint", "worst at", "value", "limit", "margin", "unit", "t / s", ""),
+        [
+            (
+                row.constraint,
+                row.subject,
+                row.worst_value,
+                row.limit,
+                row.worst_margin,
+                row.unit,
+                row.at_s,
+                _word(row.ok),
+            )
+            for row in worst.values()
+        ],
+    )
+    grid = f"on a grid of {certificate.grid_hz:g} Hz"
+    failed = [row for row in certificate.rows if not row.ok]
+    if certificate.ok:
+        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
+    else:
+        print(f"not certified: {len(failed)} of {len(certificate.rows)} rows fail {grid}")
+
+
+def _word(ok: bool) -> str:
+    return "ok" if ok else "FAILS"
+
+
+def _print_table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for column in columns:
+        table.add_column(column)
+    for row in rows:
+        table.add_row(*(Text(_cell(value)) for value in row))  # Text: names may hold what rich takes for markup
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
