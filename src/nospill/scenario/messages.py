@@ -37,11 +37,9 @@ def cargo_place(index: int, entry: object) -> str:
 
 
 def faults_of(error: ValidationError, table: Mapping[str, Any]) -> list[Fault]:
-    """Every error of a validated scenario `table`, in the file's order of tables."""
-    return [
-        _fault(detail["type"], detail["loc"], detail["input"], detail.get("ctx", {}), table)
-        for detail in error.errors(include_url=False)
-    ]
+    """Every error of a scenario `table`; unknown keys first: a misspelt key is also missing under its right name."""
+    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    return [_fault(detail["type"], detail["loc"], detail["input"], detail.get("ctx", {}), table) for detail in details]
 
 
 def _fault(kind: str, location: Location, value: object, context: Mapping[str, Any], table: Mapping[str, Any]) -> Fault:

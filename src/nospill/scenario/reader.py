@@ -30,6 +30,7 @@ from nospill.tray import Tray
 from nospill.units import as_written
 
 _LARGEST_FILE = 10_000_000
+_KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
 
 
@@ -43,7 +44,7 @@ def read_scenario(path: str | os.PathLike[str]) -> Scene:
         ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
             file, the place in it, the value and what is allowed.
     """
-    label = os.fspath(path)
+    label = os.fsdecode(path)
     file = _locate(label)
     return _scene(_parsed(file, label), label=label, name=file.stem, folder=file.parent)
 
@@ -82,6 +83,8 @@ def scenario_schema() -> dict[str, Any]:
 
 
 def _locate(label: str) -> FilePath:
+    if not label.strip():
+        raise report(as_written(label), [("", f"names no scenario; {_KNOWN_EXAMPLES}")])
     file = FilePath(label)
     try:
         if file.is_file():
@@ -96,8 +99,8 @@ def _locate(label: str) -> FilePath:
     if exists:
         raise report(label, [("", "is not a regular file; give a TOML file")])
     near = difflib.get_close_matches(label, EXAMPLES, n=1)
-    hint = f'did you mean "{near[0]}"?' if near else f"bundled examples: {', '.join(EXAMPLES)}"
-    raise report(label or '""', [("", f"no such file, and no bundled example of that name; {hint}")])
+    hint = f'did you mean "{near[0]}"?' if near else _KNOWN_EXAMPLES
+    raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
 
 
 def _parsed(file: FilePath, label: str) -> dict[str, Any]:
