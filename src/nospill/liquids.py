@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Liquid:
-    """A Newtonian liquid: density kg/m^3, kinematic viscosity m^2/s, surface tension N/m, and where the figures come from."""
+    """A Newtonian liquid: density kg/m^3, kinematic viscosity m^2/s, surface tension N/m, source of the figures."""
 
     name: str
     density: float

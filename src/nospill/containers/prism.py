@@ -96,8 +96,8 @@ def check_filling(liquid: Liquid, liquid_height: float, count: int, *, rim: floa
         )
     if not (liquid.density > 0.0 and 0.0 < liquid.kinematic_viscosity < math.inf):
         raise ScenarioError(
-            f"liquid {liquid.name}: density {liquid.density:g} kg/m^3, viscosity {liquid.kinematic_viscosity:g} m^2/s; both "
-            "must be above 0"
+            f"liquid {liquid.name}: density {liquid.density:g} kg/m^3, viscosity "
+            f"{liquid.kinematic_viscosity:g} m^2/s; both must be above 0"
         )
     if count < 1:
         raise ScenarioError(f"slosh modes = {count}: at least 1 is needed for a liquid")
