@@ -153,7 +153,7 @@ def test_every_exporter_keeps_the_contract(tmp_path: Path, name: str) -> None:
     assert "\n" not in exporter.title
     good, path, q = scene(), tmp_path / exporter.file_name, motion()
     assert exporter.reason_against(good) is None  # type: ignore[arg-type]
-    exporter.write(SimpleNamespace(joints=q), good, path)  # type: ignore[arg-type]
+    exporter.write(SimpleNamespace(joint_position=q), good, path)  # type: ignore[arg-type]
     t, back = exporter.read(path, good)  # type: ignore[arg-type]
     assert np.allclose(t, np.arange(len(q)) / good.output_rate, atol=1e-12)
     assert np.allclose(back, q, atol=1e-9, rtol=0.0)
@@ -165,7 +165,7 @@ def test_a_scene_that_does_not_fit_is_told_before(tmp_path: Path, bad: SimpleNam
     reason = exporter.reason_against(bad)  # type: ignore[arg-type]
     assert reason
     with pytest.raises(NospillError) as caught:
-        exporter.write(SimpleNamespace(joints=motion(joints=len(bad.robot.joints))), bad, tmp_path / "a.csv")  # type: ignore[arg-type]
+        exporter.write(SimpleNamespace(joint_position=motion(joints=len(bad.robot.joints))), bad, tmp_path / "a.csv")  # type: ignore[arg-type]
     assert str(caught.value) == reason
 
 

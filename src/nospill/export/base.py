@@ -5,20 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from nospill.scene import Scene
-
-
-class JointMotion(Protocol):
-    """What an exporter reads of a trajectory."""
-
-    @property
-    def joints(self) -> np.ndarray:
-        """Joint positions, shape (samples, joints), rad, at the scene's `output_rate` from t = 0 on."""
-        ...
+from nospill.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,5 +30,5 @@ class Exporter:
     file_name: str
     title: str
     reason_against: Callable[[Scene], str | None]
-    write: Callable[[JointMotion, Scene, Path], None]
+    write: Callable[[Trajectory, Scene, Path], None]
     read: Callable[[Path, Scene], tuple[np.ndarray, np.ndarray]]

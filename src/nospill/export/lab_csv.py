@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from nospill.errors import PlanFolderError, ScenarioError
-from nospill.export.base import Exporter, JointMotion
+from nospill.export.base import Exporter
 from nospill.files import atomic_text
 from nospill.scene import Scene
+from nospill.trajectory import Trajectory
 
 LAB_RATE = 500.0
 """Rows the laboratory's controller plays per second, Hz."""
@@ -113,8 +114,8 @@ def _scene_reason(scene: Scene) -> str | None:
     return _reason_against(scene.output_rate, len(scene.robot.joints))
 
 
-def _write(trajectory: JointMotion, scene: Scene, path: Path) -> None:
-    write_lab_csv(trajectory.joints, path, rate=scene.output_rate)
+def _write(trajectory: Trajectory, scene: Scene, path: Path) -> None:
+    write_lab_csv(trajectory.joint_position, path, rate=scene.output_rate)
 
 
 def _read(path: Path, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
