@@ -16,7 +16,7 @@ import numpy as np
 
 from nospill.constraints import CONSTRAINTS
 from nospill.frames import SX
-from nospill.numbers import SceneNumbers, Structure, flatten, symbolic
+from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stage import Block, stage_expressions, terminal_rows
 
@@ -72,29 +72,16 @@ def reserve_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
 
 def transcribe(structure: Structure, numbers: SceneNumbers, intervals: int) -> Transcription:
     """The transcription of a structure; `numbers` only shows the shapes. Built once per structure and number of intervals."""
-    return _transcribe(structure, _Template(numbers), intervals)
-
-
-class _Template:
-    """Numbers as a cache key: equal whenever the shapes are, which the structure already decides."""
-
-    def __init__(self, numbers: SceneNumbers) -> None:
-        self.numbers = numbers
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Template)
-
-    def __hash__(self) -> int:
-        return 0
+    return _transcribe(structure, Shapes(numbers), intervals)
 
 
 @lru_cache(maxsize=16)
-def _transcribe(structure: Structure, template: _Template, intervals: int) -> Transcription:
+def _transcribe(structure: Structure, shapes: Shapes, intervals: int) -> Transcription:
     layout = layout_of(structure)
     keys = reserve_keys(structure)
-    count = len(flatten(template.numbers))
+    count = shapes.size
     parameters = SX.sym("p", count + layout.size + len(keys))
-    numbers = symbolic(template.numbers, parameters[:count])
+    numbers = symbolic(shapes.record, parameters[:count])
     scales = parameters[count : count + layout.size]
     reserves = {key: parameters[count + layout.size + index] for index, key in enumerate(keys)}
 

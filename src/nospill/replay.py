@@ -1,0 +1,194 @@
+"""The exported joints played again on a dense grid: what the tray and the liquids really do between the samples.
+
+Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees joint positions,
+so speeds and accelerations are the derivatives of the quintic spline through the position samples, with the arm at rest before and
+after.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.errors import ModelError
+from nospill.frames import SX, FrameMotion
+from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, numbers_of, structure_of, symbolic
+from nospill.robots.kinematics import ToolMotions, kinematics
+from nospill.sample import coordinate_count, object_motion
+from nospill.scene import Scene
+from nospill.slosh.motion import modal_acceleration
+from nospill.trajectory import Trajectory
+
+MINIMUM_RATE = 2000.0
+"""Hz; the grid on which a trajectory is judged is at least this fine."""
+
+_HOLD_SAMPLES = 6
+_SLOSH_TOLERANCE = 1e-7
+_LARGEST_REFINEMENT = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """Dense reconstruction of an exported trajectory.
+
+    Attributes:
+        t: (m,) s. rate: Hz.
+        joint_position, joint_speed, joint_acceleration: (m, n), rad, rad/s, rad/s^2.
+        tray: pose and motion of the tray frame in base axes.
+        body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
+        slosh_displacement, slosh_velocity: (m, k) modal coordinates, re-integrated, m and m/s.
+        slosh_error: estimated integration error of the displacements, m.
+    """
+
+    t: np.ndarray
+    rate: float
+    joint_position: np.ndarray
+    joint_speed: np.ndarray
+    joint_acceleration: np.ndarray
+    tray: ToolMotions
+    body: np.ndarray
+    slosh_displacement: np.ndarray
+    slosh_velocity: np.ndarray
+    slosh_error: float
+
+
+def replay(trajectory: Trajectory, scene: Scene) -> Replay:
+    """Play an exported trajectory again.
+
+    Raises:
+        ModelError: the slosh integration does not converge (the liquid would leave its cup).
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate - 1e-9))
+    spline = _joint_spline(trajectory)
+    count = coordinate_count(structure)
+    refinement, coarse = 1, None
+    while True:
+        # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too.
+        grid = _grid(trajectory, 2 * per_sample * refinement)
+        tray, body = _tray(scene, spline, grid)
+        fine = _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else np.zeros((len(grid[::2]), 0))
+        if coarse is not None or not count:
+            step = 2 if count else 1
+            error = float(np.max(np.abs(fine[::step, :count] - coarse), initial=0.0)) if coarse is not None else 0.0
+            if error <= _SLOSH_TOLERANCE:
+                break
+            if refinement >= _LARGEST_REFINEMENT or not np.isfinite(error):
+                raise ModelError(
+                    f"slosh cannot be integrated along this trajectory (error {error * 1e3:.3g} mm at "
+                    f"{per_sample * refinement * trajectory.rate:.0f} Hz): the liquid leaves its cup"
+                )
+        coarse, refinement = fine[:, :count], 2 * refinement
+    kept = grid[::2]
+    every = slice(None, None, 2)
+    return Replay(
+        t=kept,
+        rate=1.0 / float(kept[1] - kept[0]),
+        joint_position=spline(kept),
+        joint_speed=spline(kept, 1),
+        joint_acceleration=spline(kept, 2),
+        tray=ToolMotions(
+            position=tray.position[every],
+            rotation=tray.rotation[every],
+            velocity=tray.velocity[every],
+            acceleration=tray.acceleration[every],
+            angular_velocity=tray.angular_velocity[every],
+            angular_acceleration=tray.angular_acceleration[every],
+        ),
+        body=body[:, ::2],
+        slosh_displacement=fine[:, :count],
+        slosh_velocity=fine[:, count:],
+        slosh_error=error if count else 0.0,
+    )
+
+
+def _joint_spline(trajectory: Trajectory) -> Any:
+    from scipy.interpolate import make_interp_spline
+
+    q, period = trajectory.joint_position, 1.0 / trajectory.rate
+    hold = np.arange(1, _HOLD_SAMPLES + 1) * period
+    t = np.concatenate([trajectory.t[0] - hold[::-1], trajectory.t, trajectory.t[-1] + hold])
+    padded = np.concatenate([np.repeat(q[:1], len(hold), axis=0), q, np.repeat(q[-1:], len(hold), axis=0)])
+    return make_interp_spline(t, padded, k=5)
+
+
+def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
+    count = (len(trajectory.t) - 1) * per_sample + 1
+    return np.linspace(trajectory.t[0], trajectory.t[-1], count)
+
+
+def _tray(scene: Scene, spline: Any, grid: np.ndarray) -> tuple[ToolMotions, np.ndarray]:
+    motions = kinematics(scene.robot).motions(
+        spline(grid),
+        spline(grid, 1),
+        spline(grid, 2),
+        tool_position=scene.tray.offset,
+        tool_yaw=scene.tray.yaw_on_flange,
+    )
+    back = np.swapaxes(motions.rotation, 1, 2)
+    lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
+    vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
+    return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
+
+
+def body_motion(body: SX) -> FrameMotion:
+    """The nine rows of `Replay.body` as a frame motion."""
+    return FrameMotion(body[:3], body[3:6], body[6:])
+
+
+def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
+    """Accelerations of all slosh coordinates (k, 1) from displacements and velocities, m/s^2."""
+    rates, start = [], 0
+    for item, own in zip(structure.objects, numbers.objects, strict=True):
+        motion = object_motion(own, tray)
+        for oscillator, directions in zip(own.oscillators, item.oscillators, strict=True):
+            part = slice(start, start + len(directions))
+            start = part.stop
+            rates.append(
+                modal_acceleration(
+                    oscillator,
+                    directions,
+                    motion,
+                    q[part],
+                    qd[part],
+                    damp_against_spin=structure.fidelity == "deliverable",
+                )
+            )
+    return ca.vertcat(*rates)
+
+
+@lru_cache(maxsize=16)
+def _runge_kutta_step(structure: Structure, shapes: Shapes) -> Any:
+    """One classical Runge-Kutta step of all liquids: (state, body at start, middle, end, step, parameters) -> state."""
+    count = coordinate_count(structure)
+    state, bodies, step = SX.sym("x", 2 * count), [SX.sym(f"b{i}", 9) for i in range(3)], SX.sym("h")
+    parameters = SX.sym("p", shapes.size)
+    numbers = symbolic(shapes.record, parameters)
+
+    def rate(x: SX, body: SX) -> SX:
+        q, qd = x[:count], x[count:]
+        return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
+
+    x, body, p = SX.sym("x", 2 * count), SX.sym("b", 9), parameters
+    slope = ca.Function("slope", [x, body, p], [rate(x, body)], {"cse": True})
+    k1 = slope(state, bodies[0], p)
+    k2 = slope(state + step / 2 * k1, bodies[1], p)
+    k3 = slope(state + step / 2 * k2, bodies[1], p)
+    k4 = slope(state + step * k3, bodies[2], p)
+    following = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return ca.Function("step", [state, *bodies, step, p], [following], {"cse": True})
+
+
+def _integrate(structure: Structure, numbers: SceneNumbers, body: np.ndarray, step: float) -> np.ndarray:
+    """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
+    function = _runge_kutta_step(structure, Shapes(numbers))
+    steps = (body.shape[1] - 1) // 2
+    start = np.zeros(2 * coordinate_count(structure))
+    columns = [ca.DM(body[:, 0:-1:2]), ca.DM(body[:, 1::2]), ca.DM(body[:, 2::2])]
+    run = function.mapaccum("run", steps)
+    states = run(start, *columns, np.full((1, steps), step), ca.repmat(ca.DM(flatten(numbers)), 1, steps))
+    return np.vstack([start, np.array(states.full()).T])
