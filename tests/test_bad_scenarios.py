@@ -1,7 +1,8 @@
 """Malformed scenarios: each file of bad_scenarios/ gives one clear line and exit code 2.
 
 The first line of a file holds the expected fragments, separated by " | ". The rest is laid over `_valid.toml`: tables
-key by key, lists of tables entry by entry, "(remove)" takes a key away. With "# whole file" on the second line it is taken as it stands.
+key by key, lists of tables entry by entry, "(remove)" takes a key away. With "# whole file" on the second line it is
+taken as it stands.
 """
 
 from __future__ import annotations

@@ -331,6 +331,7 @@ SOMETHING = st.recursive(
     | st.booleans()
     | st.integers()
     | st.floats()
+    | st.sampled_from([0, -1, 1e-320, 1e-150, 1e-12, 1e-4, 1e4, 1e154, -1.7e308])
     | st.text(max_size=8)
     | st.sampled_from(["35 mm", "1 kg", "deg", "water", "cylinder", "arc", 10**400, datetime.date(2025, 7, 28)]),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),

@@ -31,11 +31,11 @@ class LiquidTable(Table):
     """A liquid that is not in the table of liquids."""
 
     density: Annotated[
-        float, Measured(dimension="density", above=0.0, at_most=25e3), Field(description="density of the liquid")
+        float, Measured(dimension="density", at_least=1.0, at_most=25e3), Field(description="density of the liquid")
     ]
     kinematic_viscosity: Annotated[
         float,
-        Measured(dimension="kinematic_viscosity", above=0.0, at_most=1.0),
+        Measured(dimension="kinematic_viscosity", at_least=1e-9, at_most=1.0),
         Field(description="kinematic viscosity of the liquid"),
     ]
     surface_tension: Annotated[
@@ -65,7 +65,9 @@ class CargoTable(Table):
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
     max_slosh_height: Annotated[
-        Size | None, Field(description="how far the surface may rise above its rest level; to the rim when not given")
+        float | None,
+        Measured(dimension="length", above=0.0, at_most=10.0),
+        Field(description="how far the surface may rise above its rest level; to the rim when not given"),
     ] = None
     damping: Annotated[
         float | None,

@@ -138,10 +138,14 @@ class SafeName:
 
 _COORDINATE = Measured(dimension="length", at_least=-100.0, at_most=100.0)
 
+# Least values keep squares and quotients of sizes far from the ends of the floating-point range.
+SIDE = Measured(dimension="length", at_least=1e-4, at_most=10.0)
+"""What a size is: nothing smaller than a tenth of a millimetre."""
+
 Name = Annotated[str, SafeName()]
-Size = Annotated[float, Measured(dimension="length", above=0.0, at_most=10.0)]
+Size = Annotated[float, SIDE]
 Angle = Annotated[float, Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)]
-Mass = Annotated[float, Measured(dimension="mass", above=0.0, at_most=1000.0)]
+Mass = Annotated[float, Measured(dimension="mass", at_least=1e-6, at_most=1000.0)]
 Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
 FrictionReserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]
 Point = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y", "z"))]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from nospill.scenario.cargo_entries import CargoEntry
-from nospill.scenario.fields import Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
+from nospill.scenario.fields import SIDE, Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
 from nospill.scenario.path_entries import PathEntry
 from nospill.scene import EndCondition, Fidelity
 
@@ -24,7 +24,7 @@ class TrayTable(Table):
 
     size: Annotated[
         tuple[float, ...],
-        Vector(entry=Measured(dimension="length", above=0.0, at_most=10.0), axes=("x", "y")),
+        Vector(entry=SIDE, axes=("x", "y")),
         Field(description='side lengths along x and y, for example ["335 mm", "250 mm"]'),
     ]
     friction: Annotated[Friction, Field(description="measured coefficient of friction between tray and cargo")]
