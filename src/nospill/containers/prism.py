@@ -23,6 +23,9 @@ EMPIRICAL_DAMPING = 0.92 * 2 * math.sqrt(2) * _FIRST_ROOT**0.25 * (_FIRST_ROOT**
 """1.65: damping measured in cylinders over that of laminar Stokes layers in a deep one: the published constant 0.92
 over (xi^2 + 1)/((xi^2 - 1) 2 sqrt(2) xi^(1/4)) = 0.5575 with xi = 1.8412."""
 
+LARGEST_DAMPING = 0.99
+"""Cap of the faster modes' damping ratio, which grows without end: beyond it they no longer swing, only follow."""
+
 _SMALLEST_FIXED_FRACTION = 1e-9
 
 
@@ -120,11 +123,16 @@ def slosh_model(
         frozen: the liquid as a whole.
         liquid: for the damping.
         liquid_height: h, m.
-        damping: ratio of the slowest mode; the others scale with their laminar damping.
+        damping: ratio of the slowest mode; the others scale with their laminar damping, up to `LARGEST_DAMPING`.
 
     Raises:
         ScenarioError: a liquid too viscous to slosh.
     """
+    if damping >= 1.0:
+        raise ScenarioError(
+            f"liquid {liquid.name}: damping ratio {damping:.3g} of its slowest mode, below 1 is allowed; it is too "
+            "viscous to slosh: model it as a solid, or state the damping"
+        )
     slowest = min(modes, key=lambda mode: mode.wave_number)
     scale = damping / slowest.laminar_damping(liquid, liquid_height)
     oscillators = tuple(
@@ -132,19 +140,13 @@ def slosh_model(
             frequency=mode.frequency(liquid_height),
             mass=mode.mass_fraction * frozen.mass,
             height=mode.mass_height(liquid_height),
-            damping=scale * mode.laminar_damping(liquid, liquid_height),
+            damping=min(scale * mode.laminar_damping(liquid, liquid_height), max(damping, LARGEST_DAMPING)),
             surface_gain=mode.surface_gain,
             directions=mode.directions,
             wave_number=mode.wave_number,
         )
         for mode in modes
     )
-    largest = max(oscillator.damping for oscillator in oscillators)
-    if largest >= 1.0:
-        raise ScenarioError(
-            f"liquid {liquid.name}: damping ratio {largest:.3g} of a slosh mode, below 1 is allowed; it is too viscous "
-            "to slosh: carry fewer modes, or model it as a solid"
-        )
     fixed_mass = frozen.mass - sum(oscillator.mass for oscillator in oscillators)
     if abs(fixed_mass) < _SMALLEST_FIXED_FRACTION * frozen.mass:
         # A box can have exactly all of its mass in its modes; its place would then be infinitely far away.
