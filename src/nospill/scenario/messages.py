@@ -45,12 +45,14 @@ def faults_of(error: ValidationError, table: Mapping[str, Any]) -> list[Fault]:
 def _fault(kind: str, location: Location, value: object, context: Mapping[str, Any], table: Mapping[str, Any]) -> Fault:
     place, keys, model = _resolve(location, table)
     subject = _key_path(keys) or place
+    if not place and (keys == ("path",) or _table_model(str(keys[0]))):
+        subject = f"[{subject}]"
     place = place if keys else ""
     shown = as_written(value)
     if kind == "missing":
         return place, f"{subject} is missing: {_description(model, keys)}"
     if kind == "extra_forbidden":
-        return place, _unknown_key(str(keys[-1]), model)
+        return place, _unknown_key(keys, model)
     if kind == SENTENCE:
         return place, f"{subject} {context['sentence']}"
     if kind == "list_type" and location == ("cargo",) and isinstance(value, dict):
@@ -67,10 +69,8 @@ def _one_of(choices: str) -> str:
 
 def _entries(context: Mapping[str, Any]) -> str:
     least, given = context["min_length"], context["actual_length"]
-    entry = "entry" if least == 1 else "entries"
-    return f"has {given or 'no'} {'entry' if given == 1 else 'entries'}; at least {least} {entry} are needed".replace(
-        "1 entry are", "1 entry is"
-    )
+    needed = "1 is needed" if least == 1 else f"{least} are needed"
+    return f"has {given or 'no'} {'entry' if given == 1 else 'entries'}; at least {needed}"
 
 
 def _tag(shown: str, context: Mapping[str, Any]) -> str:
@@ -94,14 +94,16 @@ def _choices(context: Mapping[str, Any]) -> tuple[str, list[str]]:
 
 _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "literal_error": lambda shown, context: f"{shown} is not one of {_one_of(context['expected'])}",
-    "string_type": lambda shown, context: f'{shown} is not text; put it in quotes, for example "water"',
-    "int_type": lambda shown, context: f"{shown} is not a whole number",
+    "string_type": lambda shown, context: f"{shown} is not text; put it in quotes",
+    "int_type": lambda shown, context: f"{shown} is not a whole number; write one without quotes or decimal point",
     "greater_than_equal": lambda shown, context: f"{shown} is out of range: it must be at least {context['ge']}",
     "less_than_equal": lambda shown, context: f"{shown} is out of range: it must be at most {context['le']}",
     "list_type": lambda shown, context: f"{shown} is not a list; put the values in brackets",
     "too_short": lambda shown, context: _entries(context),
-    "model_type": lambda shown, context: f"{shown} is not a table; write its keys under their own heading",
-    "model_attributes_type": lambda shown, context: f"{shown} is not a table; write its keys under their own heading",
+    "model_type": lambda shown, context: f"is not a table but {shown}; write its keys under their own heading",
+    "model_attributes_type": lambda shown, context: (
+        f"is not a table but {shown}; write its keys under their own heading"
+    ),
     "union_tag_invalid": _tag,
     "union_tag_not_found": _no_tag,
 }
@@ -127,7 +129,7 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
 
 
 def _table_model(key: str) -> type[BaseModel] | None:
-    annotation = Scenario.model_fields[key].annotation
+    annotation = Scenario.model_fields[key].annotation if key in Scenario.model_fields else None
     return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
 
 
@@ -143,9 +145,10 @@ def _description(model: type[BaseModel] | None, keys: Location) -> str:
     return (field.description if field else None) or "it has to be given"
 
 
-def _unknown_key(key: str, model: type[BaseModel] | None) -> str:
+def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
+    key = str(keys[-1])
     allowed = list(model.model_fields) if model else []
-    text = f"unknown key {as_written(key)}"
+    text = f"unknown key {as_written(key)}" + (f" in {_key_path(keys[:-1])}" if len(keys) > 1 else "")
     near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.7)
     if near:
         return f'{text}; did you mean "{near[0]}"?'
