@@ -24,7 +24,7 @@ def test_curvature_is_free_of_gravity():
 @settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(SHAPES)), st.floats(0.1, 3.0), st.integers(1, 8), st.floats(0.01, 0.5))
 def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):
-    """Lateral over axial gravity tan(angle): the modes carried and the correction make exactly half the side times it."""
+    """Lateral over axial gravity tan(angle): modes carried and correction make half the side times it."""
     container = {"cylinder": Cylinder(0.04, 1.0), "box": Box(0.08, 0.06, 1.0)}[shape]
     modes = container.slosh_modes(WATER, fill * 0.04, count)
     lateral, axial = STANDARD_GRAVITY * np.sin(angle), STANDARD_GRAVITY * np.cos(angle)

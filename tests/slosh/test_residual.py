@@ -83,7 +83,7 @@ def test_supremum_turns_and_scales_with_the_state(displacement, velocity, dampin
 
 @pytest.mark.parametrize("damping", [1.0, -0.01, float("nan")])
 def test_damping_that_does_not_swing_is_refused(damping):
-    with pytest.raises(ModelError, match="damping ratio .* from 0 to below 1"):
+    with pytest.raises(ModelError, match=r"damping ratio .* from 0 to below 1"):
         residual_supremum(np.zeros(2), np.zeros(2), frequency=OMEGA, damping=damping)
 
 
