@@ -21,7 +21,7 @@ import typer
 from nospill.errors import NoSolutionError, NospillError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.certify import Certificate, CertificateRow
+    from nospill.certify import Certificate, Row
     from nospill.plan import Plan
     from nospill.planner import PlanningProgress
 
@@ -313,7 +313,7 @@ def _print_json(value: object) -> None:
 
 def _print_certificate(certificate: Certificate) -> None:
     """Print the worst row of each constraint and the verdict."""
-    worst: dict[str, CertificateRow] = {}
+    worst: dict[str, Row] = {}
     for row in certificate.rows:
         known = worst.get(row.constraint)
         if known is None or (row.ok, row.worst_margin) < (known.ok, known.worst_margin):
