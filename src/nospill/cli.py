@@ -21,9 +21,9 @@ import typer
 from nospill.errors import NoSolutionError, NospillError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.certify import Certificate, Row
-    from nospill.plan import Plan
+    from nospill.certificate import Certificate, Row
     from nospill.planner import PlanningProgress
+    from nospill.plans import Plan
 
 INTERNAL_ERROR = 70
 STOPPED = 130
@@ -170,8 +170,8 @@ def check(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
 ) -> int:
     """Judge a plan folder again, from its trajectory and scenario alone; nothing is optimised or written."""
-    from nospill.certify import certify
-    from nospill.plan import load_plan
+    from nospill.certificate import certify
+    from nospill.plans import load_plan
 
     saved = load_plan(folder)
     certificate = certify(saved.trajectory, saved.scene)
@@ -186,7 +186,7 @@ def plot(
 ) -> int:
     """Draw the figures of a plan folder again."""
     from nospill.files import atomic_folder
-    from nospill.plan import load_plan
+    from nospill.plans import load_plan
     from nospill.plots import save_figures
 
     saved = load_plan(folder)

@@ -87,6 +87,4 @@ class FrameMotion:
     def turned(self, yaw: SX | float) -> FrameMotion:
         """The same motion in axes fixed to the body but turned by `yaw` rad about its z."""
         back = rotation_z(yaw).T
-        return FrameMotion(
-            back @ self.angular_velocity, back @ self.angular_acceleration, back @ self.specific_force
-        )
+        return FrameMotion(back @ self.angular_velocity, back @ self.angular_acceleration, back @ self.specific_force)

@@ -14,8 +14,7 @@ from typing import Any, Literal, TypeVar
 import casadi as ca
 import numpy as np
 
-from nospill.containers.base import DiscFootprint
-from nospill.scene import EndCondition, Fidelity, Scene
+from nospill.scene import EndCondition, Fidelity
 
 Number = Any
 """A float, a numpy array, or the SX expression that stands for it."""
@@ -41,7 +40,9 @@ class ObjectNumbers:
 
     Attributes:
         position: (3,) bottom centre in the tray frame. yaw: of the object on the tray.
-        mass, centre, inertia: of the part that moves with the container: () kg, (3,) m, (3, 3) kg m^2 about the centre, object axes.
+        mass, first_moment, inertia: of the part that moves with the container, about the bottom centre, object axes: () kg, (3,) kg m,
+            (3, 3) kg m^2. Referred to a fixed point, they stay regular when the fixed liquid's mass is small or negative.
+        spin_inertia: kg m^2, an inertia that counts for turns about the z axis only.
         weight: of everything, N, the scale of forces.
         friction: coefficient the plan may use.
         footprint: (2,) m: radius twice for a disc, half lengths for a rectangle.
@@ -53,8 +54,9 @@ class ObjectNumbers:
     position: Number
     yaw: Number
     mass: Number
-    centre: Number
+    first_moment: Number
     inertia: Number
+    spin_inertia: Number
     weight: Number
     friction: Number
     footprint: Number
@@ -177,51 +179,3 @@ class Shapes:
 
     def __hash__(self) -> int:
         return 0
-
-
-def structure_of(scene: Scene) -> Structure:
-    """The structure of a scene."""
-    objects = []
-    for cargo in scene.cargo:
-        axes = {"x": 0, "y": 1}
-        oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
-        objects.append(
-            ObjectStructure(
-                footprint="disc" if isinstance(cargo.container.footprint, DiscFootprint) else "rectangle",
-                oscillators=tuple(tuple(axes[d] for d in oscillator.directions) for oscillator in oscillators),
-            )
-        )
-    return Structure(
-        fidelity=scene.fidelity,
-        tilt_free=scene.motion.tilt_free,
-        end=scene.motion.end,
-        spans=scene.path.coefficients.shape[1],
-        degree=scene.path.coefficients.shape[0] - 1,
-        urdf=scene.robot.urdf,
-        joints=scene.robot.joints,
-        tip=scene.robot.tip,
-        objects=tuple(objects),
-    )
-
-
-def numbers_of(scene: Scene) -> SceneNumbers:
-    """The numbers of a scene."""
-    from nospill.contact import object_numbers
-
-    return SceneNumbers(
-        gravity=scene.gravity,
-        path_breaks=scene.path.breaks,
-        path_coefficients=scene.path.coefficients,
-        tray_offset=scene.tray.offset,
-        tray_yaw_on_flange=scene.tray.yaw_on_flange,
-        joint_lower=scene.robot.lower,
-        joint_upper=scene.robot.upper,
-        joint_speed_limit=scene.robot.max_speed,
-        max_tilt=scene.motion.max_tilt,
-        path_jerk_limit=scene.motion.path_jerk_limit,
-        tilt_jerk_limit=scene.motion.tilt_jerk_limit,
-        path_jerk_weight=scene.planning.path_jerk_weight,
-        tilt_jerk_weight=scene.planning.tilt_jerk_weight,
-        residual_fraction=scene.motion.residual_fraction,
-        objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
-    )

@@ -16,10 +16,11 @@ import numpy as np
 
 from nospill.errors import ModelError
 from nospill.frames import SX, FrameMotion
-from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, numbers_of, structure_of, symbolic
+from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
 from nospill.sample import coordinate_count, object_motion
 from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
 from nospill.slosh.motion import modal_acceleration
 from nospill.trajectory import Trajectory
 
@@ -71,7 +72,9 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
         # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too.
         grid = _grid(trajectory, 2 * per_sample * refinement)
         tray, body = _tray(scene, spline, grid)
-        fine = _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else np.zeros((len(grid[::2]), 0))
+        fine = (
+            _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else np.zeros((len(grid[::2]), 0))
+        )
         if coarse is not None or not count:
             step = 2 if count else 1
             error = float(np.max(np.abs(fine[::step, :count] - coarse), initial=0.0)) if coarse is not None else 0.0

@@ -106,7 +106,9 @@ _SENTENCES = {
 }
 
 
-def solve(problem: Problem, start: Stages, *, solver: str, options: SolveOptions, warm: Solution | None = None) -> Solution:
+def solve(
+    problem: Problem, start: Stages, *, solver: str, options: SolveOptions, warm: Solution | None = None
+) -> Solution:
     """Solve from a starting motion.
 
     Args:

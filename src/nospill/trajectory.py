@@ -129,7 +129,11 @@ def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, 
         ("s_rate_1_s", "s_rate", None),
         ("s_acceleration_1_s2", "s_acceleration", None),
     ]
-    for suffix, attribute in (("rad", "tilt"), ("rate_rad_s", "tilt_rate"), ("acceleration_rad_s2", "tilt_acceleration")):
+    for suffix, attribute in (
+        ("rad", "tilt"),
+        ("rate_rad_s", "tilt_rate"),
+        ("acceleration_rad_s2", "tilt_acceleration"),
+    ):
         columns += [(f"theta_{axis}_{suffix}", attribute, index) for index, axis in enumerate("xy")]
     for suffix, attribute in (
         ("rad", "joint_position"),
@@ -174,7 +178,9 @@ def read_trajectory(path: FilePath) -> Trajectory:
         raise PlanFolderError(f"{path}: cannot be read ({error})") from error
     lines = text.splitlines()
     header = next(csv.reader(lines[:1]), [])
-    joints = tuple(name.removesuffix("_rad_s2") for name in header if name.endswith("_rad_s2") and not name.startswith("theta_"))
+    joints = tuple(
+        name.removesuffix("_rad_s2") for name in header if name.endswith("_rad_s2") and not name.startswith("theta_")
+    )
     names = [name.removesuffix("_height_m") for name in header if name.endswith("_height_m")]
     slosh = {name: sum(h.startswith(f"{name}_slosh_rate_") for h in header) for name in names}
     columns = _columns(joints, slosh)
@@ -187,7 +193,9 @@ def read_trajectory(path: FilePath) -> Trajectory:
     except ValueError as error:
         raise PlanFolderError(f"{path}: {error}") from error
     if len(table) < 10 or table.shape[1] != len(columns):
-        raise PlanFolderError(f"{path}: {len(table)} rows of {table.shape[1]} values, expected at least 10 of {len(columns)}")
+        raise PlanFolderError(
+            f"{path}: {len(table)} rows of {table.shape[1]} values, expected at least 10 of {len(columns)}"
+        )
     if not np.all(np.isfinite(table)):
         row, column = np.argwhere(~np.isfinite(table))[0]
         raise PlanFolderError(f"{path}: line {row + 2}, column {header[column]}: the value is not a finite number")

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from nospill.frames import SX, FrameMotion
-from nospill.numbers import SceneNumbers, Structure, constants, numbers_of, structure_of
+from nospill.numbers import SceneNumbers, Structure, constants
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stage import tray_state
 from nospill.ocp.stages import Stages, StageSamples, sample_stages
@@ -17,6 +17,7 @@ from nospill.robots.kinematics import kinematics
 from nospill.robots.newton import solve_joints
 from nospill.sample import sample_objects, split_states
 from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
 from nospill.slosh.height import crest
 from nospill.trajectory import SloshTrack, Trajectory
 
@@ -24,7 +25,8 @@ from nospill.trajectory import SloshTrack, Trajectory
 @dataclass(frozen=True, slots=True)
 class TraySamples:
     """The tray frame at m samples: position (m, 3), rotation (m, 3, 3) tray to base, twist and its derivative (m, 6) in base axes (linear, then
-    angular), body motion (9, m): angular velocity, angular acceleration, specific force in tray axes."""
+    angular), body motion (9, m): angular velocity, angular acceleration, specific force in tray axes.
+    """
 
     position: np.ndarray
     rotation: np.ndarray
@@ -104,9 +106,7 @@ def _joint_samples(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     grid = np.arange(stages.intervals) * stages.interval
-    start = np.column_stack(
-        [np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T]
-    )
+    start = np.column_stack([np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T])
     arm = kinematics(scene.robot)
     position = solve_joints(scene.robot, tray.position, tray.rotation, start, **tool)
     inverse = np.linalg.pinv(arm.jacobians(position, **tool))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -44,19 +45,29 @@ def gauss_step(displacement: SX, velocity: SX, accelerations: tuple[SX, SX], int
     )
 
 
-def interpolate_step(
-    displacement: np.ndarray, velocity: np.ndarray, accelerations: tuple[np.ndarray, np.ndarray], time: np.ndarray, interval: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity inside an interval: the cubic whose second derivative meets both accelerations.
+Values = TypeVar("Values", SX, np.ndarray)
 
-    All arguments broadcast; `time` is measured from the start of the interval, s.
+
+def interior(
+    displacement: Values, velocity: Values, accelerations: tuple[Values, Values], fraction: Any, interval: Any
+) -> tuple[Values, Values, Values]:
+    """Displacement, velocity and acceleration inside an interval: the cubic whose second derivative meets both accelerations.
+
+    Args:
+        displacement: at the start. velocity: at the start.
+        velocity: see displacement.
+        accelerations: at the two collocation points.
+        fraction: of the interval, 0 to 1. Arrays broadcast.
+        interval: length, s.
     """
     first, second = accelerations
-    slope = (second - first) / ((POINTS[1] - POINTS[0]) * interval)
-    start = first - slope * POINTS[0] * interval
+    slope = (second - first) / (POINTS[1] - POINTS[0])
+    start = first - slope * POINTS[0]
+    time = fraction * interval
     return (
-        displacement + velocity * time + start * time**2 / 2 + slope * time**3 / 6,
-        velocity + start * time + slope * time**2 / 2,
+        displacement + velocity * time + (start / 2 + slope * (fraction / 6)) * time**2,
+        velocity + (start + slope * (fraction / 2)) * time,
+        start + slope * fraction,
     )
 
 

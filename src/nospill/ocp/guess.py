@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.numbers import structure_of
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, sample_stages
 from nospill.robots.inverse import JointPath
 from nospill.scene import Scene
+from nospill.scene_numbers import structure_of
 from nospill.slosh.modes import STANDARD_GRAVITY
 
 
@@ -57,7 +57,7 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.max_duration))
 
 
-def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:  # noqa: B008
+def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:
     """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
     layout = layout_of(structure_of(scene))
     duration = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)

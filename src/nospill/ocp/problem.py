@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.numbers import SceneNumbers, Structure, numbers_of, structure_of
+from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.layout import Layout
 from nospill.ocp.stages import Stages
 from nospill.ocp.transcription import Transcription, transcribe
 from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
 
 _SHORTEST = 0.05
 """Shortest motion considered, s: keeps the interval away from zero."""

@@ -11,11 +11,11 @@ from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place, smooth_rows
 from nospill.frames import SX, FrameMotion, tray_rates, tray_rotation
 from nospill.numbers import SceneNumbers, Structure
-from nospill.ocp.collocation import POINTS, advance_chain, gauss_step
+from nospill.ocp.collocation import POINTS, advance_chain, gauss_step, interior
 from nospill.ocp.layout import Chain, Layout
 from nospill.ocp.path_expression import path_expression
 from nospill.robots.kinematics import kinematics
-from nospill.sample import Sample, sample_objects, split_states, tray_motion
+from nospill.sample import Sample, object_motion, sample_objects, split_states, tray_motion
 from nospill.slosh.motion import motion_residual
 
 
@@ -89,7 +89,8 @@ def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain,
 @dataclass(frozen=True, slots=True)
 class StageExpressions:
     """The pieces a transcription maps: next state, equalities (zero), rows with bounds, cost share; all in physical units
-    except the equalities, which are divided by their scales."""
+    except the equalities, which are divided by their scales.
+    """
 
     following: SX
     equalities: SX
@@ -117,10 +118,8 @@ def stage_expressions(
     accelerations = (stage[layout.acceleration(0)], stage[layout.acceleration(1)])
     step = gauss_step(stage[layout.displacement], stage[layout.velocity], accelerations, interval)
 
-    ends = [advance_chain(chain, jerks[index], interval) for index, chain in enumerate(chains)]
-    following = ca.vertcat(
-        *[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity
-    )
+    ends = _moved(chains, jerks, interval)
+    following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
 
     collector = RowCollector(reserves)
     equalities = [_kinematics(structure, numbers, stage, layout, chains)]
@@ -136,33 +135,40 @@ def stage_expressions(
     collector.add(node, (Place.JOINT, Place.CONTROL))
 
     for point in range(2):
-        moved = tuple(
-            advance_chain(chain, jerks[index], POINTS[point] * interval) for index, chain in enumerate(chains)
-        )
+        moved = _moved(chains, jerks, POINTS[point] * interval)
         tray = tray_state(structure, numbers, moved).motion
         slosh = split_states(
             structure, step.point_displacements[point], step.point_velocities[point], accelerations[point]
         )
-        objects = sample_objects(structure, numbers, tray, slosh)
-        collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), point)
         residuals = [
             motion_residual(
-                oscillator, directions, item.motion, state, damp_against_spin=structure.fidelity == "deliverable"
+                oscillator,
+                directions,
+                object_motion(own, tray),
+                state,
+                damp_against_spin=structure.fidelity == "deliverable",
             )
-            for item in objects
-            for oscillator, directions, state in zip(
-                item.numbers.oscillators, item.structure.oscillators, item.states, strict=True
-            )
+            for own, item, states in zip(numbers.objects, structure.objects, slosh, strict=True)
+            for oscillator, directions, state in zip(own.oscillators, item.oscillators, states, strict=True)
         ]
         if residuals:
             equalities.append(ca.vertcat(*residuals) / scales[layout.acceleration(point)])
 
+    # Constraints are imposed at the node, where jerk-limited accelerations have their corners, and in the middle.
+    for repetition, fraction in enumerate((0.0, 0.5)):
+        tray = tray_state(structure, numbers, _moved(chains, jerks, fraction * interval)).motion
+        inside = interior(stage[layout.displacement], stage[layout.velocity], accelerations, fraction, interval)
+        objects = sample_objects(structure, numbers, tray, split_states(structure, *inside))
+        collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
+
     weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.chains - 1)
     cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     rows, lower, upper = collector.stacked()
-    return StageExpressions(
-        following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
-    )
+    return StageExpressions(following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost)
+
+
+def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
+    return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
 
 
 def _kinematics(
@@ -195,9 +201,7 @@ def terminal_rows(
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
     zero = SX.zeros(3)
     rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
-    slosh = split_states(
-        structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates)
-    )
+    slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))
     objects = sample_objects(structure, numbers, rest, slosh)
     collector = RowCollector(reserves)
     collector.add(Sample(structure, numbers, objects=objects), (Place.END,))

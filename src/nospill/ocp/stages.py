@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.ocp.collocation import interpolate_step
+from nospill.ocp.collocation import interior
 from nospill.ocp.layout import Layout
 
 
@@ -36,7 +36,8 @@ class Stages:
 @dataclass(frozen=True, slots=True)
 class StageSamples:
     """Values at m times: chains (m, 3 c), jerks (m, c), slosh displacement, velocity and the accelerations at both points of the interval (m, k),
-    and the interval each time falls in (m,)."""
+    and the interval each time falls in (m,).
+    """
 
     chains: np.ndarray
     jerks: np.ndarray
@@ -63,7 +64,11 @@ def sample_stages(stages: Stages, layout: Layout, t: np.ndarray) -> StageSamples
         ]
         chains[:, 3 * chain : 3 * chain + 3] = np.hstack(columns)
     accelerations = (origin[:, layout.acceleration(0)], origin[:, layout.acceleration(1)])
-    displacement, velocity = interpolate_step(
-        origin[:, layout.displacement], origin[:, layout.velocity], accelerations, local, stages.interval
+    displacement, velocity, _ = interior(
+        origin[:, layout.displacement],
+        origin[:, layout.velocity],
+        accelerations,
+        local / stages.interval,
+        stages.interval,
     )
     return StageSamples(chains, jerks, displacement, velocity, accelerations, index)

@@ -59,7 +59,9 @@ class Transcription:
         """Number of variables."""
         return self.intervals * self.layout.size + self.layout.states
 
-    def parameters(self, numbers: SceneNumbers, scales: np.ndarray, reserves: dict[tuple[str, int], float]) -> np.ndarray:
+    def parameters(
+        self, numbers: SceneNumbers, scales: np.ndarray, reserves: dict[tuple[str, int], float]
+    ) -> np.ndarray:
         """The parameter vector: numbers, scales of a stage, reserves."""
         return np.concatenate([flatten(numbers), scales, [reserves.get(key, 0.0) for key in self.reserve_keys]])
 

@@ -93,7 +93,7 @@ def modal_acceleration(
     *,
     damp_against_spin: bool,
 ) -> SX:
-    """q'' solved from `motion_residual` = 0, shape (k, 1), m/s^2.
+    """Q'' solved from `motion_residual` = 0, shape (k, 1), m/s^2.
 
     The residual is (I + P^2 q q^T) q'' + bias, inverted in closed form (Sherman and Morrison).
     """

@@ -11,11 +11,13 @@ import numpy as np
 
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
+from nospill.errors import PlanFolderError
 from nospill.frames import SX, FrameMotion
-from nospill.numbers import Shapes, Structure, flatten, numbers_of, structure_of, symbolic
+from nospill.numbers import Shapes, Structure, flatten, symbolic
 from nospill.replay import Replay, body_motion, replay, slosh_accelerations
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
 from nospill.trajectory import Trajectory
 
 POSITION_TOLERANCE = 1e-4
@@ -75,6 +77,15 @@ class Trace:
     margin: np.ndarray
 
 
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """A certificate with what it was read from: traces of every constraint and the dense replay."""
+
+    certificate: Certificate
+    traces: tuple[Trace, ...]
+    replay: Replay
+
+
 def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
     """Judge an exported trajectory.
 
@@ -85,22 +96,30 @@ def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
         ModelError: the liquids cannot be integrated.
         PlanFolderError: the trajectory does not fit the scene (other joints or objects).
     """
-    return judge(trajectory, scene)[0]
+    return judge(trajectory, scene).certificate
 
 
-def judge(trajectory: Trajectory, scene: Scene) -> tuple[Certificate, tuple[Trace, ...], Replay]:
-    """The certificate with what it was read from: traces of every constraint, and the dense replay."""
+def judge(trajectory: Trajectory, scene: Scene) -> Judgement:
+    """`certify` with its evidence; raises the same."""
+    _require_fit(trajectory, scene)
     played = replay(trajectory, scene)
     traces = constraint_traces(trajectory, scene, played)
     rows = [_row(trace) for trace in traces] + _record_rows(trajectory, scene, played)
-    return Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played
+    return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played)
+
+
+def _require_fit(trajectory: Trajectory, scene: Scene) -> None:
+    if trajectory.joints != scene.robot.joints:
+        raise PlanFolderError(
+            f"trajectory: its joints {', '.join(trajectory.joints)} are not those of the robot "
+            f"({', '.join(scene.robot.joints)})"
+        )
 
 
 def constraint_traces(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[Trace, ...]:
     """Every constraint and subject over time, each on the grid it is judged on."""
     structure, numbers = structure_of(scene), numbers_of(scene)
     parameters = ca.DM(flatten(numbers))
-    count = coordinate_count(structure)
     traces = []
     for place, (t, columns) in _inputs(trajectory, played).items():
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
@@ -116,7 +135,6 @@ def constraint_traces(trajectory: Trajectory, scene: Scene, played: Replay) -> t
                 traces.append(Trace(constraint.name, subject, constraint.unit, t, value, limit, margin))
                 row += 1
     order = {constraint.name: index for index, constraint in enumerate(CONSTRAINTS)}
-    assert count == played.slosh_displacement.shape[1]
     return tuple(sorted(traces, key=lambda trace: order[trace.constraint]))
 
 
@@ -203,8 +221,10 @@ def _worst(constraint: Constraint, budgets: tuple[Any, ...]) -> SX:
 
 
 def _row(trace: Trace) -> Row:
-    index = int(np.argmin(trace.margin)) if np.all(np.isfinite(trace.margin)) else int(np.argmax(~np.isfinite(trace.margin)))
-    margin = float(trace.margin[index])
+    # A margin that is not a number is no margin at all.
+    margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
+    index = int(np.argmin(margins))
+    margin = float(margins[index])
     return Row(
         constraint=trace.constraint,
         subject=trace.subject,

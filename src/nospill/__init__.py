@@ -1,0 +1,52 @@
+"""nospill: the fastest motion of a robot arm that carries open cups and loose objects on a tray, with a certificate.
+
+import nospill as ns
+scene = ns.load("matrix-liquid")
+plan = ns.plan(scene)
+plan.duration, plan.certificate.ok, plan.trajectory.at(1.2)
+plan.save("out")
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from nospill.errors import ModelError as ModelError
+from nospill.errors import NoSolutionError as NoSolutionError
+from nospill.errors import NospillError as NospillError
+from nospill.errors import PlanFolderError as PlanFolderError
+from nospill.errors import ScenarioError as ScenarioError
+
+if TYPE_CHECKING:
+    from nospill.certificate import Certificate as Certificate
+    from nospill.certificate import certify as certify
+    from nospill.planner import plan as plan
+    from nospill.plans import Plan as Plan
+    from nospill.plans import load_plan as load_plan
+    from nospill.scenario import read_scenario as load
+    from nospill.scene import Scene as Scene
+    from nospill.trajectory import Trajectory as Trajectory
+
+_PLACES = {
+    "Certificate": ("nospill.certificate", "Certificate"),
+    "certify": ("nospill.certificate", "certify"),
+    "Plan": ("nospill.plans", "Plan"),
+    "load_plan": ("nospill.plans", "load_plan"),
+    "plan": ("nospill.planner", "plan"),
+    "load": ("nospill.scenario", "read_scenario"),
+    "Scene": ("nospill.scene", "Scene"),
+    "Trajectory": ("nospill.trajectory", "Trajectory"),
+}
+"""Public name -> module and name there. Imported at first use, so that reading a scenario needs no optimiser."""
+
+__all__ = ["ModelError", "NoSolutionError", "NospillError", "PlanFolderError", "ScenarioError", *_PLACES]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'nospill' has no attribute {name!r}")
+    module, attribute = _PLACES[name]
+    value = getattr(importlib.import_module(module), attribute)
+    globals()[name] = value
+    return value

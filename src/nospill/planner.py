@@ -1,0 +1,272 @@
+"""The story of a plan: starts on a coarse grid, the best one refined, judged, tightened until the judge agrees."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nospill.certificate import Certificate, Judgement, judge
+from nospill.constraints import CONSTRAINTS
+from nospill.errors import ModelError, NoSolutionError
+from nospill.ocp.answer import export_samples
+from nospill.ocp.guess import Start, resample, smooth_start
+from nospill.ocp.layout import layout_of
+from nospill.ocp.problem import Reserves, build_problem
+from nospill.ocp.stages import Stages
+from nospill.plans import Plan, PlanningReport, Starts, describe, motion_maxima
+from nospill.robots.inverse import JointPath, joint_paths
+from nospill.scene import Scene
+from nospill.scene_numbers import structure_of
+from nospill.solvers import Solution, SolveOptions, solve
+from nospill.trajectory import Trajectory
+
+FIRST_RESERVE = 1e-3
+"""Fraction of every budget kept from the optimiser at first: what limits typically exceed between grid points."""
+
+_ROUNDS = 8
+_FEASIBLE = 1e-5
+_AGREEMENT = 5e-3
+_COARSEST = 40
+_COARSE_ITERATIONS = 400
+_REFINE_BARRIER = 1e-4
+_TIGHTEN_BARRIER = 1e-5
+_FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.65, skew=0.5))
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningProgress:
+    """Where planning stands: the phase and, while solving, iteration, current end time (s) and largest scaled violation."""
+
+    phase: str
+    iteration: int | None = None
+    duration_s: float | None = None
+    violation: float | None = None
+
+
+Progress = Callable[[PlanningProgress], None]
+
+
+def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+    """Find the fastest motion of a scene that the judge certifies.
+
+    Args:
+        scene: the task.
+        progress: called with where planning stands.
+
+    Returns:
+        The plan. If the judge still objects after the last tightening, the plan says so: status "uncertified".
+
+    Raises:
+        ScenarioError: the robot cannot follow the path. NoSolutionError: no start led to a motion; names what is in the way.
+    """
+    run = _Run(scene, progress)
+    with run.phase("kinematics"):
+        joint_path = joint_paths(
+            scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+        )[0]
+    coarse = run.search(joint_path)
+    solution = run.refine(coarse)
+    trajectory, judgement, solution = run.tighten(solution)
+    return Plan(
+        scene=scene,
+        trajectory=trajectory,
+        certificate=judgement.certificate,
+        maxima=motion_maxima(judgement, scene),
+        report=run.report(solution),
+    )
+
+
+@dataclass(slots=True)
+class _Run:
+    """One call of `plan`: its clock, counters and the steps of the story."""
+
+    scene: Scene
+    progress: Progress | None
+    began: float = field(default_factory=time.perf_counter)
+    phases: dict[str, float] = field(default_factory=dict)
+    solve_time: float = 0.0
+    iterations: int = 0
+    rounds: int = 0
+    tried: int = 0
+    durations: list[float] = field(default_factory=list)
+    reserves: Reserves = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
+        self.reserves = {(name, index): FIRST_RESERVE for name, count in counts.items() for index in range(count)}
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Account the time spent inside to a phase."""
+        if self.progress is not None:
+            self.progress(PlanningProgress(name))
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.phases[name] = self.phases.get(name, 0.0) + time.perf_counter() - start
+
+    def solve(
+        self,
+        start: Stages,
+        *,
+        barrier: float | None = None,
+        warm: Solution | None = None,
+        iterations: int | None = None,
+    ) -> Solution:
+        """Solve on the start's grid."""
+        scene, options = self.scene, self.scene.planning
+        with self.phase("build"):
+            problem = build_problem(scene, start.intervals, nominal_duration=start.duration, reserves=self.reserves)
+        with self.phase("solve"):
+            solution = solve(
+                problem,
+                start,
+                solver=options.solver,
+                options=SolveOptions(
+                    max_iterations=iterations or options.max_iterations,
+                    max_time=options.max_solve_time,
+                    barrier_start=barrier,
+                    progress=self._iteration if self.progress is not None else None,
+                ),
+                warm=warm,
+            )
+        self.solve_time += solution.solve_time_s
+        self.iterations += solution.iterations
+        return solution
+
+    def _iteration(self, iteration: int, duration: float, violation: float) -> None:
+        if self.progress is not None:
+            self.progress(PlanningProgress("solve", iteration, duration, violation))
+
+    def search(self, joint_path: JointPath) -> Solution:
+        """Solve from several starts on a coarse grid and return the best answer."""
+        options = self.scene.planning
+        intervals = max(_COARSEST, options.intervals // 2)
+        best: Solution | None = None
+        last: Solution | None = None
+        for start in _starts(self.scene):
+            self.tried += 1
+            motion = smooth_start(self.scene, joint_path, intervals, start)
+            last = self.solve(motion, iterations=_COARSE_ITERATIONS)
+            if _usable(last):
+                self.durations.append(last.stages.duration)
+                if best is None or last.objective < best.objective:
+                    best = last
+            elif best is None and self._hopeless(joint_path):
+                break
+        if best is None:
+            assert last is not None
+            raise NoSolutionError(self._reason(last, joint_path))
+        return best
+
+    def refine(self, coarse: Solution) -> Solution:
+        """Carry the coarse answer to the full grid."""
+        intervals = self.scene.planning.intervals
+        start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
+        for barrier in (_REFINE_BARRIER, 0.1, None):
+            solution = self.solve(start, barrier=barrier)
+            if _usable(solution):
+                return solution
+        raise NoSolutionError(
+            f"No motion found on {intervals} intervals, though one exists on {coarse.stages.intervals} "
+            f"({coarse.stages.duration:.3f} s): {solution.status}. Try another planning.intervals."
+        )
+
+    def tighten(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
+        """Judge, keep back more of what was exceeded, solve again, until the judge agrees."""
+        trajectory, judgement = self._judged(solution)
+        while not judgement.certificate.ok and self.rounds < _ROUNDS:
+            if not self._raise_reserves(judgement.certificate):
+                break
+            self.rounds += 1
+            again = self.solve(solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution)
+            if not _usable(again):
+                again = self.solve(solution.stages)
+            if not _usable(again):
+                break
+            solution = again
+            trajectory, judgement = self._judged(solution)
+        return trajectory, judgement, solution
+
+    def _judged(self, solution: Solution) -> tuple[Trajectory, Judgement]:
+        with self.phase("export"):
+            trajectory = export_samples(self.scene, solution.stages)
+        with self.phase("certify"):
+            return trajectory, judge(trajectory, self.scene)
+
+    def _raise_reserves(self, certificate: Certificate) -> bool:
+        """Whether a reserve could be raised: a broken row about the record itself has none."""
+        raised = False
+        subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
+        for row in certificate.rows:
+            if row.ok or row.constraint not in subjects:
+                continue
+            key = (row.constraint, subjects[row.constraint].index(row.subject))
+            exceeded = -row.worst_margin / (abs(row.limit) or 1.0)
+            self.reserves[key] += min(1.3 * exceeded + 2e-4, 0.1)
+            raised = True
+        return raised
+
+    def _slow_verdict(self, joint_path: JointPath) -> Certificate | None:
+        """What the judge says of the slowest smooth motion; None if the liquids cannot even be integrated."""
+        slow = smooth_start(self.scene, joint_path, 100, Start(stretch=1e6))
+        try:
+            return judge(export_samples(self.scene, slow), self.scene).certificate
+        except ModelError:
+            return None
+
+    def _hopeless(self, joint_path: JointPath) -> bool:
+        """Even the slowest smooth motion breaks a limit several times over."""
+        verdict = self._slow_verdict(joint_path)
+        return verdict is not None and verdict.worst.worst_margin < -abs(verdict.worst.limit)
+
+    def _reason(self, last: Solution, joint_path: JointPath) -> str:
+        verdict = self._slow_verdict(joint_path)
+        limit = self.scene.motion.max_duration
+        if verdict is not None and not verdict.ok:
+            return (
+                f"No motion found: {describe(verdict.worst)} even in a smooth motion of {0.95 * limit:.3g} s, nearly the "
+                f"longest allowed (max_duration {limit:g} s). Relax that limit."
+            )
+        return (
+            f"No motion found: {last.status} after {last.iterations} iterations, although a smooth motion of "
+            f"{0.95 * limit:.3g} s keeps every limit on the way; the end condition "
+            f'"{self.scene.motion.end}" may be out of reach. Try another end condition, more starts or more intervals.'
+        )
+
+    def report(self, solution: Solution) -> PlanningReport:
+        """What it cost."""
+        best = min(self.durations)
+        agreed = sum(duration <= best * (1 + _AGREEMENT) for duration in self.durations)
+        return PlanningReport(
+            plan_time=time.perf_counter() - self.began,
+            solve_time=self.solve_time,
+            iterations=self.iterations,
+            rounds=self.rounds,
+            starts=Starts(self.tried, len(self.durations), agreed, tuple(self.durations)),
+            phases=dict(self.phases),
+            solver_status=solution.status,
+        )
+
+
+def _usable(solution: Solution) -> bool:
+    return solution.violation <= _FEASIBLE
+
+
+def _starts(scene: Scene) -> Iterator[Start]:
+    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed."""
+    count = scene.planning.starts
+    yield from _FIXED_STARTS[:count]
+    random = np.random.default_rng(scene.planning.seed)
+    for _ in range(count - len(_FIXED_STARTS)):
+        lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
+        yield Start(
+            stretch=float(random.uniform(0.4, 1.6)),
+            skew=float(random.uniform(-0.6, 0.6)),
+            tilt=(float(lean[0]), float(lean[1])),
+        )

@@ -1,0 +1,228 @@
+"""The record of one planning task: question, answer, verdict, and the folder they are kept in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nospill.certificate import Certificate, Judgement, Row
+from nospill.errors import PlanFolderError
+from nospill.export import EXPORTERS
+from nospill.files import atomic_folder
+from nospill.scenario import read_scenario, scenario_text
+from nospill.scene import Scene
+from nospill.trajectory import Trajectory, read_trajectory, trajectory_text
+
+SCENARIO_FILE = "scenario.toml"
+TRAJECTORY_FILE = "trajectory.csv"
+CERTIFICATE_FILE = "certificate.json"
+SUMMARY_FILE = "summary.json"
+
+
+@dataclass(frozen=True, slots=True)
+class MotionMaxima:
+    """Largest figures of a motion, as the judge saw it.
+
+    Attributes:
+        tray_acceleration: of the tray's centre, m/s^2. tray_angular_acceleration: rad/s^2. tilt: of the tray's normal from the vertical, rad.
+        joint_speed_use: largest joint speed as a fraction of its limit.
+        slosh_height, residual_height: m, per object with liquid.
+    """
+
+    tray_acceleration: float
+    tray_angular_acceleration: float
+    tilt: float
+    joint_speed_use: float
+    slosh_height: dict[str, float]
+    residual_height: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Starts:
+    """What the starting points led to.
+
+    Attributes:
+        tried, converged: counts. agreed: how many ended within 0.5 % of the best.
+        durations: end time of each that converged on the coarse grid, s.
+    """
+
+    tried: int
+    converged: int
+    agreed: int
+    durations: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningReport:
+    """What planning cost: times in s (`phases` by name), iterations of all solves, rounds of tightening, solver's last word."""
+
+    plan_time: float
+    solve_time: float
+    iterations: int
+    rounds: int
+    starts: Starts
+    phases: dict[str, float]
+    solver_status: str
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A planned motion with its verdict."""
+
+    scene: Scene
+    trajectory: Trajectory
+    certificate: Certificate
+    maxima: MotionMaxima
+    report: PlanningReport
+
+    @property
+    def duration(self) -> float:
+        """End time of the motion, s."""
+        return self.trajectory.end_time
+
+    @property
+    def status(self) -> str:
+        """ "certified" or "uncertified"."""
+        return "certified" if self.certificate.ok else "uncertified"
+
+    @property
+    def message(self) -> str:
+        """One sentence: the verdict and, if it is no, the row that says so."""
+        worst = self.certificate.worst
+        if self.certificate.ok:
+            return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+        return f"Not certified: {describe(worst)}."
+
+    def summary(self) -> dict[str, Any]:
+        """What summary.json holds; the keys are stable."""
+        worst, maxima, report = self.certificate.worst, self.maxima, self.report
+        return {
+            "scenario": self.scene.name,
+            "status": self.status,
+            "message": self.message,
+            "duration_s": self.duration,
+            "plan_time_s": report.plan_time,
+            "solve_time_s": report.solve_time,
+            "iterations": report.iterations,
+            "starts": asdict(report.starts),
+            "max_tray_acceleration_m_s2": maxima.tray_acceleration,
+            "max_tray_angular_acceleration_rad_s2": maxima.tray_angular_acceleration,
+            "max_tilt_deg": float(np.degrees(maxima.tilt)),
+            "max_joint_speed_use": maxima.joint_speed_use,
+            "max_slosh_height_m": maxima.slosh_height,
+            "residual_slosh_height_m": maxima.residual_height,
+            "certificate": {
+                "ok": self.certificate.ok,
+                "worst_constraint": f"{worst.constraint} | {worst.subject}",
+                "worst_margin": worst.worst_margin,
+            },
+            "rounds": report.rounds,
+            "phases_s": report.phases,
+            "solver_status": report.solver_status,
+        }
+
+    def save(self, folder: str | Path, *, extra: Callable[[Path], None] | None = None) -> None:
+        """Write the plan folder in one piece: a killed run leaves the old folder or none.
+
+        Args:
+            folder: place of the plan folder; an earlier plan there is replaced.
+            extra: writes more files into the folder while it is being made, for example figures.
+
+        Raises:
+            PlanFolderError: the folder holds something else or cannot be written.
+        """
+        with atomic_folder(folder) as partial:
+            _write(partial / SCENARIO_FILE, scenario_text(self.scene))
+            _write(partial / TRAJECTORY_FILE, trajectory_text(self.trajectory))
+            _write(partial / CERTIFICATE_FILE, _json(self.certificate.to_dict()))
+            _write(partial / SUMMARY_FILE, _json(self.summary()))
+            for exporter in EXPORTERS.values():
+                if exporter.reason_against(self.scene) is None:
+                    exporter.write(self.trajectory, self.scene, partial / exporter.file_name)
+            if extra is not None:
+                extra(partial)
+
+
+def describe(row: Row) -> str:
+    """A certificate row in one phrase."""
+    unit = "" if row.unit == "1" else f" {row.unit}"
+    return (
+        f"{row.constraint} of {row.subject} is {row.worst_value:.4g}{unit} against a limit of {row.limit:.4g}{unit} "
+        f"at t = {row.at_s:.3f} s"
+    )
+
+
+def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
+    """The largest figures of a judged motion."""
+    tray = judgement.replay.tray
+    largest: dict[str, dict[str, float]] = {}
+    for trace in judgement.traces:
+        largest.setdefault(trace.constraint, {})[trace.subject] = float(np.max(np.abs(trace.value)))
+    speeds = np.abs(judgement.replay.joint_speed) / scene.robot.max_speed
+    return MotionMaxima(
+        tray_acceleration=float(np.max(np.linalg.norm(tray.acceleration, axis=1))),
+        tray_angular_acceleration=float(np.max(np.linalg.norm(tray.angular_acceleration, axis=1))),
+        tilt=float(np.max(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0)))),
+        joint_speed_use=float(np.max(speeds)),
+        slosh_height=largest.get("slosh height", {}),
+        residual_height=largest.get("residual height", {}),
+    )
+
+
+def load_plan(folder: str | Path) -> Plan:
+    """Read a plan folder; the verdict is the one that was saved, `certify` judges again.
+
+    Raises:
+        PlanFolderError: a file is missing or not what nospill wrote. ScenarioError: the scenario in it is not valid.
+    """
+    place = Path(folder)
+    if not place.is_dir():
+        raise PlanFolderError(f"{place}: no such plan folder; make one with nospill plan SCENARIO -o {place}")
+    for name in (SCENARIO_FILE, TRAJECTORY_FILE, CERTIFICATE_FILE, SUMMARY_FILE):
+        if not (place / name).is_file():
+            raise PlanFolderError(f"{place}: not a plan folder: {name} is missing")
+    try:
+        certificate = json.loads((place / CERTIFICATE_FILE).read_text(encoding="utf-8"))
+        summary = json.loads((place / SUMMARY_FILE).read_text(encoding="utf-8"))
+        starts = summary["starts"]
+        return Plan(
+            scene=read_scenario(place / SCENARIO_FILE),
+            trajectory=read_trajectory(place / TRAJECTORY_FILE),
+            certificate=Certificate(
+                ok=certificate["ok"],
+                grid_hz=certificate["grid_hz"],
+                rows=tuple(Row(**row) for row in certificate["rows"]),
+            ),
+            maxima=MotionMaxima(
+                tray_acceleration=summary["max_tray_acceleration_m_s2"],
+                tray_angular_acceleration=summary["max_tray_angular_acceleration_rad_s2"],
+                tilt=float(np.radians(summary["max_tilt_deg"])),
+                joint_speed_use=summary["max_joint_speed_use"],
+                slosh_height=summary["max_slosh_height_m"],
+                residual_height=summary["residual_slosh_height_m"],
+            ),
+            report=PlanningReport(
+                plan_time=summary["plan_time_s"],
+                solve_time=summary["solve_time_s"],
+                iterations=summary["iterations"],
+                rounds=summary["rounds"],
+                starts=Starts(starts["tried"], starts["converged"], starts["agreed"], tuple(starts["durations"])),
+                phases=summary["phases_s"],
+                solver_status=summary["solver_status"],
+            ),
+        )
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({error!r})") from error
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, indent=2, allow_nan=False) + "\n"

@@ -1,0 +1,135 @@
+"""A scene's structure and numbers: what the laws read of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from nospill.cargo import Cargo
+from nospill.containers.base import DiscFootprint, Footprint, MassProperties
+from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
+from nospill.scene import Scene
+
+
+def structure_of(scene: Scene) -> Structure:
+    """The structure of a scene."""
+    axes = {"x": 0, "y": 1}
+    objects = []
+    for cargo in scene.cargo:
+        oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
+        objects.append(
+            ObjectStructure(
+                footprint="disc" if isinstance(cargo.container.footprint, DiscFootprint) else "rectangle",
+                oscillators=tuple(tuple(axes[d] for d in oscillator.directions) for oscillator in oscillators),
+            )
+        )
+    return Structure(
+        fidelity=scene.fidelity,
+        tilt_free=scene.motion.tilt_free,
+        end=scene.motion.end,
+        spans=scene.path.coefficients.shape[1],
+        degree=scene.path.coefficients.shape[0] - 1,
+        urdf=scene.robot.urdf,
+        joints=scene.robot.joints,
+        tip=scene.robot.tip,
+        objects=tuple(objects),
+    )
+
+
+def numbers_of(scene: Scene) -> SceneNumbers:
+    """The numbers of a scene."""
+    return SceneNumbers(
+        gravity=scene.gravity,
+        path_breaks=scene.path.breaks,
+        path_coefficients=scene.path.coefficients,
+        tray_offset=scene.tray.offset,
+        tray_yaw_on_flange=scene.tray.yaw_on_flange,
+        joint_lower=scene.robot.lower,
+        joint_upper=scene.robot.upper,
+        joint_speed_limit=scene.robot.max_speed,
+        max_tilt=scene.motion.max_tilt,
+        path_jerk_limit=scene.motion.path_jerk_limit,
+        tilt_jerk_limit=scene.motion.tilt_jerk_limit,
+        path_jerk_weight=scene.planning.path_jerk_weight,
+        tilt_jerk_weight=scene.planning.tilt_jerk_weight,
+        residual_fraction=scene.motion.residual_fraction,
+        objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
+    )
+
+
+def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
+    """The numbers of one object for the scene's fidelity."""
+    footprint, filling = cargo.container.footprint, cargo.filling
+    mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, scene)
+    return ObjectNumbers(
+        position=np.append(cargo.position, 0.0),
+        yaw=cargo.yaw,
+        mass=mass,
+        first_moment=first_moment,
+        inertia=inertia,
+        spin_inertia=spin_inertia,
+        weight=cargo.total.mass * scene.gravity,
+        friction=cargo.planned_friction,
+        footprint=_half_lengths(footprint),
+        twist_radius=twist_radius(footprint),
+        liquid_height=filling.liquid_height if filling else 0.0,
+        max_slosh_height=filling.max_slosh_height if filling else 0.0,
+        static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
+        oscillators=tuple(
+            OscillatorNumbers(
+                frequency=mode.frequency,
+                curvature=mode.curvature,
+                mass=mode.mass,
+                height=mode.height,
+                damping=mode.damping,
+                surface_gain=mode.surface_gain,
+            )
+            for mode in (filling.modes.oscillators if filling else ())
+        ),
+    )
+
+
+def _rigid_part(cargo: Cargo, scene: Scene) -> tuple[float, np.ndarray, np.ndarray, float]:
+    """Mass, first moment and inertia about the bottom centre of what moves with the container, and the spin inertia."""
+    total = cargo.total
+    if scene.fidelity == "deliverable":
+        # The published object is a point mass at its centre of mass with an inertia against yaw.
+        point = total.mass * _parallel_axis(total.centre)
+        return total.mass, total.mass * total.centre, point, float(total.inertia[2, 2])
+    if not cargo.filling:
+        return total.mass, total.mass * total.centre, _about_bottom(total), 0.0
+    empty, modes = cargo.empty, cargo.filling.modes
+    # An ideal liquid in an upright cup does not take part in a turn about its axis: no yaw inertia.
+    fixed = MassProperties(
+        modes.fixed_mass, np.array([0.0, 0.0, modes.fixed_height]), np.diag([*np.asarray(modes.fixed_inertia), 0.0])
+    )
+    first_moment = empty.mass * empty.centre + fixed.mass * fixed.centre
+    return empty.mass + fixed.mass, first_moment, _about_bottom(empty) + _about_bottom(fixed), 0.0
+
+
+def _about_bottom(body: MassProperties) -> np.ndarray:
+    return body.inertia + body.mass * _parallel_axis(body.centre)
+
+
+def _parallel_axis(offset: np.ndarray) -> np.ndarray:
+    return float(offset @ offset) * np.eye(3) - np.outer(offset, offset)
+
+
+def _half_lengths(footprint: Footprint) -> np.ndarray:
+    if isinstance(footprint, DiscFootprint):
+        return np.array([footprint.radius, footprint.radius])
+    return np.array([footprint.half_x, footprint.half_y])
+
+
+def twist_radius(footprint: Footprint) -> float:
+    """Mean distance of the footprint's points from its centre, m: friction moment per mu N under uniform pressure.
+
+    2R/3 for a disc; for a rectangle with half lengths a, b and d = sqrt(a^2 + b^2):
+    (d + a^2/(2b) log((b + d)/a) + b^2/(2a) log((a + d)/b)) / 3.
+    """
+    if isinstance(footprint, DiscFootprint):
+        return 2.0 / 3.0 * footprint.radius
+    a, b = footprint.half_x, footprint.half_y
+    d = math.hypot(a, b)
+    return (d + a * a / (2 * b) * math.log((b + d) / a) + b * b / (2 * a) * math.log((a + d) / b)) / 3.0
