@@ -40,7 +40,21 @@ _PLACES = {
 }
 """Public name -> module and name there. Imported at first use, so that reading a scenario needs no optimiser."""
 
-__all__ = ["ModelError", "NoSolutionError", "NospillError", "PlanFolderError", "ScenarioError", *_PLACES]
+__all__ = [
+    "Certificate",
+    "ModelError",
+    "NoSolutionError",
+    "NospillError",
+    "Plan",
+    "PlanFolderError",
+    "ScenarioError",
+    "Scene",
+    "Trajectory",
+    "certify",
+    "load",
+    "load_plan",
+    "plan",
+]
 
 
 def __getattr__(name: str) -> Any:

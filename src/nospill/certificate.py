@@ -27,7 +27,7 @@ ATTITUDE_TOLERANCE = 1e-4
 SPEED_TOLERANCE = 1e-3
 """rad/s; recorded joint speeds against the derivative of the recorded positions, and the speed left at both ends."""
 ACCELERATION_TOLERANCE = 0.5
-"""rad/s^2; recorded joint accelerations likewise (the recorded jerk jumps, a spline through samples rounds the corner)."""
+"""rad/s^2; recorded joint accelerations likewise (the jerk jumps, a spline through samples rounds the corner)."""
 PROGRESS_TOLERANCE = 1e-9
 """The path parameter runs from 0 to 1 within this."""
 
@@ -89,8 +89,8 @@ class Judgement:
 def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
     """Judge an exported trajectory.
 
-    The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids re-integrated from rest;
-    every constraint of the scene is evaluated at every instant.
+    The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
+    re-integrated from rest; every constraint of the scene is evaluated at every instant.
 
     Raises:
         ModelError: the liquids cannot be integrated.
@@ -152,7 +152,7 @@ def _inputs(trajectory: Trajectory, played: Replay) -> dict[Place, tuple[np.ndar
 
 
 def _jerks(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Third divided differences of s and tilt: means of the third derivative over three periods, with the arm at rest outside."""
+    """Third divided differences of s and tilt, the arm at rest outside: means of the jerk over three periods."""
     values = np.column_stack([trajectory.s, trajectory.tilt])
     padded = np.concatenate([values[:1], values[:1], values, values[-1:], values[-1:]])
     jerks = np.diff(padded, n=3, axis=0) * trajectory.rate**3
@@ -263,7 +263,7 @@ def _limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, 
 
 
 def _path_error(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (m) and angle (rad) between the tray carried by the joints and the path at the recorded s and tilt, per sample."""
+    """Distance (m) and angle (rad) of the tray the joints carry from the path at recorded s and tilt, per sample."""
     from scipy.spatial.transform import Rotation
 
     per_sample = round(played.rate / trajectory.rate)

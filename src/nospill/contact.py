@@ -1,8 +1,9 @@
 """The wrench between an object and the tray, for every fidelity.
 
-deliverable: the published rigid object: all mass at the centre of mass, force m (a + g), moment of that force and the yaw inertia term;
-    rotational inertia about horizontal axes is left out, as published.
-full: Newton and Euler for the container and the fixed part of the liquid, plus every moving modal mass at its momentary place.
+deliverable: the published rigid object: all mass at the centre of mass, force m (a + g), moment of that force and the
+    yaw inertia term; rotational inertia about horizontal axes is left out, as published.
+full: Newton and Euler for the container and the fixed part of the liquid, plus every moving modal mass at its momentary
+    place.
 """
 
 from __future__ import annotations
@@ -19,7 +20,12 @@ from nospill.slosh.motion import OscillatorState, apparent_acceleration, modal_p
 
 @dataclass(frozen=True, slots=True)
 class Wrench:
-    """What the tray exerts on an object: force (3, 1) N and moment about its bottom centre (3, 1) N m, object axes; pressing is positive z."""
+    """What the tray exerts on an object, in object axes; pressing is positive z.
+
+    Attributes:
+        force: (3, 1) N.
+        moment: (3, 1) N m, about the bottom centre.
+    """
 
     force: SX
     moment: SX

@@ -1,7 +1,8 @@
 """Rotations and moving frames, as CasADi expressions.
 
-Conventions: a rotation R_ab maps components in b into components in a. The tray's attitude is R = Rz(yaw) Ry(theta_y) Rx(theta_x)
-(turn about the fixed z last). Rates and accelerations are given in the moving frame's own axes.
+Conventions: a rotation R_ab maps components in b into components in a. The tray's attitude is
+R = Rz(yaw) Ry(theta_y) Rx(theta_x) (turn about the fixed z last). Rates and accelerations are given in the moving
+frame's own axes.
 """
 
 from __future__ import annotations

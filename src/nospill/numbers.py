@@ -1,8 +1,8 @@
 """The numbers of a scene, apart from its structure.
 
-`Structure` says what there is (hashable; it decides the shape of every expression); `SceneNumbers` holds how large it is. A law
-reads a numbers record whose leaves are floats or SX alike: `flatten` turns a record into one parameter vector, `symbolic` makes
-the same record with the entries of an SX vector as leaves.
+`Structure` says what there is (hashable; it decides the shape of every expression); `SceneNumbers` holds how large it
+is. A law reads a numbers record whose leaves are floats or SX alike: `flatten` turns a record into one parameter
+vector, `symbolic` makes the same record with the entries of an SX vector as leaves.
 """
 
 from __future__ import annotations
@@ -40,8 +40,9 @@ class ObjectNumbers:
 
     Attributes:
         position: (3,) bottom centre in the tray frame. yaw: of the object on the tray.
-        mass, first_moment, inertia: of the part that moves with the container, about the bottom centre, object axes: () kg, (3,) kg m,
-            (3, 3) kg m^2. Referred to a fixed point, they stay regular when the fixed liquid's mass is small or negative.
+        mass, first_moment, inertia: of the part that moves with the container, about the bottom centre, object axes:
+            () kg, (3,) kg m, (3, 3) kg m^2. Referred to a fixed point, they stay regular when the fixed liquid's mass
+            is small or negative.
         spin_inertia: kg m^2, an inertia that counts for turns about the z axis only.
         weight: of everything, N, the scale of forces.
         friction: coefficient the plan may use.
@@ -69,7 +70,7 @@ class ObjectNumbers:
 
 @dataclass(frozen=True, slots=True)
 class SceneNumbers:
-    """Everything the laws read, SI; arrays as in the records of the same names in `scene`, `paths`, `tray` and `robots`."""
+    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots."""
 
     gravity: Number
     path_breaks: Number
@@ -127,7 +128,7 @@ def flatten(record: object) -> np.ndarray:
 
 
 def symbolic(template: Record, vector: ca.SX) -> Record:
-    """The record of the same shape as `template` whose leaves are the entries of `vector`, in the order of `flatten`."""
+    """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`."""
     record, used = _unflatten(template, vector, 0)
     if used != vector.numel():
         raise ValueError(f"vector has {vector.numel()} entries, the record {used}")
@@ -146,7 +147,8 @@ def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
             value, start = _unflatten(item, vector, start)
             items.append(value)
         return tuple(items), start
-    if dataclasses.is_dataclass(template) and not isinstance(template, type):
+    if dataclasses.is_dataclass(template):
+        assert not isinstance(template, type)
         values = {}
         for field in dataclasses.fields(template):
             values[field.name], start = _unflatten(getattr(template, field.name), vector, start)

@@ -1,8 +1,8 @@
 """The exported joints played again on a dense grid: what the tray and the liquids really do between the samples.
 
-Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees joint positions,
-so speeds and accelerations are the derivatives of the quintic spline through the position samples, with the arm at rest before and
-after.
+Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees
+joint positions, so speeds and accelerations are the derivatives of the quintic spline through the position samples,
+with the arm at rest before and after.
 """
 
 from __future__ import annotations

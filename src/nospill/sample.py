@@ -15,7 +15,7 @@ from nospill.slosh.motion import OscillatorState
 
 @dataclass(frozen=True, slots=True)
 class ObjectSample:
-    """One object: its numbers and structure, motion of its frame, wrench from the tray, surface height (2, 1) m, slosh states."""
+    """One object: numbers, structure, motion of its frame, wrench from the tray, surface height (2, 1) m, states."""
 
     numbers: ObjectNumbers
     structure: ObjectStructure
@@ -27,7 +27,9 @@ class ObjectSample:
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """One instant of a scene. A part that the asker cannot supply is absent; a constraint says by its `place` what it needs.
+    """One instant of a scene; a part that the asker cannot supply is absent.
+
+    A constraint says by its `place` which parts it needs.
 
     Attributes:
         structure, numbers: of the scene.
@@ -71,7 +73,7 @@ def sample_objects(
 
 
 def split_states(structure: Structure, position: SX, velocity: SX, acceleration: SX) -> SloshStates:
-    """Slosh states from stacked coordinates, each of shape (total coordinates, 1), object by object, oscillator by oscillator."""
+    """Slosh states from stacked coordinates, each (total, 1), object by object, oscillator by oscillator."""
     states, start = [], 0
     for item in structure.objects:
         own = []

@@ -61,8 +61,8 @@ class Scene:
         robot, tray, cargo, path, motion, planning: the parts.
         output_rate: rate of the exported samples, Hz.
         gravity: m/s^2.
-        source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from which
-            `scenario.write_scenario` writes the copy that is kept with a plan.
+        source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
+            which `scenario.write_scenario` writes the copy that is kept with a plan.
     """
 
     name: str

@@ -17,7 +17,12 @@ _NEARLY_THERE = 1e-7
 
 @dataclass(frozen=True, slots=True)
 class SloshTrack:
-    """Planned liquid of one object: modal displacement and velocity (m, k), m and m/s, container axes; surface height (m,), m."""
+    """Planned liquid of one object, container axes.
+
+    Attributes:
+        displacement: (m, k) modal displacement, m. velocity: (m, k), m/s.
+        height: (m,) greatest surface height round the wall, m.
+    """
 
     displacement: np.ndarray
     velocity: np.ndarray
@@ -75,8 +80,8 @@ class Trajectory:
     def end_time(self) -> float:
         """Time at which s reaches 1, s.
 
-        The jerk is constant just before the end, where 1 - s = J tau^3/6 and s' = J tau^2/2: the remaining time after a sample is
-        tau = 3 (1 - s)/s'.
+        The jerk is constant just before the end, where 1 - s = J tau^3/6 and s' = J tau^2/2: the remaining time after a
+        sample is tau = 3 (1 - s)/s'.
         """
         moving = np.flatnonzero(1.0 - self.s > _NEARLY_THERE)
         if len(moving) == 0 or self.s_rate[moving[-1]] <= 0.0:
@@ -122,7 +127,7 @@ class Trajectory:
 
 
 def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, str, int | None]]:
-    """(header, attribute or object name, component) of every column of the file; `slosh` gives coordinates per object."""
+    """(header, attribute or object name, component) of every column; `slosh` gives coordinates per object."""
     columns: list[tuple[str, str, int | None]] = [
         ("t_s", "t", None),
         ("s", "s", None),

@@ -30,7 +30,7 @@ class Place(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Cone:
-    """|demand| <= capacity; demand (k, 1), capacity scalar, `scale` a positive size of the capacity for scaling, same unit."""
+    """|demand| <= capacity; demand (k, 1), capacity scalar, `scale` a positive size of the capacity, same unit."""
 
     demand: SX
     capacity: SX
@@ -53,8 +53,8 @@ Budget = Cone | Range
 def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray]:
     """A budget less a reserve as rows with constant bounds: values (m, 1), lower (m,), upper (m,).
 
-    A cone of one dimension gives two linear rows; of more, capacity^2 - |demand|^2 >= 0, valid because every capacity is
-    proportional to a pressing force that another constraint keeps positive, or constant.
+    A cone of one dimension gives two linear rows; of more, capacity^2 - |demand|^2 >= 0, valid because every capacity
+    is proportional to a pressing force that another constraint keeps positive, or constant.
     """
     if isinstance(budget, Range):
         if budget.upper is None:
@@ -82,8 +82,9 @@ def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
     demand = ca.norm_2(budget.demand) if budget.demand.numel() > 1 else ca.fabs(budget.demand)
     if not relative:
         return demand, budget.capacity, budget.capacity - demand
-    # Without pressing force there is no budget to speak of: report the demand against a millionth of the scale.
-    use = demand / ca.fmax(budget.capacity, 1e-6 * budget.scale)
+    # Without pressing force there is no budget: what is missing counts as demand, in millionths of the scale.
+    floor = 1e-6 * budget.scale
+    use = (demand + ca.fmax(floor - budget.capacity, 0)) / ca.fmax(budget.capacity, floor)
     return use, SX(1), 1 - use
 
 

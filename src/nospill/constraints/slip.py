@@ -12,15 +12,18 @@ from nospill.scene import Scene
 class Slip(Constraint):
     """|f_T| <= mu N [D3]; at full fidelity sliding and twisting share the budget.
 
-    Full: the friction a footprint under uniform pressure can give against force and moment together is bounded by the
-    ellipsoid |(f_x, f_y, M_z/r)| <= mu N with r the mean lever arm of friction.
+    Full: the friction a footprint under uniform pressure can give against force and moment together is taken as the
+    ellipsoid |(f_x, f_y, M_z/r)| <= mu N with r the mean lever arm of friction. It is exact for pure sliding and pure
+    turning; in between it promises up to 6.5 % too much for a disc and 12 % for a rectangle of sides 4:1.
     """
 
     name = "slip"
     unit = "1"
     place = Place.OBJECT
     relative = True
-    description = "Tangential contact force (with the yaw moment, at full fidelity) against the planned friction times the pressing force."
+    description = (
+        "Tangential contact force (at full fidelity with the yaw moment) against planned friction times pressing force."
+    )
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object."""

@@ -8,7 +8,7 @@ from nospill.scene import Scene
 
 
 class Twist(Constraint):
-    """|M_z| <= mu N r with r the mean lever arm of friction, 2R/3 for a disc under uniform pressure [D3, absolute value added]."""
+    """|M_z| <= mu N r, r the mean lever arm of friction: 2R/3 for a disc [D3, absolute value added]."""
 
     name = "twist"
     unit = "1"

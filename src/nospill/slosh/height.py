@@ -19,8 +19,8 @@ def surface_vector(
 ) -> SX:
     """Height at the wall along the container's x and y, shape (2, 1), m.
 
-    sum C_n q_n over the carried modes; with `corrected`, less the quasi-static part of all the modes that are not carried,
-    (R - sum of the carried modes' own quasi-static gains) a_xy/a_z with a the specific force at the surface.
+    sum C_n q_n over the carried modes; with `corrected`, less the quasi-static part of all the modes that are not
+    carried, (R - sum of the carried modes' own quasi-static gains) a_xy/a_z with a the specific force at the surface.
     """
     eta = SX.zeros(2)
     for oscillator, directions, state in zip(numbers.oscillators, structure.oscillators, states, strict=True):

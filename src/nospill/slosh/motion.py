@@ -1,10 +1,14 @@
 """Equation of motion of a sloshing liquid in general rigid motion, one oscillator at a time.
 
-The modal mass slides on a paraboloid about the container's axis. With q its horizontal displacement (one or two coordinates),
-rho = (D q, H + P |q|^2 / 2) its place in the container frame and a the apparent acceleration at rho (specific force, Euler,
-centrifugal, Coriolis and relative terms), the equation is J^T a + damping = 0 with J = d rho / d q. Written out for a
-circular cup this is (I + P^2 q q^T) q'' = -f_xy - P f_z q - P^2 |q'|^2 q - 2 zeta omega (q' + P^2 (q.q') q); on a level tray
-it is the published 4-D equation. The stiffness comes from the apparent gravity along the axis, so P is free of g.
+The modal mass slides on a paraboloid about the container's axis. With q its horizontal displacement (one or two
+coordinates), rho = (D q, H + P |q|^2 / 2) its place in the container frame and a the apparent acceleration at rho
+(specific force, Euler, centrifugal, Coriolis and relative terms), the equation is J^T a + damping = 0 with
+J = d rho / d q. With f = a - rho'' it reads for a circular cup
+
+    (I + P^2 q q^T) q'' = -f_xy - P f_z q - P^2 |q'|^2 q - 2 zeta omega (q' + P^2 (q.q') q);
+
+on a level tray it is the published 4-D equation. The stiffness comes from the apparent gravity along the axis, so P is
+free of g.
 """
 
 from __future__ import annotations
@@ -19,7 +23,7 @@ from nospill.numbers import OscillatorNumbers
 
 @dataclass(frozen=True, slots=True)
 class OscillatorState:
-    """Displacement (k, 1) m, velocity m/s and acceleration m/s^2 of a modal mass along its directions, container axes."""
+    """Displacement (k, 1) m, velocity m/s, acceleration m/s^2 of a modal mass along its directions, container axes."""
 
     displacement: SX
     velocity: SX
@@ -45,7 +49,8 @@ def apparent_acceleration(
 ) -> SX:
     """Acceleration of the modal mass less gravity, container axes, shape (3, 1), m/s^2.
 
-    f + alpha x rho + omega x (omega x rho) + 2 omega x rho' + rho''; times the modal mass it is the force the container exerts on it.
+    f + alpha x rho + omega x (omega x rho) + 2 omega x rho' + rho'', f the specific force at the bottom centre; times
+    the modal mass it is the force the container exerts on it.
     """
     q, qd, qdd = state.displacement, state.velocity, state.acceleration
     curvature = oscillator.curvature
