@@ -30,7 +30,7 @@ FIRST_RESERVE = 1e-3
 _ROUNDS = 8
 _FEASIBLE = 1e-5
 _AGREEMENT = 5e-3
-_COARSEST = 40
+_COARSEST = 25
 _COARSE_ITERATIONS = 400
 _REFINE_BARRIER = 1e-4
 _TIGHTEN_BARRIER = 1e-5
@@ -146,7 +146,7 @@ class _Run:
     def search(self, joint_path: JointPath) -> Solution:
         """Solve from several starts on a coarse grid and return the best answer."""
         options = self.scene.planning
-        intervals = max(_COARSEST, options.intervals // 2)
+        intervals = max(_COARSEST, options.intervals // 4)
         best: Solution | None = None
         last: Solution | None = None
         for start in _starts(self.scene):

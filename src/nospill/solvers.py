@@ -93,7 +93,6 @@ SOLVERS: dict[str, Callable[[SolveOptions], dict[str, Any]]] = {
 """Name -> options. A further NLP solver of casadi is one line here."""
 
 _SENTENCES = {
-    "Solve_Succeeded": "converged to an optimum",
     "Solved_To_Acceptable_Level": "converged to a slightly relaxed tolerance",
     "Infeasible_Problem_Detected": "ended at a point that cannot be made feasible locally",
     "Maximum_Iterations_Exceeded": "stopped at the limit of iterations; raise planning.max_iterations",
@@ -124,17 +123,16 @@ def solve(
     if solver not in SOLVERS:
         raise ScenarioError(f'planning.solver "{solver}" is not known; allowed: {", ".join(SOLVERS)}')
     transcription = problem.transcription
-    settings = SOLVERS[solver](options) | {
-        "print_time": False,
-        "error_on_fail": False,
-        "jac_g": transcription.jac_g,
-        "grad_f": transcription.grad_f,
-        "hess_lag": transcription.hess_lag,
-        "no_nlp_grad": True,
-        "calc_lam_p": False,
-    }
+    settings = SOLVERS[solver](options) | {"print_time": False, "error_on_fail": False, "calc_lam_p": False}
     if solver == "fatrop":
         settings |= _fatrop_structure(problem)
+    else:
+        settings |= {
+            "jac_g": transcription.jac_g,
+            "grad_f": transcription.grad_f,
+            "hess_lag": transcription.hess_lag,
+            "no_nlp_grad": True,
+        }
     watcher = None
     if options.progress is not None and solver == "ipopt":
         watcher = _Watcher(problem, options.progress)
@@ -164,7 +162,7 @@ def solve(
         objective=float(result["f"]),
         violation=violation(problem, values),
         converged=bool(stats["success"]),
-        status=_sentence(solver, str(stats["return_status"])),
+        status=_sentence(solver, bool(stats["success"]), str(stats["return_status"])),
         iterations=int(stats["iter_count"]),
         solve_time_s=elapsed,
     )
@@ -176,8 +174,9 @@ def violation(problem: Problem, values: np.ndarray) -> float:
     return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
 
 
-def _sentence(solver: str, status: str) -> str:
-    return f"{solver} {_SENTENCES.get(status, 'ended with ' + status.replace('_', ' ').lower())}"
+def _sentence(solver: str, success: bool, status: str) -> str:
+    default = "converged to an optimum" if success else f"ended with {status.replace('_', ' ').lower()}"
+    return f"{solver} {_SENTENCES.get(status, default)}"
 
 
 def _fatrop_structure(problem: Problem) -> dict[str, Any]:

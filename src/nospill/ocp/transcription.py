@@ -1,6 +1,6 @@
 """The whole problem from one stage: derivatives of a stage, mapped over the stages and placed by a fixed permutation.
 
-Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap F(x_k, u_k) - x_{k+1}, the equalities and the rows; then the rows
+Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities and the rows; then the rows
 on x_N. Nothing of the size of the whole problem is ever differentiated.
 """
 
@@ -91,7 +91,7 @@ def _transcribe(structure: Structure, shapes: Shapes, intervals: int) -> Transcr
     expressions = stage_expressions(
         structure, layout, numbers, scaled * scales, scales=scales, reserves=reserves, intervals=intervals
     )
-    gap = expressions.following / scales[: layout.states]
+    gap = -expressions.following / scales[: layout.states]
     constraints = ca.vertcat(gap, expressions.equalities, expressions.rows)
     shift = gap.numel() + expressions.equalities.numel()
     last = SX.sym("x", layout.states)
@@ -158,7 +158,7 @@ def _assemble(pieces: _StagePieces, layout: Layout, intervals: int) -> dict[str,
     following = ca.horzcat(stages[:states, 1:], final)
 
     def gather(mapped: MX) -> MX:
-        gaps = ca.vertcat(mapped[:states, :] - following, mapped[states:, :])
+        gaps = ca.vertcat(following + mapped[:states, :], mapped[states:, :])
         return ca.vertcat(ca.vec(gaps), end_values(final, parameter))
 
     stage_costs, stage_values = values(stages, parameter)
@@ -167,7 +167,7 @@ def _assemble(pieces: _StagePieces, layout: Layout, intervals: int) -> dict[str,
 
     slope_values, slope_nonzeros = slopes(stages, parameter)
     sparsity, order = _jacobian_places(jacobian, end_jacobian, layout, intervals, height)
-    nonzeros = ca.vertcat(ca.vec(slope_nonzeros), -MX.ones(intervals * states), end_slopes(final, parameter))
+    nonzeros = ca.vertcat(ca.vec(slope_nonzeros), MX.ones(intervals * states), end_slopes(final, parameter))
     jac_g = ca.Function(
         "nlp_jac_g", [w, parameter], [gather(slope_values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
     )
