@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nospill.plans import load_plan as load_plan
     from nospill.scenario import read_scenario as load
     from nospill.scene import Scene as Scene
+    from nospill.simulate import simulate_slosh as simulate_slosh
     from nospill.trajectory import Trajectory as Trajectory
 
 _PLACES = {
@@ -36,6 +37,7 @@ _PLACES = {
     "plan": ("nospill.planner", "plan"),
     "load": ("nospill.scenario", "read_scenario"),
     "Scene": ("nospill.scene", "Scene"),
+    "simulate_slosh": ("nospill.simulate", "simulate_slosh"),
     "Trajectory": ("nospill.trajectory", "Trajectory"),
 }
 """Public name -> module and name there. Imported at first use, so that reading a scenario needs no optimiser."""
