@@ -1,0 +1,31 @@
+"""Figures of a plan. Importing this package does not import matplotlib; drawing does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from nospill.plans import Plan
+
+
+def save_figures(plan: Plan, folder: Path) -> list[Path]:
+    """Draw every figure that applies to a plan and write it as PNG (150 dpi) and PDF (vector).
+
+    The trajectory is judged once more: the figures show what the joints in the file do, not what the optimiser meant.
+
+    Args:
+        plan: the plan, certified or not.
+        folder: where the files go; made if missing. Nothing else in it is touched.
+
+    Returns:
+        The paths of the files, in the order written.
+
+    Raises:
+        ModelError: the liquids cannot be integrated along the trajectory.
+        PlanFolderError: the trajectory does not fit the scene, or the folder cannot be written.
+    """
+    # matplotlib takes a third of a second to import, which nobody else should pay.
+    from nospill.plots.figures import write_figures
+
+    return write_figures(plan, Path(folder))

@@ -1,0 +1,111 @@
+"""What the figures show: a plan, the judge's evidence for it, and what follows from both in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from nospill.certificate import Judgement, Row, Trace
+from nospill.constraints import CONSTRAINTS
+from nospill.constraints.base import Place
+from nospill.frames import SX, FrameMotion
+from nospill.numbers import constants
+from nospill.plans import MotionMaxima, Plan, motion_maxima
+from nospill.sample import coordinate_count, sample_objects, split_states
+from nospill.scene_numbers import numbers_of, structure_of
+from nospill.slosh.height import crest
+
+AFTER_END = 0.4
+"""s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """A plan and its judgement, as the figures read them."""
+
+    plan: Plan
+    judgement: Judgement
+
+    @property
+    def end_time(self) -> float:
+        """End of the motion, s."""
+        return self.plan.duration
+
+    @property
+    def maxima(self) -> MotionMaxima:
+        """Largest figures of the motion as judged here."""
+        return motion_maxima(self.judgement, self.plan.scene)
+
+    def traces(self, constraint: str) -> tuple[Trace, ...]:
+        """The traces of one constraint, a subject each; empty where it does not apply."""
+        return tuple(trace for trace in self.judgement.traces if trace.constraint == constraint)
+
+    def families(self, place: Place) -> dict[str, tuple[Trace, ...]]:
+        """The traces of every constraint of one place that applies, by constraint, in the order of the certificate."""
+        names = [constraint.name for constraint in CONSTRAINTS if constraint.place is place]
+        return {name: traces for name in names if (traces := self.traces(name))}
+
+    def worst_rows(self) -> tuple[Row, ...]:
+        """The certificate's row nearest to its limit for every constraint, in the order of the certificate."""
+        worst: dict[str, Row] = {}
+        for row in self.judgement.certificate.rows:
+            known = worst.get(row.constraint)
+            if known is None or row_use(row) > row_use(known):
+                worst[row.constraint] = row
+        return tuple(worst.values())
+
+    def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Surface heights after the end, the tray at rest: times (m,) s, and heights (m,) m per object with liquid.
+
+        Every mode is a damped oscillator, q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t) with s = zeta omega,
+        A = q and B = (q' + s A)/omega_d at the end, as in `slosh.residual`; the height follows from the modes as in the
+        constraint.
+        """
+        scene, played = self.plan.scene, self.judgement.replay
+        structure, numbers = structure_of(scene), numbers_of(scene)
+        count = coordinate_count(structure)
+        after = np.linspace(0.0, AFTER_END, 401)
+        if count == 0:
+            return played.t[-1] + after, {}
+        modes = [
+            (own.frequency, own.damping)
+            for item, parts in zip(structure.objects, numbers.objects, strict=True)
+            for own, directions in zip(parts.oscillators, item.oscillators, strict=True)
+            for _ in directions
+        ]
+        omega, zeta = np.array(modes).T[:, :, None]
+        decay, damped = zeta * omega, omega * np.sqrt(1 - zeta**2)
+        start, speed = played.slosh_displacement[-1][:, None], played.slosh_velocity[-1][:, None]
+        quadrature = (speed + decay * start) / damped
+        states = np.exp(-decay * after) * (start * np.cos(damped * after) + quadrature * np.sin(damped * after))
+        q, still = SX.sym("q", count), SX.zeros(count)
+        fixed = constants(numbers)
+        rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, fixed.gravity))
+        objects = sample_objects(structure, fixed, rest, split_states(structure, q, still, still))
+        heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
+        table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states)).full())
+        names = [cargo.name for cargo in scene.cargo if cargo.filling]
+        return played.t[-1] + after, dict(zip(names, table, strict=True))
+
+
+def limit_use(limit: np.ndarray, margin: np.ndarray) -> np.ndarray:
+    """Use of a limit, 1 - margin/|limit|: at 1 the limit is reached.
+
+    Where the limit is zero the margin counts in its own unit, so a pressing force of 0.8 weights has used 0.2 of what
+    keeps an object on the tray. A margin that is no number is infinite use.
+    """
+    size = np.abs(limit)
+    use = 1.0 - margin / np.where(size > 0.0, size, 1.0)
+    return np.where(np.isnan(use), np.inf, use)
+
+
+def trace_use(trace: Trace) -> np.ndarray:
+    """`limit_use` of a trace over time, shape (m,)."""
+    return limit_use(trace.limit, trace.margin)
+
+
+def row_use(row: Row) -> float:
+    """`limit_use` of a certificate row."""
+    return float(limit_use(np.asarray(row.limit), np.asarray(row.worst_margin)))

@@ -1,0 +1,61 @@
+"""The table of figures, and writing them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from nospill.certificate import judge
+from nospill.errors import PlanFolderError
+from nospill.plans import Plan
+from nospill.plots.evidence import Evidence
+from nospill.plots.joints import joints_figure
+from nospill.plots.margins import margins_figure
+from nospill.plots.slosh_heights import slosh_heights_figure
+from nospill.plots.style import LOOK
+from nospill.plots.summary import summary_figure
+from nospill.plots.tilt import tilt_figure
+
+FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
+    "slosh-heights": slosh_heights_figure,
+    "margins": margins_figure,
+    "joints": joints_figure,
+    "tilt": tilt_figure,
+    "summary": summary_figure,
+}
+"""File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""
+
+RESOLUTION = 150
+"""Dots per inch of the PNG files."""
+
+
+def draw_figures(plan: Plan) -> dict[str, Figure]:
+    """The figures that apply to a plan, by file name; to be drawn or saved inside `matplotlib.rc_context(LOOK)`.
+
+    Raises:
+        ModelError: the liquids cannot be integrated along the trajectory.
+        PlanFolderError: the trajectory does not fit the scene.
+    """
+    evidence = Evidence(plan, judge(plan.trajectory, plan.scene))
+    with matplotlib.rc_context(LOOK):
+        drawn = {name: draw(evidence) for name, draw in FIGURES.items()}
+    return {name: figure for name, figure in drawn.items() if figure is not None}
+
+
+def write_figures(plan: Plan, folder: Path) -> list[Path]:
+    """See `nospill.plots.save_figures`."""
+    written = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, figure in draw_figures(plan).items():
+            with matplotlib.rc_context(LOOK):
+                # No date: the same plan gives the same bytes.
+                figure.savefig(folder / f"{name}.png", dpi=RESOLUTION)
+                figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
+            written += [folder / f"{name}.png", folder / f"{name}.pdf"]
+    except OSError as error:
+        raise PlanFolderError(f"{folder}: the figures cannot be written ({error.strerror or error})") from error
+    return written

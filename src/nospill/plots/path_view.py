@@ -1,0 +1,154 @@
+"""The path in three dimensions, with the tray drawn at a few places on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+from mpl_toolkits.mplot3d import proj3d
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from nospill.cargo import Cargo
+from nospill.plots.evidence import Evidence
+from nospill.plots.style import BLUE, GREY, ORANGE, SMALL
+
+DOT_INTERVAL = 0.1
+"""s between the dots on the path."""
+
+_ELEVATION = 30.0
+_ROOM = 0.45
+"""in; kept free round the box for ticks and labels."""
+
+
+def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, float, float]) -> Any:
+    """Path of the tray with its outline, the objects' footprints and its x axis at up to six places.
+
+    Args:
+        figure: where to draw.
+        evidence: the plan.
+        place: left, bottom, width, height in fractions of the figure.
+
+    Returns:
+        The axes, base frame, m.
+    """
+    played, scene = evidence.judgement.replay, evidence.plan.scene
+    line = played.tray.position
+    # Axes in three dimensions are typed as those of a plane, so Any.
+    axes: Any = figure.add_axes(place, projection="3d", computed_zorder=False)
+    instants = _instants(evidence)
+    half = scene.tray.size / 2
+    corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
+    footprints = [_footprint(cargo) for cargo in scene.cargo]
+    outlines = [_on_tray(evidence, index, corners) for index in instants]
+    reach = 1.35 * half[0]
+    head = np.array([[1.2, 0.0], [1.0, 0.11], [1.0, -0.11]]) * reach
+    points = np.vstack([line, *outlines])
+    low, high = points.min(axis=0) - 0.03, points.max(axis=0) + 0.03
+    # Never flatter than a third, so that the ticks of a level path stay apart.
+    high[2] = max(high[2], low[2] + 0.3 * float(np.max(high - low)))
+    shadow = np.column_stack([line[:, :2], np.full(len(line), low[2])])
+
+    axes.plot(*shadow.T, color="#BBBBBB", linewidth=1.0, zorder=1, clip_on=False)
+    for index, outline in zip(instants, outlines, strict=True):
+        bases = [_on_tray(evidence, index, footprint) for footprint in footprints]
+        for shapes, fill, edge in (([outline], "#DDE9F3C0", "#333333"), (bases, "#FFFFFFD0", "#666666")):
+            if shapes:
+                axes.add_collection3d(
+                    Poly3DCollection(shapes, facecolors=fill, edgecolors=edge, linewidths=0.7, zorder=2, clip_on=False)
+                )
+        shaft = _on_tray(evidence, index, np.array([[0.0, 0.0], [reach, 0.0]]))
+        axes.add_collection3d(Line3DCollection([shaft], colors=ORANGE, linewidths=1.6, zorder=3, clip_on=False))
+        tip = _on_tray(evidence, index, head)
+        axes.add_collection3d(Poly3DCollection([tip], facecolors=ORANGE, linewidths=0, zorder=3, clip_on=False))
+    axes.plot(*line.T, color=BLUE, linewidth=1.8, zorder=4, clip_on=False)
+    dots = np.searchsorted(played.t, np.arange(0.0, evidence.end_time, DOT_INTERVAL))
+    axes.plot(*line[dots].T, linestyle="", marker="o", markersize=3, color=BLUE, zorder=5, clip_on=False)
+    box = {"boxstyle": "round,pad=0.12", "facecolor": "#FFFFFFD0", "edgecolor": "none"}
+    for index in instants:
+        text = f"{min(played.t[index], evidence.end_time):.2f} s"
+        axes.text(*line[index] + [0.0, 0.0, 0.1], text, size=SMALL, ha="center", va="bottom", zorder=8, bbox=box)
+    for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
+        set_limits(start, stop)
+    _dress(axes)
+    _fit(figure, axes, place, low, high, azimuth=_azimuth(line))
+    return axes
+
+
+def _instants(evidence: Evidence) -> np.ndarray:
+    """Indices into the replay at equal steps of the path parameter, as many as leave room between the trays."""
+    trajectory, scene = evidence.plan.trajectory, evidence.plan.scene
+    count = int(np.clip(scene.path.length // (1.2 * float(np.max(scene.tray.size))) + 1, 2, 6))
+    times = np.interp(np.linspace(0.0, 1.0, count), np.maximum.accumulate(trajectory.s), trajectory.t)
+    times[0] = 0.0
+    played = evidence.judgement.replay.t
+    return np.minimum(np.searchsorted(played, times), len(played) - 1)
+
+
+def _on_tray(evidence: Evidence, index: int, outline: np.ndarray) -> np.ndarray:
+    """Points (n, 2) on the tray's surface at one instant of the replay, in the base frame, (n, 3) m."""
+    tray = evidence.judgement.replay.tray
+    return tray.position[index] + outline @ tray.rotation[index][:, :2].T
+
+
+def _footprint(cargo: Cargo) -> np.ndarray:
+    """Outline of an object's bottom in the tray frame, (n, 2) m."""
+    c, s = np.cos(cargo.yaw), np.sin(cargo.yaw)
+    return cargo.position + cargo.container.outline @ np.array([[c, s], [-s, c]])
+
+
+def _azimuth(line: np.ndarray) -> float:
+    """Direction to look from, deg: across the way from start to end, on the side that shows most of the path's bend."""
+    way = line[-1] - line[0]
+    if np.hypot(way[0], way[1]) < 0.2:
+        way = line[np.argmax(np.linalg.norm(line - line[0], axis=1))] - line[0]
+    ahead = float(np.degrees(np.arctan2(way[1], way[0])))
+    elevation = np.radians(_ELEVATION)
+
+    def bend(azimuth: float) -> float:
+        angle = np.radians(azimuth)
+        toward = np.array([np.cos(elevation) * np.cos(angle), np.cos(elevation) * np.sin(angle), np.sin(elevation)])
+        seen = (line - line.mean(axis=0)) @ (np.eye(3) - np.outer(toward, toward))
+        return round(float(np.linalg.svd(seen, compute_uv=False)[1]), 3)
+
+    return max((ahead - 65.0, ahead - 115.0, ahead + 65.0, ahead + 115.0), key=bend)
+
+
+def _dress(axes: Any) -> None:
+    """Quiet panes and ticks, names with units."""
+    for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", strict=True):
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+        axis.set_label_text(f"{name} [m]", size=8)
+        axis.set_tick_params(labelsize=7, pad=-2)
+        axis.labelpad = -3
+        axis.line.set_color(GREY)
+        axis.set_major_locator(MultipleLocator(0.2))
+
+
+def _fit(
+    figure: Figure,
+    axes: Any,
+    place: tuple[float, float, float, float],
+    low: np.ndarray,
+    high: np.ndarray,
+    *,
+    azimuth: float,
+) -> None:
+    """Equal scales, and the box as large as the place allows, in its middle."""
+    axes.set_proj_type("ortho")
+    axes.view_init(elev=_ELEVATION, azim=azimuth)
+    axes.set_box_aspect(high - low)
+    axes.apply_aspect()
+    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    x, y, z = corners.T
+    across, up, _ = proj3d.proj_transform(x, y, z, axes.get_proj())
+    pixels = axes.transData.transform(np.column_stack([across, up])) / figure.dpi
+    size = np.array(figure.get_size_inches())
+    room = np.array(place[2:]) * size - 2 * _ROOM
+    zoom = float(np.min(room / np.ptp(pixels, axis=0)))
+    axes.set_box_aspect(high - low, zoom=zoom)
+    # Zooming is about the middle of the axes; move that so that the box's middle falls into the middle of the place.
+    middle = axes.get_position().get_points().mean(axis=0) * size
+    offset = zoom * ((pixels.max(axis=0) + pixels.min(axis=0)) / 2 - middle)
+    axes.set_position((place[0] - offset[0] / size[0], place[1] - offset[1] / size[1], place[2], place[3]))

@@ -1,0 +1,256 @@
+"""One look for all figures: colours, line styles, limits, panels in fixed inches.
+
+Colours are those of Okabe and Ito, which people with any colour blindness tell apart; every line of a panel also has
+its own dash pattern or marker, so that a grey print can still be read. Figures are 5.2 in wide with letters of 7.5 to 9
+points; on a column of 3.5 in the smallest are 5 points high.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nospill.plots.evidence import Evidence
+
+BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
+SKY, BLACK, GREY, RED = "#56B4E9", "#000000", "#777777", "#D55E00"
+DARK_RED = "#9A4300"
+"""For letters: vermilion, darkened until it can be read on white and on its own shade."""
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, BLACK, SKY, GREY)
+"""For series; vermilion is kept for limits."""
+
+DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.3, 1.3)), (0, (6, 1.5, 1.3, 1.5)))
+MARKERS = ("", "o", "s", "^", "x")
+
+WIDTH = 5.2
+"""in; width of every figure but the summary sheet."""
+
+SMALL = 7.5
+"""Size of labels inside panels, points."""
+
+LOOK: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4,
+    "axes.labelsize": 9,
+    "axes.labelpad": 2,
+    "axes.linewidth": 0.7,
+    "axes.edgecolor": "#444444",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.6,
+    "grid.linestyle": "-",
+    "lines.linewidth": 1.4,
+    "lines.markersize": 3.5,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "path.simplify": True,
+    "path.simplify_threshold": 0.3,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "savefig.bbox": "standard",
+    # Embedded as outlines: whole TrueType tables make the PDFs no better and take three times as long.
+    "pdf.fonttype": 3,
+}
+"""Settings for `matplotlib.rc_context`; nothing is set outside it."""
+
+_LEFT, _RIGHT, _BOTTOM, _GAP = 0.62, 0.12, 0.44, 0.36
+_TITLE_ROW, _LEGEND_ROW = 0.24, 0.155
+_LETTER = 0.52 * 8 / 72
+"""in; mean width of a letter of the legend."""
+
+
+def series_look(index: int) -> dict[str, Any]:
+    """Colour, dash pattern and marker of the index-th line of a panel; (dash, marker) repeats after 20 lines."""
+    marker = MARKERS[index // len(DASHES) % len(MARKERS)]
+    look: dict[str, Any] = {"color": COLOURS[index % len(COLOURS)], "linestyle": DASHES[index % len(DASHES)]}
+    return look | ({"marker": marker, "markevery": (0.03 + 0.02 * (index % 4), 0.12)} if marker else {})
+
+
+def plain(name: str, longest: int = 22) -> str:
+    """A user's name as figure text: no formula signs, shortened in its middle where it is too long."""
+    if len(name) > longest:
+        head = (longest - 1) * 2 // 3
+        name = f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
+    return name.replace("$", r"\$")
+
+
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Factor and name for printing a unit of the certificate: mm for m, degrees for radians, % for fractions."""
+    if unit == "1":
+        return 100.0, "%"
+    factor = 1.0
+    if unit == "m":
+        factor, unit = 1e3, "mm"
+    elif unit.startswith("rad"):
+        factor, unit = 180.0 / np.pi, unit.replace("rad", "deg", 1)
+    return factor, unit.replace("^2", "²").replace("^3", "³")
+
+
+@dataclass(frozen=True, slots=True)
+class Panels:
+    """A figure and its panels, row by row."""
+
+    figure: Figure
+    axes: tuple[Axes, ...]
+
+
+def time_panels(
+    evidence: Evidence,
+    title: str,
+    *,
+    count: int,
+    columns: int,
+    height: float,
+    legend: list[Line2D] | None = None,
+    share_height: bool = True,
+) -> Panels:
+    """A figure of `count` panels over a common time axis, `height` in each, with a headline and a legend above them."""
+    rows = -(-count // columns)
+    handles = legend or []
+    legend_columns = _legend_columns(handles)
+    legend_height = _LEGEND_ROW * -(-len(handles) // legend_columns) + (0.05 if handles else 0.0)
+    top = 0.06 + _TITLE_ROW + legend_height + _TITLE_ROW
+    total = top + rows * height + (rows - 1) * _GAP + _BOTTOM
+    figure = Figure(figsize=(WIDTH, total))
+    grid = figure.subplots(rows, columns, sharex=True, sharey=share_height, squeeze=False)
+    inner = WIDTH - _LEFT - _RIGHT
+    column = (inner - (columns - 1) * (0.2 if share_height else 0.66)) / columns
+    figure.subplots_adjust(
+        left=_LEFT / WIDTH,
+        right=1 - _RIGHT / WIDTH,
+        top=1 - top / total,
+        bottom=_BOTTOM / total,
+        hspace=_GAP / height,
+        wspace=(inner / column - columns) / (columns - 1) if columns > 1 else 0.0,
+    )
+    headline(figure, evidence, title, left=_LEFT / WIDTH, right=1 - _RIGHT / WIDTH, y=1 - 0.06 / total)
+    if handles:
+        figure.legend(
+            handles,
+            [str(handle.get_label()) for handle in handles],
+            loc="upper left",
+            bbox_to_anchor=((_LEFT - 0.08) / WIDTH, 1 - (0.06 + _TITLE_ROW) / total),
+            ncols=legend_columns,
+            borderaxespad=0.0,
+            borderpad=0.1,
+            labelspacing=0.25,
+            columnspacing=1.2,
+            handletextpad=0.5,
+        )
+    axes = list(grid.ravel())
+    for spare in axes[count:]:
+        spare.remove()
+    for index in range(count):
+        if index + columns >= count:
+            axes[index].set_xlabel("time [s]")
+            axes[index].tick_params(labelbottom=True)
+    return Panels(figure, tuple(axes[:count]))
+
+
+def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, right: float, y: float) -> None:
+    """What is shown on the left, the plan's end time and verdict on the right, in fractions of the figure."""
+    verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
+    figure.text(left, y, title, ha="left", va="top", weight="bold")
+    name = plain(evidence.plan.scene.name, 24)
+    figure.text(
+        right, y, f"{name}: {evidence.end_time:.3f} s, {verdict}", ha="right", va="top", color="#333333", size=8
+    )
+
+
+def line_key(label: str, index: int) -> Line2D:
+    """Legend entry of the index-th series."""
+    look = {key: value for key, value in series_look(index).items() if key != "markevery"}
+    # A label that starts with an underscore would be left out of the legend.
+    return Line2D([], [], label=label if not label.startswith("_") else f" {label}", **look)
+
+
+def limit_key(label: str) -> Line2D:
+    """Legend entry of limits."""
+    return Line2D([], [], label=label, color=RED, linewidth=1.2)
+
+
+def draw_limit(
+    axes: Axes,
+    value: float,
+    name: str,
+    *,
+    forbidden: float,
+    span: tuple[float, float] | None = None,
+    align: str = "left",
+) -> None:
+    """A limit as a line with its name, its forbidden side shaded as far as `forbidden`.
+
+    Args:
+        axes: of the panel.
+        value: of the limit, in units of the panel, as is `forbidden`.
+        name: printed on the forbidden side.
+        forbidden: end of the shading.
+        span: times from and to which it holds, s; None for all.
+        align: "left" or "right" end of the span for the name.
+    """
+    above = forbidden > value
+    at = (0.0, 1.0) if span is None else span
+    across = axes.get_yaxis_transform() if span is None else axes.transData
+    axes.fill_between(at, value, forbidden, transform=across, facecolor=RED, alpha=0.13, linewidth=0, zorder=0.5)
+    axes.plot(at, (value, value), transform=across, color=RED, linewidth=1.2, zorder=2.5)
+    write_limit(axes, (at[0] if align == "left" else at[1], value), name, above=above, align=align, transform=across)
+
+
+def write_limit(
+    axes: Axes, place: tuple[float, float], name: str, *, above: bool, align: str = "left", transform: Any
+) -> None:
+    """The name of a limit beside its line."""
+    axes.annotate(
+        name,
+        place,
+        xycoords=transform,
+        xytext=(2 if align == "left" else -1, 1.5 if above else -2),
+        textcoords="offset points",
+        ha=align,
+        va="bottom" if above else "top",
+        size=SMALL,
+        color=DARK_RED,
+        zorder=4,
+    )
+
+
+def draw_end(axes: Axes, time: float) -> None:
+    """The end of the motion as a vertical line with its name."""
+    axes.axvline(time, color="#444444", linewidth=0.9, linestyle=(0, (2, 1.5)), zorder=2.4)
+    axes.annotate(
+        "end of motion",
+        (time, 0.6),
+        xycoords=("data", "axes fraction"),
+        xytext=(2, 0),
+        textcoords="offset points",
+        rotation=90,
+        ha="left",
+        va="center",
+        size=SMALL,
+        color="#333333",
+    )
+
+
+def _legend_columns(handles: list[Line2D]) -> int:
+    if not handles:
+        return 1
+    entry = max(len(str(handle.get_label())) for handle in handles) * _LETTER + 0.52
+    return int(np.clip((WIDTH - _LEFT - _RIGHT + 0.1) // entry, 1, len(handles)))

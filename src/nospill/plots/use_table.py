@@ -1,0 +1,76 @@
+"""The certificate as a table with a bar: the row nearest to its limit for every constraint."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+
+from nospill.certificate import Row
+from nospill.plots.evidence import Evidence, row_use
+from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, shown_unit
+
+_SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
+_LONGEST_USE = 1.2
+
+
+def draw_use_table(axes: Axes, evidence: Evidence) -> None:
+    """One line per constraint: who, bar of use, value, limit, when; a failing row is hatched and says so."""
+    rows = evidence.worst_rows()
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(len(rows) - 0.4, -1.6)
+    unit_use = (_BAR_END - _BAR) / _LONGEST_USE
+    limit = _BAR + unit_use
+    for x, text, align in (
+        (0.0, "constraint", "left"),
+        (_SUBJECT, "nearest", "left"),
+        (_BAR, "use of limit", "left"),
+        (_VALUE, "value", "right"),
+        (_LIMIT, "limit", "right"),
+        (_UNIT, "unit", "left"),
+        (_TIME, "at [s]", "right"),
+    ):
+        axes.text(x, -1.0, text, ha=align, va="center", size=8, weight="bold")
+    axes.text(limit, -0.62, "limit", ha="center", va="bottom", size=SMALL - 0.5, color=DARK_RED)
+    axes.plot([0.0, 1.0], [-0.55, -0.55], color="#444444", linewidth=0.7, clip_on=False)
+    for line, row in enumerate(rows):
+        _draw_row(axes, line, row, unit_use)
+    axes.plot([limit, limit], [-0.5, len(rows) - 0.5], color=RED, linewidth=1.2, zorder=3)
+
+
+def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
+    if line % 2:
+        axes.axhspan(line - 0.5, line + 0.5, facecolor="#F4F4F4", linewidth=0, zorder=0)
+    factor, unit = shown_unit(row.unit)
+    weight, color = ("normal", "black") if row.ok else ("bold", DARK_RED)
+    value = factor * row.worst_value
+    # Errors far below their limit are rounding: one digit says enough.
+    text = _number(value, 1 if abs(row.worst_value) < 1e-3 * abs(row.limit) else 4)
+    for x, cell, align in (
+        (0.0, row.constraint, "left"),
+        (_SUBJECT, plain(row.subject, 16), "left"),
+        (_VALUE, text if row.ok else f"FAILS {text}", "right"),
+        (_LIMIT, _number(factor * row.limit, 3), "right"),
+        (_UNIT, unit, "left"),
+        (_TIME, f"{row.at_s:.3f}", "right"),
+    ):
+        axes.text(x, line, cell, ha=align, va="center", size=8, weight=weight, color=color)
+    axes.barh(
+        line,
+        min(max(row_use(row), 0.0), _LONGEST_USE) * unit_use,
+        left=_BAR,
+        height=0.62,
+        color=BLUE if row.ok else "white",
+        edgecolor=BLUE if row.ok else RED,
+        hatch=None if row.ok else "////",
+        linewidth=0.8,
+        zorder=2,
+    )
+
+
+def _number(value: float, digits: int) -> str:
+    """A number in at most eight characters, with a minus sign as in the axes."""
+    if value == 0.0:
+        return "0"
+    size = abs(value)
+    text = f"{value:.{digits}g}" if 1e-3 <= size < 100.0 else f"{value:.0f}" if 100.0 <= size < 1e5 else f"{value:.0e}"
+    return text.replace("-", "−")
