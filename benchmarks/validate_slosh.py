@@ -3,7 +3,7 @@
     python benchmarks/validate_slosh.py            print the table and write it into the page
     python benchmarks/validate_slosh.py --print    print it only
 
-The environment variable NOSPILL_DATA names the folder of the measurements: slosh-runs (NAME.motion.csv, NAME.height.csv)
+The variable NOSPILL_DATA names the folder of the measurements: slosh-runs (NAME.motion.csv, NAME.height.csv)
 and matrix-d3. Nothing is fitted but the clock of the height, by best correlation; the container is the same in all
 runs. After its end a motion is held for another 0.3 durations, so that the swinging on is compared too.
 """
