@@ -14,13 +14,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from nospill.errors import ModelError
 from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
 from nospill.sample import coordinate_count, object_motion
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
+from nospill.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.slosh.motion import modal_acceleration
 from nospill.trajectory import Trajectory
 
@@ -28,8 +28,6 @@ MINIMUM_RATE = 2000.0
 """Hz; the grid on which a trajectory is judged is at least this fine."""
 
 _HOLD_SAMPLES = 6
-_SLOSH_TOLERANCE = 1e-7
-_LARGEST_REFINEMENT = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,25 +65,17 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
     per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate - 1e-9))
     spline = _joint_spline(trajectory)
     count = coordinate_count(structure)
-    refinement, coarse = 1, None
-    while True:
+    grid, tray, body = np.empty(0), None, np.empty((9, 0))
+
+    def play(refinement: int) -> np.ndarray:
+        nonlocal grid, tray, body
         # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too.
         grid = _grid(trajectory, 2 * per_sample * refinement)
         tray, body = _tray(scene, spline, grid)
-        fine = (
-            _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else np.zeros((len(grid[::2]), 0))
-        )
-        if coarse is not None or not count:
-            step = 2 if count else 1
-            error = float(np.max(np.abs(fine[::step, :count] - coarse), initial=0.0)) if coarse is not None else 0.0
-            if error <= _SLOSH_TOLERANCE:
-                break
-            if refinement >= _LARGEST_REFINEMENT or not np.isfinite(error):
-                raise ModelError(
-                    f"slosh cannot be integrated along this trajectory (error {error * 1e3:.3g} mm at "
-                    f"{per_sample * refinement * trajectory.rate:.0f} Hz): the liquid leaves its cup"
-                )
-        coarse, refinement = fine[:, :count], 2 * refinement
+        return _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else grid[::2, None][:, :0]
+
+    slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
+    assert tray is not None  # play was called
     kept = grid[::2]
     every = slice(None, None, 2)
     return Replay(
@@ -103,9 +93,9 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
             angular_acceleration=tray.angular_acceleration[every],
         ),
         body=body[:, ::2],
-        slosh_displacement=fine[:, :count],
-        slosh_velocity=fine[:, count:],
-        slosh_error=error if count else 0.0,
+        slosh_displacement=slosh.states[:, :count],
+        slosh_velocity=slosh.states[:, count:],
+        slosh_error=slosh.error,
     )
 
 
@@ -165,33 +155,24 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
 
 
 @lru_cache(maxsize=16)
-def _runge_kutta_step(structure: Structure, shapes: Shapes) -> Any:
-    """One classical Runge-Kutta step of all liquids: (state, body at start, middle, end, step, parameters) -> state."""
+def _step(structure: Structure, shapes: Shapes) -> Any:
+    """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
     count = coordinate_count(structure)
-    state, bodies, step = SX.sym("x", 2 * count), [SX.sym(f"b{i}", 9) for i in range(3)], SX.sym("h")
-    parameters = SX.sym("p", shapes.size)
-    numbers = symbolic(shapes.record, parameters)
 
-    def rate(x: SX, body: SX) -> SX:
-        q, qd = x[:count], x[count:]
+    def rate(state: SX, body: SX, parameters: SX) -> SX:
+        q, qd = state[:count], state[count:]
+        numbers = symbolic(shapes.record, parameters)
         return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
 
-    x, body, p = SX.sym("x", 2 * count), SX.sym("b", 9), parameters
-    slope = ca.Function("slope", [x, body, p], [rate(x, body)], {"cse": True})
-    k1 = slope(state, bodies[0], p)
-    k2 = slope(state + step / 2 * k1, bodies[1], p)
-    k3 = slope(state + step / 2 * k2, bodies[1], p)
-    k4 = slope(state + step * k3, bodies[2], p)
-    following = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return ca.Function("step", [state, *bodies, step, p], [following], {"cse": True})
+    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=shapes.size)
 
 
 def _integrate(structure: Structure, numbers: SceneNumbers, body: np.ndarray, step: float) -> np.ndarray:
     """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
-    function = _runge_kutta_step(structure, Shapes(numbers))
-    steps = (body.shape[1] - 1) // 2
-    start = np.zeros(2 * coordinate_count(structure))
-    columns = [ca.DM(body[:, 0:-1:2]), ca.DM(body[:, 1::2]), ca.DM(body[:, 2::2])]
-    run = function.mapaccum("run", steps)
-    states = run(start, *columns, np.full((1, steps), step), ca.repmat(ca.DM(flatten(numbers)), 1, steps))
-    return np.vstack([start, np.array(states.full()).T])
+    return integrate(
+        _step(structure, Shapes(numbers)),
+        np.zeros(2 * coordinate_count(structure)),
+        inputs=body,
+        lengths=np.full((body.shape[1] - 1) // 2, step),
+        parameters=flatten(numbers),
+    )
