@@ -15,7 +15,7 @@ NEAR = 0.15
 """A position limit is drawn when the joint comes nearer to it than this part of its range."""
 
 
-def joints_figure(evidence: Evidence) -> Figure | None:
+def joints_figure(evidence: Evidence) -> Figure:
     """Positions above, speeds below, a line per joint."""
     joints = evidence.plan.scene.robot.joints
     panels = time_panels(
@@ -76,4 +76,4 @@ def draw_speeds(axes: Axes, evidence: Evidence) -> None:
     axes.set_xlim(0.0, evidence.end_time)
     axes.set_ylabel("speed / limit [1]")
     axes.set_title("joint speed")
-    axes.set_title(f"max {peaks[largest]:.4g} ({plain(traces[largest].subject, 14)})", loc="right", size=SMALL)
+    axes.set_title(f"max {peaks[largest]:.4f} ({plain(traces[largest].subject, 14)})", loc="right", size=SMALL)

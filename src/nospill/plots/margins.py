@@ -18,12 +18,10 @@ HIGHEST_USE = 2.0
 _MEANING = {"lift": "force / weight"}
 
 
-def margins_figure(evidence: Evidence) -> Figure | None:
-    """One panel per constraint on the objects, one line per object; None without objects."""
+def margins_figure(evidence: Evidence) -> Figure:
+    """One panel per constraint on the objects, one line per object."""
     families = evidence.families(Place.OBJECT)
     families.pop(SloshHeight.name, None)  # has its own figure, in millimetres
-    if not families:
-        return None
     subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
     panels = time_panels(
         evidence,
@@ -56,7 +54,7 @@ def draw_use(axes: Axes, traces: tuple[Trace, ...], *, looks: list[int]) -> None
     draw_limit(axes, 1.0, "limit 1", forbidden=top)
     axes.set_ylim(0.0, top)
     axes.set_ylabel("use of limit [1]")
-    axes.set_title(f"max {peaks[largest]:.4g} ({plain(traces[largest].subject, 14)})", loc="right", size=SMALL)
+    axes.set_title(f"max {peaks[largest]:.4f} ({plain(traces[largest].subject, 10)})", loc="right", size=SMALL)
 
 
 def _draw_floor(axes: Axes, name: str, traces: tuple[Trace, ...], looks: list[int]) -> None:
@@ -71,4 +69,4 @@ def _draw_floor(axes: Axes, name: str, traces: tuple[Trace, ...], looks: list[in
     draw_limit(axes, 0.0, "limit 0", forbidden=bottom)
     axes.set_ylim(bottom, 1.08 * high)
     axes.set_ylabel(f"{_MEANING[name]} [1]" if name in _MEANING else f"{name} [{unit}]")
-    axes.set_title(f"min {lows[least]:.3g} ({plain(traces[least].subject, 14)})", loc="right", size=SMALL)
+    axes.set_title(f"min {lows[least]:.3g} ({plain(traces[least].subject, 10)})", loc="right", size=SMALL)

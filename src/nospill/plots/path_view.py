@@ -71,6 +71,8 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.text(*line[index] + [0.0, 0.0, 0.1], text, size=SMALL, ha="center", va="bottom", zorder=8, bbox=box)
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
+    key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: path on the floor of the box"
+    figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")
     _dress(axes)
     _fit(figure, axes, place, low, high, azimuth=_azimuth(line))
     return axes
@@ -110,7 +112,7 @@ def _azimuth(line: np.ndarray) -> float:
         angle = np.radians(azimuth)
         toward = np.array([np.cos(elevation) * np.cos(angle), np.cos(elevation) * np.sin(angle), np.sin(elevation)])
         seen = (line - line.mean(axis=0)) @ (np.eye(3) - np.outer(toward, toward))
-        return round(float(np.linalg.svd(seen, compute_uv=False)[1]), 3)
+        return round(float(np.linalg.svd(seen, compute_uv=False)[1]), 2)
 
     return max((ahead - 65.0, ahead - 115.0, ahead + 65.0, ahead + 115.0), key=bend)
 
@@ -121,7 +123,8 @@ def _dress(axes: Any) -> None:
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis.set_label_text(f"{name} [m]", size=8)
         axis.set_tick_params(labelsize=7, pad=-2)
-        axis.labelpad = -3
+        # The label of the upright axis stands across its ticks and would be far off.
+        axis.labelpad = -7 if name == "z" else -3
         axis.line.set_color(GREY)
         axis.set_major_locator(MultipleLocator(0.2))
 

@@ -21,6 +21,7 @@ BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
 SKY, BLACK, GREY, RED = "#56B4E9", "#000000", "#777777", "#D55E00"
 DARK_RED = "#9A4300"
 """For letters: vermilion, darkened until it can be read on white and on its own shade."""
+_SHADE = "#F9EADE"
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, BLACK, SKY, GREY)
 """For series; vermilion is kept for limits."""
 
@@ -125,8 +126,8 @@ def time_panels(
     """A figure of `count` panels over a common time axis, `height` in each, with a headline and a legend above them."""
     rows = -(-count // columns)
     handles = legend or []
-    legend_columns = _legend_columns(handles)
-    legend_height = _LEGEND_ROW * -(-len(handles) // legend_columns) + (0.05 if handles else 0.0)
+    across = legend_columns(handles, WIDTH - _LEFT - _RIGHT + 0.1)
+    legend_height = _LEGEND_ROW * -(-len(handles) // across) + (0.05 if handles else 0.0)
     top = 0.06 + _TITLE_ROW + legend_height + _TITLE_ROW
     total = top + rows * height + (rows - 1) * _GAP + _BOTTOM
     figure = Figure(figsize=(WIDTH, total))
@@ -148,7 +149,7 @@ def time_panels(
             [str(handle.get_label()) for handle in handles],
             loc="upper left",
             bbox_to_anchor=((_LEFT - 0.08) / WIDTH, 1 - (0.06 + _TITLE_ROW) / total),
-            ncols=legend_columns,
+            ncols=across,
             borderaxespad=0.0,
             borderpad=0.1,
             labelspacing=0.25,
@@ -169,7 +170,7 @@ def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, rig
     """What is shown on the left, the plan's end time and verdict on the right, in fractions of the figure."""
     verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
     figure.text(left, y, title, ha="left", va="top", weight="bold")
-    name = plain(evidence.plan.scene.name, 24)
+    name = plain(evidence.plan.scene.name, 16)
     figure.text(
         right, y, f"{name}: {evidence.end_time:.3f} s, {verdict}", ha="right", va="top", color="#333333", size=8
     )
@@ -178,8 +179,8 @@ def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, rig
 def line_key(label: str, index: int) -> Line2D:
     """Legend entry of the index-th series."""
     look = {key: value for key, value in series_look(index).items() if key != "markevery"}
-    # A label that starts with an underscore would be left out of the legend.
-    return Line2D([], [], label=label if not label.startswith("_") else f" {label}", **look)
+    # Some versions leave labels that start with an underscore out of the legend; a space without width goes before it.
+    return Line2D([], [], label=label if not label.startswith("_") else f"\u200b{label}", **look)
 
 
 def limit_key(label: str) -> Line2D:
@@ -229,6 +230,7 @@ def write_limit(
         size=SMALL,
         color=DARK_RED,
         zorder=4,
+        bbox={"facecolor": _SHADE, "alpha": 0.7, "edgecolor": "none", "pad": 0.6},
     )
 
 
@@ -237,20 +239,19 @@ def draw_end(axes: Axes, time: float) -> None:
     axes.axvline(time, color="#444444", linewidth=0.9, linestyle=(0, (2, 1.5)), zorder=2.4)
     axes.annotate(
         "end of motion",
-        (time, 0.6),
+        (time, 0.97),
         xycoords=("data", "axes fraction"),
         xytext=(2, 0),
         textcoords="offset points",
         rotation=90,
         ha="left",
-        va="center",
+        va="top",
         size=SMALL,
         color="#333333",
     )
 
 
-def _legend_columns(handles: list[Line2D]) -> int:
-    if not handles:
-        return 1
-    entry = max(len(str(handle.get_label())) for handle in handles) * _LETTER + 0.52
-    return int(np.clip((WIDTH - _LEFT - _RIGHT + 0.1) // entry, 1, len(handles)))
+def legend_columns(handles: list[Line2D], width: float) -> int:
+    """How many columns of a legend fit into a width in in, at least one."""
+    longest = max((len(str(handle.get_label())) for handle in handles), default=0)
+    return int(np.clip(width // (longest * _LETTER + 0.52), 1, max(len(handles), 1)))

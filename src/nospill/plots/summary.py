@@ -13,7 +13,7 @@ from nospill.plots.evidence import Evidence, trace_use
 from nospill.plots.joints import draw_speeds
 from nospill.plots.margins import draw_use
 from nospill.plots.path_view import draw_path
-from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, line_key, plain
+from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, legend_columns, line_key, plain
 from nospill.plots.use_table import draw_use_table
 
 SHEET = (11.69, 8.27)
@@ -22,7 +22,7 @@ SHEET = (11.69, 8.27)
 _SMALLEST_DERIVATIVE = 1e-9
 
 
-def summary_figure(evidence: Evidence) -> Figure | None:
+def summary_figure(evidence: Evidence) -> Figure:
     """Verdict, largest figures, path, certificate, path parameter, the objects' tightest limit and joint speeds."""
     figure = Figure(figsize=SHEET)
     _draw_heading(figure, evidence)
@@ -33,8 +33,7 @@ def summary_figure(evidence: Evidence) -> Figure | None:
     _draw_progress(panels[0], evidence)
     _draw_tightest(panels[1], evidence)
     draw_speeds(panels[2], evidence)
-    robot = evidence.plan.scene.robot
-    _legend(panels[2], [plain(name, 12) for name in robot.joints])
+    _legend(panels[2], {name: index for index, name in enumerate(evidence.plan.scene.robot.joints)})
     for axes in panels:
         axes.set_xlabel("time [s]")
         axes.set_xlim(0.0, evidence.end_time)
@@ -44,10 +43,9 @@ def summary_figure(evidence: Evidence) -> Figure | None:
 def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     figure.text(0.03, 0.972, plain(scene.name, 40), size=17, weight="bold", va="top")
-    cargo = ", ".join(plain(item.name, 16) for item in scene.cargo[:8]) + (" …" if len(scene.cargo) > 8 else "")
-    figure.text(
-        0.03, 0.93, f"{plain(scene.robot.title, 60)}  ·  {len(scene.cargo)} on the tray: {cargo}", size=8.5, va="top"
-    )
+    about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray: "
+    names = plain(", ".join(item.name for item in scene.cargo), max(75 - len(about), 12))
+    figure.text(0.03, 0.93, about + names, size=8.5, va="top")
     rows = certificate.rows
     if certificate.ok:
         verdict, color = f"CERTIFIED: all {len(rows)} rows hold at {certificate.grid_hz:g} Hz", "#00704F"
@@ -60,7 +58,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
         )
         detail = describe(certificate.worst)
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
-    figure.text(0.975, 0.94, plain(detail, 110), size=8, ha="right", va="top")
+    figure.text(0.975, 0.94, plain(detail, 100), size=8, ha="right", va="top")
     tiles = _tiles(evidence)
     for index, (value, label) in enumerate(tiles):
         x = 0.03 + 0.945 * index / len(tiles)
@@ -106,29 +104,26 @@ def _draw_progress(axes: Axes, evidence: Evidence) -> None:
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     """Use of the liquids' limit, or without liquids of the objects' constraint that comes nearest to its limit."""
     families = evidence.families(Place.OBJECT)
-    if not families:
-        axes.set_axis_off()
-        return
     nearest = max(families, key=lambda name: max(float(np.max(trace_use(trace))) for trace in families[name]))
     name = SloshHeight.name if SloshHeight.name in families else nearest
-    subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
-    traces = families[name]
-    draw_use(axes, traces, looks=[subjects.index(trace.subject) for trace in traces])
+    traces, names = families[name], [cargo.name for cargo in evidence.plan.scene.cargo]
+    looks = {trace.subject: names.index(trace.subject) for trace in traces}
+    draw_use(axes, traces, looks=list(looks.values()))
     axes.set_title(name)
-    _legend(axes, [plain(trace.subject, 12) for trace in traces], [subjects.index(trace.subject) for trace in traces])
+    _legend(axes, looks)
 
 
-def _legend(axes: Axes, labels: list[str], looks: list[int] | None = None) -> None:
-    """A legend above the panel and its title, in as many columns as fit."""
-    handles = [line_key(label, look) for label, look in zip(labels, looks or range(len(labels)), strict=True)]
-    columns = 4 if max(len(label) for label in labels) <= 8 else 3
+def _legend(axes: Axes, looks: dict[str, int]) -> None:
+    """A legend of names and their looks above the panel and its title; there is room for the first twelve."""
+    handles = [line_key(plain(name, 10), look) for name, look in looks.items()][:12]
     axes.legend(
         handles=handles,
         loc="lower left",
         bbox_to_anchor=(-0.02, 1.1),
-        ncols=columns,
+        ncols=legend_columns(handles, 3.3),
         borderpad=0.1,
         labelspacing=0.2,
         columnspacing=1.0,
         handletextpad=0.4,
+        handlelength=2.3,
     )

@@ -55,14 +55,8 @@ def _draw_lateral(axes: Axes, evidence: Evidence) -> None:
     level = np.hypot(played.tray.acceleration[:, 0], played.tray.acceleration[:, 1])
     axes.plot(played.t, tilted, color=BLUE, label="as planned")
     axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="same motion, level tray")
-    friction = min((cargo.planned_friction for cargo in scene.cargo), default=None)
-    if friction is not None:
-        axes.plot(
-            played.t,
-            friction * played.body[8],
-            color=GREEN,
-            linestyle=_DOTTED,
-            label=f"friction, μ = {friction:.2f}",
-        )
+    friction = min(cargo.planned_friction for cargo in scene.cargo)
+    holds = f"friction, μ = {friction:.2f}"
+    axes.plot(played.t, friction * played.body[8], color=GREEN, linestyle=_DOTTED, label=holds)
     axes.set_ylim(0.0, 1.1 * max(float(np.max(level)), float(np.max(tilted)), 1e-3))
     axes.set_ylabel("lateral specific force [m/s²]")

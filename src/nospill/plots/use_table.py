@@ -48,7 +48,7 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
     for x, cell, align in (
         (0.0, row.constraint, "left"),
         (_SUBJECT, plain(row.subject, 16), "left"),
-        (_VALUE, text if row.ok else f"FAILS {text}", "right"),
+        (_VALUE, text, "right"),
         (_LIMIT, _number(factor * row.limit, 3), "right"),
         (_UNIT, unit, "left"),
         (_TIME, f"{row.at_s:.3f}", "right"),
@@ -65,6 +65,9 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
         linewidth=0.8,
         zorder=2,
     )
+    if not row.ok:
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        axes.text(_BAR + 0.02, line, "FAILS", ha="left", va="center", size=8, weight=weight, color=color, bbox=box)
 
 
 def _number(value: float, digits: int) -> str:
