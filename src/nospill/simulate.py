@@ -40,6 +40,8 @@ _DEGREE = 5
 _LONGEST_STEP = 0.002
 _LEAST_SAMPLES_PER_PERIOD = 5
 _LARGEST_MODE_COUNT = 20
+_LARGEST_FORCE = 200.0
+"""m/s^2; twenty times gravity is a jump in the record or millimetres taken for metres, not a cup on its way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,15 +279,21 @@ def _level(structure: ObjectStructure, modes: SloshModes, up: np.ndarray) -> np.
 
 
 def _check_pressed(t: np.ndarray, body: np.ndarray, liquid_height: float) -> None:
-    """The apparent gravity must press the liquid down at the bottom and at the surface (it is linear between)."""
+    """The record must be a motion, and its apparent gravity press the liquid down from the surface to the bottom."""
+    force = np.linalg.norm(body[6:], axis=0)
+    hardest = int(np.argmax(force))
+    if force[hardest] > _LARGEST_FORCE:
+        raise ScenarioError(
+            f"motion: at t = {t[hardest]:.3f} s the container is accelerated by {force[hardest]:.3g} m/s^2 (at most "
+            f"{_LARGEST_FORCE:g} are taken for a motion); give positions in metres and without jumps"
+        )
     spin = np.sum(body[:2] ** 2, axis=0)
     pressing = np.minimum(body[8], body[8] - spin * liquid_height)
     worst = int(np.argmin(pressing))
     if pressing[worst] <= 0.0:
         raise ModelError(
             f"motion: at t = {t[worst]:.3f} s the apparent gravity along the container's axis is {pressing[worst]:.3g} "
-            "m/s^2: it does not press the liquid into its container and the slosh model is void; move it more gently, "
-            "or check that positions are in metres and without jumps"
+            "m/s^2: it does not press the liquid into its container and the slosh model is void; move it more gently"
         )
 
 
