@@ -208,7 +208,7 @@ def test_the_void_model_is_an_error() -> None:
 def test_jumps_and_wrong_units_are_no_motion() -> None:
     t = clock(0.5)
     for x in (np.where(t > 0.25, 0.3, 0.0), 300.0 * quintic(t, 0.4)):
-        with pytest.raises(ScenarioError, match="is accelerated by .* give positions in metres and without jumps"):
+        with pytest.raises(ScenarioError, match=r"is accelerated by .* give positions in metres and without jumps"):
             simulate_translation(x, t)
 
 
