@@ -33,7 +33,9 @@ _AGREEMENT = 5e-3
 _COARSEST = 25
 _COARSE_ITERATIONS = 400
 _REFINE_BARRIER = 1e-4
-_TIGHTEN_BARRIER = 1e-5
+_TIGHTEN_BARRIER = 1e-6
+_TIGHTEN_ITERATIONS = 40
+_REFINE_ITERATIONS = 80
 _FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.65, skew=0.5))
 
 
@@ -168,9 +170,9 @@ class _Run:
         """Carry the coarse answer to the full grid."""
         intervals = self.scene.planning.intervals
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
-        for barrier in (_REFINE_BARRIER, 0.1, None):
-            solution = self.solve(start, barrier=barrier)
-            if _usable(solution):
+        for barrier, iterations in ((_REFINE_BARRIER, _REFINE_ITERATIONS), (0.1, None), (None, None)):
+            solution = self.solve(start, barrier=barrier, iterations=iterations)
+            if _usable(solution) and solution.converged:
                 return solution
         raise NoSolutionError(
             f"No motion found on {intervals} intervals, though one exists on {coarse.stages.intervals} "
@@ -184,8 +186,10 @@ class _Run:
             if not self._raise_reserves(judgement.certificate):
                 break
             self.rounds += 1
-            again = self.solve(solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution)
-            if not _usable(again):
+            again = self.solve(
+                solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
+            )
+            if not _usable(again) or not again.converged:
                 again = self.solve(solution.stages)
             if not _usable(again):
                 break
