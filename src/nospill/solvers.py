@@ -182,8 +182,8 @@ def _sentence(solver: str, success: bool, status: str) -> str:
 def _fatrop_structure(problem: Problem) -> dict[str, Any]:
     transcription = problem.transcription
     layout, count = transcription.layout, transcription.intervals
-    rows = transcription.stage_height - layout.states
-    end_rows = len(transcription.lower) - count * transcription.stage_height
+    rows = transcription.height - layout.states
+    end_rows = len(transcription.lower) - count * transcription.height
     equality = (transcription.lower == transcription.upper).tolist()
     return {
         "N": count,

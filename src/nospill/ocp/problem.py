@@ -9,7 +9,7 @@ import numpy as np
 from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.layout import Layout
 from nospill.ocp.stages import Stages
-from nospill.ocp.transcription import Transcription, transcribe
+from nospill.ocp.transcription import Kept, Transcription, transcribe
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
 
@@ -57,7 +57,9 @@ class Problem:
         return Stages(float(table[0, self.transcription.layout.interval]), table)
 
 
-def build_problem(scene: Scene, intervals: int, *, nominal_duration: float, reserves: Reserves) -> Problem:
+def build_problem(
+    scene: Scene, intervals: int, *, nominal_duration: float, reserves: Reserves, kept: Kept | None = None
+) -> Problem:
     """The problem of a scene on a grid.
 
     Args:
@@ -65,9 +67,10 @@ def build_problem(scene: Scene, intervals: int, *, nominal_duration: float, rese
         intervals: N.
         nominal_duration: expected end time, s, for the scales only.
         reserves: fraction of each budget kept back from the optimiser.
+        kept: which (constraint, subject) rows take part; None for all.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
-    transcription = transcribe(structure, numbers, intervals)
+    transcription = transcribe(structure, numbers, intervals, kept=kept)
     scales = _scales(scene, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals)
     return Problem(

@@ -109,7 +109,7 @@ def stage_expressions(
     *,
     scales: SX,
     reserves: dict[tuple[str, int], SX],
-    intervals: int,
+    intervals: SX,
 ) -> StageExpressions:
     """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))

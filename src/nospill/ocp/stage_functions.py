@@ -1,0 +1,171 @@
+"""One stage as functions: values and exact derivatives with their sparsity, for any numbers of one structure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.constraints import CONSTRAINTS
+from nospill.frames import SX
+from nospill.numbers import SceneNumbers, Shapes, Structure, symbolic
+from nospill.ocp import compiled
+from nospill.ocp.layout import Layout, layout_of
+from nospill.ocp.stage import Block, stage_expressions, terminal_rows
+
+Triplets = tuple[np.ndarray, np.ndarray]
+"""Row and column of every structural nonzero, column by column."""
+
+
+@dataclass(frozen=True, eq=False)
+class StageShape:
+    """Everything about a stage that is not a function; plain data, so that it can be kept beside compiled code.
+
+    Attributes:
+        numbers: entries of a flattened numbers record.
+        height: constraints of a stage: gaps, equalities, rows. fixed: how many of them are gaps and equalities.
+        lower, upper: bounds of the rows, (height - fixed,). blocks: of the rows, first row counted from the stage's start.
+        end_lower, end_upper, end_blocks: of the rows on the final state.
+        jacobian, hessian, end_jacobian, end_hessian: structural nonzeros; the Hessians' upper triangles.
+    """
+
+    numbers: int
+    height: int
+    fixed: int
+    lower: np.ndarray
+    upper: np.ndarray
+    blocks: tuple[Block, ...]
+    end_lower: np.ndarray
+    end_upper: np.ndarray
+    end_blocks: tuple[Block, ...]
+    jacobian: Triplets
+    hessian: Triplets
+    end_jacobian: Triplets
+    end_hessian: Triplets
+
+
+@dataclass(frozen=True, eq=False)
+class StageFunctions:
+    """A stage's functions of its scaled vector z, the final state's x, and the parameters p.
+
+    Attributes:
+        layout, shape: sizes and places. reserve_keys: (constraint, subject) of every entry of the reserve vector.
+        values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) -> cost, gradient.
+        curvatures: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the Lagrangian's Hessian.
+        end_values: (x, p) -> rows. end_slopes: (x, p) -> nonzeros. end_curvatures: (x, p, multipliers) -> nonzeros.
+        compiled: whether they are machine code rather than CasADi's virtual machine.
+    """
+
+    layout: Layout
+    shape: StageShape
+    reserve_keys: tuple[tuple[str, int], ...]
+    values: Any
+    slopes: Any
+    costs: Any
+    curvatures: Any
+    end_values: Any
+    end_slopes: Any
+    end_curvatures: Any
+    compiled: bool
+
+
+def reserve_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
+    """Every (constraint, subject) the structure can have, in a fixed order."""
+    counts = max(len(structure.objects), len(structure.joints), 3)
+    return tuple((constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
+
+
+def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, int]:
+    """Lengths of the parts of the parameter vector: numbers, scales of a stage, reserves, number of intervals."""
+    return numbers, layout_of(structure).size, len(reserve_keys(structure)), 1
+
+
+def stage_functions(structure: Structure, numbers: SceneNumbers) -> StageFunctions:
+    """The functions of a structure; `numbers` only shows the shapes.
+
+    Compiled ones are taken from the disk where an earlier run has left them; otherwise they are built for CasADi's
+    virtual machine, and a compiler, where there is one, is started in the background for the next time.
+    """
+    return _stage_functions(structure, Shapes(numbers))
+
+
+@lru_cache(maxsize=16)
+def _stage_functions(structure: Structure, shapes: Shapes) -> StageFunctions:
+    kept = compiled.load(structure)
+    if kept is not None:
+        shape, functions = kept
+        return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=True)
+    shape, functions = _build(structure, shapes)
+    compiled.compile_later(structure, shape, functions)
+    return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=False)
+
+
+def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, Any]]:
+    layout, keys = layout_of(structure), reserve_keys(structure)
+    sizes = parameter_sizes(structure, shapes.size)
+    parameters = SX.sym("p", sum(sizes))
+    flat, scales, kept_back, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
+    numbers = symbolic(shapes.record, flat)
+    reserves = {key: kept_back[index] for index, key in enumerate(keys)}
+
+    z, x = SX.sym("z", layout.size), SX.sym("x", layout.states)
+    stage = stage_expressions(
+        structure, layout, numbers, z * scales, scales=scales, reserves=reserves, intervals=count
+    )
+    gap = -stage.following / scales[: layout.states]
+    constraints = ca.vertcat(gap, stage.equalities, stage.rows)
+    fixed = gap.numel() + stage.equalities.numel()
+    end = terminal_rows(structure, layout, numbers, x * scales[: layout.states], reserves)
+    end_rows, end_lower, end_upper = end.stacked()
+
+    multipliers, end_multipliers, weight = SX.sym("l", constraints.numel()), SX.sym("m", end_rows.numel()), SX.sym("f")
+    jacobian = ca.jacobian(constraints, z)
+    lagrangian = weight * stage.cost + ca.dot(multipliers, constraints)
+    hessian = ca.triu(ca.hessian(lagrangian, z)[0])
+    end_jacobian = ca.jacobian(end_rows, x)
+    end_hessian = ca.triu(ca.hessian(ca.dot(end_multipliers, end_rows), x)[0])
+    outputs: dict[str, tuple[list[SX], list[SX]]] = {
+        "values": ([z, parameters], [stage.cost, constraints]),
+        "slopes": ([z, parameters], [constraints, _nonzeros(jacobian)]),
+        "costs": ([z, parameters], [stage.cost, ca.gradient(stage.cost, z)]),
+        "curvatures": ([z, parameters, weight, multipliers], [_nonzeros(hessian)]),
+        "end_values": ([x, parameters], [end_rows]),
+        "end_slopes": ([x, parameters], [_nonzeros(end_jacobian)]),
+        "end_curvatures": ([x, parameters, end_multipliers], [_nonzeros(end_hessian)]),
+    }
+    functions = {
+        name: ca.Function(name, inputs, [ca.densify(output) for output in results], {"cse": True})
+        for name, (inputs, results) in outputs.items()
+    }
+    shape = StageShape(
+        numbers=shapes.size,
+        height=constraints.numel(),
+        fixed=fixed,
+        lower=stage.lower,
+        upper=stage.upper,
+        blocks=tuple(
+            Block(block.constraint, block.subject, block.first + fixed, block.count, block.repetition)
+            for block in stage.blocks
+        ),
+        end_lower=end_lower,
+        end_upper=end_upper,
+        end_blocks=tuple(end.blocks),
+        jacobian=_triplets(jacobian),
+        hessian=_triplets(hessian),
+        end_jacobian=_triplets(end_jacobian),
+        end_hessian=_triplets(end_hessian),
+    )
+    return shape, functions
+
+
+def _nonzeros(matrix: SX) -> SX:
+    entries = matrix.nonzeros()
+    return SX.zeros(0, 1) if not entries else ca.vertcat(*[SX(entry) for entry in entries])
+
+
+def _triplets(matrix: SX) -> Triplets:
+    rows, columns = matrix.sparsity().get_triplet()
+    return np.array(rows, dtype=int), np.array(columns, dtype=int)
