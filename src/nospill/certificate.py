@@ -8,7 +8,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from nospill.batches import evaluate
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
 from nospill.errors import PlanFolderError
@@ -31,6 +33,40 @@ ACCELERATION_TOLERANCE = 0.5
 PROGRESS_TOLERANCE = 1e-9
 """The path parameter runs from 0 to 1 within this."""
 
+_QUATERNION_TOLERANCE = 1e-6
+_COLUMNS = (
+    "t",
+    "s",
+    "s_rate",
+    "tilt",
+    "joint_position",
+    "joint_speed",
+    "joint_acceleration",
+    "tray_position",
+    "tray_quaternion",
+)
+"""What the judge reads of a trajectory."""
+
+
+_LEAST_SIZE = {"joint position": np.pi, "lift": 1.0}
+"""By constraint, what a margin is measured by at least where the limit's distance from zero says nothing: half a turn
+of a joint, one weight."""
+
+
+def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:
+    """Use of a limit, 1 - margin/size: 1 at the limit, more where it is broken.
+
+    The size is that of the limit itself. A joint's zero may lie anywhere in its range, so the size is half a turn at
+    least; a limit of zero counts as one of its unit (lift: one weight). A margin that is no number is infinite use.
+
+    Args:
+        constraint: its name.
+        limit, margin: (m,) or one number, in the constraint's unit.
+    """
+    size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint, 0.0))
+    use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
+    return np.where(np.isnan(use), np.inf, use)
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -45,6 +81,11 @@ class Row:
     at_s: float
     ok: bool
 
+    @property
+    def use(self) -> float:
+        """`limit_use` at that instant."""
+        return float(limit_use(self.constraint, self.limit, self.worst_margin))
+
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
@@ -56,8 +97,8 @@ class Certificate:
 
     @property
     def worst(self) -> Row:
-        """The row nearest to its limit, relative to the limit; a broken one before any other."""
-        return min(self.rows, key=lambda row: row.worst_margin / max(abs(row.limit), 1e-9))
+        """The row that uses most of its limit (`limit_use`); a broken one before any other."""
+        return max(self.rows, key=lambda row: (not row.ok, row.use))
 
     def to_dict(self) -> dict[str, Any]:
         """For certificate.json: ok, grid_hz, rows."""
@@ -75,6 +116,11 @@ class Trace:
     value: np.ndarray
     limit: np.ndarray
     margin: np.ndarray
+
+    @property
+    def use(self) -> np.ndarray:
+        """`limit_use` over time, shape (m,)."""
+        return limit_use(self.constraint, self.limit, self.margin)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +140,8 @@ def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
 
     Raises:
         ModelError: the liquids cannot be integrated.
-        PlanFolderError: the trajectory does not fit the scene (other joints or objects).
+        PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
+            is not finite, time that does not run forward).
     """
     return judge(trajectory, scene).certificate
 
@@ -102,6 +149,7 @@ def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
 def judge(trajectory: Trajectory, scene: Scene) -> Judgement:
     """`certify` with its evidence; raises the same."""
     _require_fit(trajectory, scene)
+    _require_motion(trajectory)
     played = replay(trajectory, scene)
     traces = constraint_traces(trajectory, scene, played)
     rows = [_row(trace) for trace in traces] + _record_rows(trajectory, scene, played)
@@ -114,19 +162,48 @@ def _require_fit(trajectory: Trajectory, scene: Scene) -> None:
             f"trajectory: its joints {', '.join(trajectory.joints)} are not those of the robot "
             f"({', '.join(scene.robot.joints)})"
         )
+    items = zip(scene.cargo, structure_of(scene).objects, strict=True)
+    wanted = {cargo.name: item.coordinates for cargo, item in items if item.coordinates}
+    found = {name: track.displacement.shape[1] for name, track in trajectory.slosh.items()}
+    if found != wanted:
+        ours, theirs = (
+            ", ".join(f"{name} ({count})" for name, count in names.items()) or "none" for names in (found, wanted)
+        )
+        raise PlanFolderError(f"trajectory: its liquids (slosh coordinates) are {ours}, those of the scene {theirs}")
+
+
+def _require_motion(trajectory: Trajectory) -> None:
+    for name in _COLUMNS:
+        values = getattr(trajectory, name)
+        if len(values) != len(trajectory.t):
+            raise PlanFolderError(f"trajectory: {len(values)} rows of {name}, {len(trajectory.t)} of t")
+        if not np.all(np.isfinite(values)):
+            row = int(np.argwhere(~np.isfinite(values))[0][0])
+            raise PlanFolderError(f"trajectory: {name} is not a finite number at row {row}")
+    if len(trajectory.t) < 2:
+        raise PlanFolderError(f"trajectory: {len(trajectory.t)} instants, at least 2 are needed")
+    backwards = np.flatnonzero(np.diff(trajectory.t) <= 0.0)
+    if len(backwards):
+        row = int(backwards[0])
+        raise PlanFolderError(f"trajectory: t does not increase from {trajectory.t[row]:g} s at row {row}")
+    lengths = np.linalg.norm(trajectory.tray_quaternion, axis=1)
+    wrong = np.flatnonzero(np.abs(lengths - 1.0) > _QUATERNION_TOLERANCE)
+    if len(wrong):
+        row = int(wrong[0])
+        raise PlanFolderError(f"trajectory: the quaternion at row {row} has length {lengths[row]:.6g}, 1 is needed")
 
 
 def constraint_traces(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[Trace, ...]:
     """Every constraint and subject over time, each on the grid it is judged on."""
     structure, numbers = structure_of(scene), numbers_of(scene)
-    parameters = ca.DM(flatten(numbers))
+    parameters = flatten(numbers)
     traces = []
     for place, (t, columns) in _inputs(trajectory, played).items():
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
         if not constraints:
             continue
         function = _figures_function(structure, Shapes(numbers), place)
-        table = np.array(function(*[ca.DM(c) for c in columns], ca.repmat(parameters, 1, len(t))).full())
+        table = evaluate(function, columns, parameters)
         table = table.reshape(-1, 3, len(t))
         row = 0
         for constraint in constraints:
@@ -238,15 +315,19 @@ def _row(trace: Trace) -> Row:
 
 
 def _record_rows(trajectory: Trajectory, scene: Scene, played: Replay) -> list[Row]:
-    """Rows about the record itself: on the path, from end to end, at rest there, columns that agree with each other."""
-    position, attitude = _path_error(trajectory, scene, played)
+    """Rows about the record itself: on the path, from end to end, at rest there, columns that agree with each other.
+
+    The samples must come at the rate the controller plays them at, `scene.output_rate`.
+    """
     per_sample = round(played.rate / trajectory.rate)
+    position, attitude = _path_error(trajectory, scene, played, per_sample)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
     ends = np.max(np.abs(trajectory.joint_speed[[0, -1]]), axis=1)
     progress = np.abs([trajectory.s[0], trajectory.s[-1] - 1.0])
     both = trajectory.t[[0, -1]]
-    uneven = np.abs(np.diff(trajectory.t) * trajectory.rate - 1.0)
+    uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
+    written = _pose_error(played, per_sample, trajectory.tray_position, Rotation.from_quat(trajectory.tray_quaternion))
     return [
         _limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
         _limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
@@ -254,6 +335,8 @@ def _record_rows(trajectory: Trajectory, scene: Scene, played: Replay) -> list[R
         _limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
         _limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, trajectory.t, speed),
         _limit_row("recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE, trajectory.t, acceleration),
+        _limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
+        _limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
         _limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
     ]
 
@@ -262,15 +345,18 @@ def _limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, 
     return _row(Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values))
 
 
-def _path_error(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
+def _path_error(trajectory: Trajectory, scene: Scene, played: Replay, per_sample: int) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from the path at recorded s and tilt, per sample."""
-    from scipy.spatial.transform import Rotation
-
-    per_sample = round(played.rate / trajectory.rate)
     planned = scene.path.at(np.clip(trajectory.s, 0.0, 1.0))
-    distance = np.linalg.norm(played.tray.position[::per_sample] - planned[:, :3], axis=1)
     # Intrinsic z, y, x: R = Rz(yaw) Ry(theta_y) Rx(theta_x).
     angles = np.column_stack([planned[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]])
-    wanted = Rotation.from_euler("ZYX", angles)
-    turn = wanted.inv() * Rotation.from_matrix(played.tray.rotation[::per_sample])
+    return _pose_error(played, per_sample, planned[:, :3], Rotation.from_euler("ZYX", angles))
+
+
+def _pose_error(
+    played: Replay, per_sample: int, position: np.ndarray, attitude: Rotation
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (m) and angle (rad) of the tray the joints carry from a given pose, per sample."""
+    distance = np.linalg.norm(played.tray.position[::per_sample] - position, axis=1)
+    turn = attitude.inv() * Rotation.from_matrix(played.tray.rotation[::per_sample])
     return distance, turn.magnitude()

@@ -62,7 +62,8 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
         ModelError: the slosh integration does not converge (the liquid would leave its cup).
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
-    per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate - 1e-9))
+    # The slosh integration compares two grids, so the coarser one starts at half the rate that is wanted.
+    per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = _joint_spline(trajectory)
     count = coordinate_count(structure)
     grid, tray, body = np.empty(0), None, np.empty((9, 0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -13,6 +14,7 @@ from nospill.errors import ModelError
 
 SX = ca.SX
 
+_CHUNK = 200
 _TOLERANCE = 1e-7
 _LARGEST_REFINEMENT = 16
 
@@ -72,10 +74,24 @@ def integrate(
         (m + 1, n) states at the ends of the steps.
     """
     steps = len(lengths)
-    columns = [ca.DM(inputs[:, 0:-1:2]), ca.DM(inputs[:, 1::2]), ca.DM(inputs[:, 2::2])]
-    run = step.mapaccum("run", steps)
-    states = run(ca.DM(start), *columns, ca.DM(lengths).T, ca.repmat(ca.DM(parameters), 1, steps))
-    return np.vstack([start, np.array(states.full()).T])
+    padded = -steps % _CHUNK
+    # The steps run in chunks of fixed length, whose compiled form is kept; steps of no length fill the last one.
+    ends = [inputs[:, 0:-1:2], inputs[:, 1::2], inputs[:, 2::2]]
+    ends = [np.pad(columns, ((0, 0), (0, padded)), mode="edge") for columns in ends]
+    durations = np.pad(np.asarray(lengths, dtype=float), (0, padded))
+    run, shared = _chunk(step), ca.DM(np.repeat(parameters[:, None], _CHUNK, axis=1))
+    state, states = ca.DM(start), [np.asarray(start, dtype=float)[None]]
+    for first in range(0, steps, _CHUNK):
+        part = slice(first, first + _CHUNK)
+        reached = run(state, *[ca.DM(columns[:, part]) for columns in ends], ca.DM(durations[part]).T, shared)
+        state = reached[:, -1]
+        states.append(np.array(reached.full()).T)
+    return np.concatenate(states)[: steps + 1]
+
+
+@lru_cache(maxsize=32)
+def _chunk(step: Any) -> Any:
+    return step.mapaccum("chunk", _CHUNK)
 
 
 def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integral:
