@@ -61,7 +61,8 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
 
     Args:
         constraint: its name.
-        limit, margin: (m,) or one number, in the constraint's unit.
+        limit: (m,) or one number, in the constraint's unit.
+        margin: likewise.
     """
     size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint, 0.0))
     use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
