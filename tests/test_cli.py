@@ -18,11 +18,13 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from nospill.cli import SUMMARY_KEYS, app
+from nospill.certificate import Certificate, Row
+from nospill.cli import app
 from nospill.errors import NoSolutionError, PlanFolderError, ScenarioError
 from nospill.files import atomic_folder
+from nospill.plans import SUMMARY_KEYS, describe, failed_summary, shown_unit
 
-COMMANDS = ("plan", "check", "plot", "examples", "robots", "schema")
+COMMANDS = ("plan", "check", "plot", "simulate", "compare", "examples", "robots", "schema")
 
 
 @dataclass
@@ -32,7 +34,7 @@ class StandIn:
     ok: bool = True
     planning: Callable[[], None] = lambda: None
     calls: list[str] = field(default_factory=list)
-    rows: list[SimpleNamespace] = field(default_factory=list)
+    rows: list[Row] = field(default_factory=list)
 
     duration = 1.8431
     message = "certified"
@@ -41,8 +43,8 @@ class StandIn:
         self.rows = [row("slip", "c1", 0.3), row("slip", "c2", 0.1, ok=self.ok), row("slosh height", "[c1]", 1e-5)]
 
     @property
-    def certificate(self) -> SimpleNamespace:
-        return SimpleNamespace(ok=self.ok, grid_hz=2000.0, rows=tuple(self.rows))
+    def certificate(self) -> Certificate:
+        return Certificate(ok=self.ok, grid_hz=2000.0, rows=tuple(self.rows))
 
     def summary(self) -> dict[str, Any]:
         return {key: None for key in SUMMARY_KEYS} | {"status": "certified" if self.ok else "uncertified"}
@@ -70,7 +72,7 @@ class StandIn:
                 raise PlanFolderError(f"{folder} is not a plan folder")
             return SimpleNamespace(trajectory="trajectory", scene="scene")
 
-        def certify(trajectory: str, scene: str) -> SimpleNamespace:
+        def certify(trajectory: str, scene: str) -> Certificate:
             self.calls.append(f"certify {trajectory} {scene}")
             return self.certificate
 
@@ -81,8 +83,13 @@ class StandIn:
         functions = {
             "scenario": {"read_scenario": read_scenario},
             "planner": {"plan": plan},
-            "plan": {"load_plan": load_plan},
-            "certify": {"certify": certify},
+            "plans": {
+                "load_plan": load_plan,
+                "describe": describe,
+                "failed_summary": failed_summary,
+                "shown_unit": shown_unit,
+            },
+            "certificate": {"certify": certify},
             "plots": {"save_figures": save_figures},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}
@@ -91,8 +98,8 @@ class StandIn:
         return modules
 
 
-def row(constraint: str, subject: str, margin: float, *, ok: bool = True) -> SimpleNamespace:
-    return SimpleNamespace(
+def row(constraint: str, subject: str, margin: float, *, ok: bool = True) -> Row:
+    return Row(
         constraint=constraint,
         subject=subject,
         unit="N",
@@ -321,11 +328,13 @@ def plan_folder(folder: Path) -> Path:
 @pytest.mark.parametrize("ok", [True, False])
 def test_check_judges_again_and_writes_nothing(stand_in: StandIn, plan_folder: Path, ok: bool) -> None:
     stand_in.ok = ok
-    stand_in.rows[1].ok = ok
+    stand_in.rows[1] = row("slip", "c2", 0.1 if ok else -0.25, ok=ok)
     result = nospill("check", "tea")
     assert result.exit_code == (0 if ok else 1)
     assert stand_in.calls == ["certify trajectory scene"]
     assert ("certified: all 3 rows" if ok else "not certified: 1 of 3 rows fail") in result.stdout
+    told = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.00 % of it) at t = 0.500 s.\n"
+    assert result.stderr == ("" if ok else told)
     assert os.listdir(plan_folder) == ["summary.json"]
 
 

@@ -24,11 +24,11 @@ from nospill.constraints.base import Place
 from nospill.errors import PlanFolderError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
-from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans import Plan, PlanningReport, Starts, motion_maxima, shown_unit
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
-from nospill.plots.evidence import AFTER_END, Evidence, limit_use
-from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, shown_unit
+from nospill.plots.evidence import AFTER_END, Evidence
+from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
 from nospill.robots.inverse import joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene import Scene
@@ -343,30 +343,27 @@ def test_summary_says_what_counts(tilting: Evidence, crowded: Evidence, crowded_
 
 def test_nearest_row_of_every_constraint(crowded: Evidence) -> None:
     rows = crowded.judgement.certificate.rows
-    worst = {row.constraint: row for row in crowded.worst_rows()}
+    worst = {row.constraint: row for row in crowded.judgement.certificate.worst_rows()}
     assert set(worst) == {row.constraint for row in rows}
     assert all(not worst[row.constraint].ok for row in rows if not row.ok)
 
 
-def test_use_of_limits() -> None:
-    limit = np.array([2.0, -2.0, 0.0, 1.0, 1.0])
-    margin = np.array([0.5, 2.0, 0.8, -1.0, np.nan])
-    assert limit_use(limit, margin) == pytest.approx([0.75, 0.0, 0.2, 2.0, np.inf])
+def test_units_as_printed() -> None:
+    assert superscript(shown_unit("rad/s^3")[1]) == "deg/s³"
+    assert superscript("m/s^2") == "m/s²"
 
 
-@pytest.mark.parametrize(
-    ("unit", "factor", "shown"),
-    [
-        ("m", 1e3, "mm"),
-        ("rad/s^3", 180 / np.pi, "deg/s³"),
-        ("rad", 180 / np.pi, "deg"),
-        ("1", 100.0, "%"),
-        ("1/s^3", 1.0, "1/s³"),
-        ("weight", 1.0, "weight"),
-    ],
-)
-def test_units_as_printed(unit: str, factor: float, shown: str) -> None:
-    assert shown_unit(unit) == (pytest.approx(factor), shown)
+def test_a_judgement_at_hand_is_shown_and_not_made_again(
+    tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("judged again")
+
+    monkeypatch.setattr(figures, "judge", never)
+    monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
+    plan = dataclasses.replace(tilting.plan, judgement=tilting.judgement)
+    assert [path.name for path in save_figures(plan, tmp_path)] == ["joints.png", "joints.pdf"]
+    assert plan == plan and "judgement" not in repr(plan)
 
 
 def test_names_are_no_formulas() -> None:

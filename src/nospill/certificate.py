@@ -88,6 +88,10 @@ class Row:
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
 
 
+def _urgency(row: Row) -> tuple[bool, float]:
+    return not row.ok, row.use
+
+
 @dataclass(frozen=True, slots=True)
 class Certificate:
     """All rows; ok when every one is. `grid_hz`: rate of the grid the trajectory was judged on."""
@@ -99,7 +103,14 @@ class Certificate:
     @property
     def worst(self) -> Row:
         """The row that uses most of its limit (`limit_use`); a broken one before any other."""
-        return max(self.rows, key=lambda row: (not row.ok, row.use))
+        return max(self.rows, key=_urgency)
+
+    def worst_rows(self) -> tuple[Row, ...]:
+        """The same within each constraint, in the order of the rows."""
+        families: dict[str, list[Row]] = {}
+        for row in self.rows:
+            families.setdefault(row.constraint, []).append(row)
+        return tuple(max(family, key=_urgency) for family in families.values())
 
     def to_dict(self) -> dict[str, Any]:
         """For certificate.json: ok, grid_hz, rows."""

@@ -21,32 +21,13 @@ import typer
 from nospill.errors import NoSolutionError, NospillError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.certificate import Certificate, Row
+    from nospill.certificate import Certificate
     from nospill.planner import PlanningProgress
     from nospill.plans import Plan
 
 INTERNAL_ERROR = 70
 STOPPED = 130
 OUTPUT_CLOSED = 141
-
-SUMMARY_KEYS = (
-    "scenario",
-    "status",
-    "message",
-    "duration_s",
-    "plan_time_s",
-    "solve_time_s",
-    "iterations",
-    "starts",
-    "max_tray_acceleration_m_s2",
-    "max_tray_angular_acceleration_rad_s2",
-    "max_tilt_deg",
-    "max_joint_speed_use",
-    "max_slosh_height_m",
-    "residual_slosh_height_m",
-    "certificate",
-)
-"""Keys of the summary, in order; a failed plan has them all, null from the duration on."""
 
 P = ParamSpec("P")
 
@@ -151,7 +132,9 @@ def plan(
             outcome = error
     if isinstance(outcome, NoSolutionError):
         if as_json:
-            _print_json(_failed_summary(scene.name, outcome))
+            from nospill.plans import failed_summary
+
+            _print_json(failed_summary(scene.name, _one_line(outcome)))
         raise outcome
     if as_json:
         _print_json(outcome.summary())
@@ -171,11 +154,13 @@ def check(
 ) -> int:
     """Judge a plan folder again, from its trajectory and scenario alone; nothing is optimised or written."""
     from nospill.certificate import certify
-    from nospill.plans import load_plan
+    from nospill.plans import describe, load_plan
 
     saved = load_plan(folder)
     certificate = certify(saved.trajectory, saved.scene)
     _print_certificate(certificate)
+    if not certificate.ok:
+        _say(f"Not certified: {describe(certificate.worst)}.")
     return 0 if certificate.ok else 1
 
 
@@ -211,7 +196,7 @@ def simulate(
         Path | None,
         typer.Option("-o", "--output", metavar="OUT.csv", help="Write t_s, height_mm here.", show_default=False),
     ] = None,
-    modes: Annotated[int, typer.Option("--modes", metavar="N", help="Liquid modes in each direction.")] = 1,
+    modes: Annotated[int, typer.Option("--modes", metavar="N", help="Liquid modes in each direction.")] = 2,
     height: Annotated[
         str,
         typer.Option(
@@ -381,48 +366,26 @@ def _only_figures(names: set[str]) -> bool:
     return all(name.endswith((".png", ".pdf")) for name in names)
 
 
-def _failed_summary(scenario: str, error: NoSolutionError) -> dict[str, object]:
-    known = {"scenario": scenario, "status": "failed", "message": _one_line(error)}
-    return {key: known.get(key) for key in SUMMARY_KEYS}
-
-
 def _print_json(value: object) -> None:
     print(json.dumps(value, indent=2, allow_nan=False))
 
 
 def _print_certificate(certificate: Certificate) -> None:
     """Print the worst row of each constraint and the verdict."""
-    worst: dict[str, Row] = {}
-    for row in certificate.rows:
-        known = worst.get(row.constraint)
-        if known is None or (row.ok, row.worst_margin) < (known.ok, known.worst_margin):
-            worst[row.constraint] = row
-    _print_table(
-        ("constraint", "worst at", "value", "limit", "margin", "unit", "t / s", ""),
-        [
-            (
-                row.constraint,
-                row.subject,
-                row.worst_value,
-                row.limit,
-                row.worst_margin,
-                row.unit,
-                row.at_s,
-                _word(row.ok),
-            )
-            for row in worst.values()
-        ],
-    )
+    from nospill.plans import shown_unit
+
+    lines = []
+    for row in certificate.worst_rows():
+        factor, unit = shown_unit(row.unit, row.limit)
+        figures = (factor * row.worst_value, factor * row.limit, factor * row.worst_margin)
+        lines.append((row.constraint, row.subject, *figures, unit, row.at_s, "ok" if row.ok else "FAILS"))
+    _print_table(("constraint", "worst at", "value", "limit", "margin", "unit", "t / s", ""), lines)
     grid = f"on a grid of {certificate.grid_hz:g} Hz"
     failed = [row for row in certificate.rows if not row.ok]
     if certificate.ok:
         print(f"certified: all {len(certificate.rows)} rows hold {grid}")
     else:
         print(f"not certified: {len(failed)} of {len(certificate.rows)} rows fail {grid}")
-
-
-def _word(ok: bool) -> str:
-    return "ok" if ok else "FAILS"
 
 
 def _print_table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +24,39 @@ TRAJECTORY_FILE = "trajectory.csv"
 CERTIFICATE_FILE = "certificate.json"
 SUMMARY_FILE = "summary.json"
 
+SUMMARY_KEYS = (
+    "scenario",
+    "status",
+    "message",
+    "duration_s",
+    "plan_time_s",
+    "solve_time_s",
+    "iterations",
+    "starts",
+    "max_tray_acceleration_m_s2",
+    "max_tray_angular_acceleration_rad_s2",
+    "max_tilt_deg",
+    "max_joint_speed_use",
+    "max_slosh_height_m",
+    "residual_slosh_height_m",
+    "certificate",
+    "rounds",
+    "phases_s",
+    "solver_status",
+)
+"""Keys of the summary, in order; a failed one has them all, null from the duration on."""
+
+_SMALL_ANGLE = 0.01
+"""rad; limits below this are shown in thousandths of a radian."""
+
 
 @dataclass(frozen=True, slots=True)
 class MotionMaxima:
     """Largest figures of a motion, as the judge saw it.
 
     Attributes:
-        tray_acceleration: of the tray's centre, m/s^2. tray_angular_acceleration: rad/s^2. tilt: of the tray's normal from the vertical, rad.
+        tray_acceleration: of the tray's centre, m/s^2. tray_angular_acceleration: rad/s^2.
+        tilt: of the tray's normal from the vertical, rad.
         joint_speed_use: largest joint speed as a fraction of its limit.
         slosh_height, residual_height: m, per object with liquid.
     """
@@ -59,7 +86,12 @@ class Starts:
 
 @dataclass(frozen=True, slots=True)
 class PlanningReport:
-    """What planning cost: times in s (`phases` by name), iterations of all solves, rounds of tightening, solver's last word."""
+    """What planning cost.
+
+    Attributes:
+        plan_time, solve_time: s. phases: s, by name.
+        iterations: of all solves. rounds: of tightening. solver_status: the solver's last word.
+    """
 
     plan_time: float
     solve_time: float
@@ -72,13 +104,18 @@ class PlanningReport:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A planned motion with its verdict."""
+    """A planned motion with its verdict.
+
+    Attributes:
+        judgement: the evidence of the certificate while it is at hand; not saved, None for a plan from a folder.
+    """
 
     scene: Scene
     trajectory: Trajectory
     certificate: Certificate
     maxima: MotionMaxima
     report: PlanningReport
+    judgement: Judgement | None = field(default=None, repr=False, compare=False)
 
     @property
     def duration(self) -> float:
@@ -87,7 +124,7 @@ class Plan:
 
     @property
     def status(self) -> str:
-        """ "certified" or "uncertified"."""
+        """Either "certified" or "uncertified"."""
         return "certified" if self.certificate.ok else "uncertified"
 
     @property
@@ -148,13 +185,52 @@ class Plan:
                 extra(partial)
 
 
+def failed_summary(scenario: str, message: str) -> dict[str, Any]:
+    """The summary of a scenario without a solution: all of `SUMMARY_KEYS`, null from the duration on."""
+    return dict.fromkeys(SUMMARY_KEYS) | {"scenario": scenario, "status": "failed", "message": message}
+
+
 def describe(row: Row) -> str:
-    """A certificate row in one phrase."""
-    unit = "" if row.unit == "1" else f" {row.unit}"
-    return (
-        f"{row.constraint} of {row.subject} is {row.worst_value:.4g}{unit} against a limit of {row.limit:.4g}{unit} "
-        f"at t = {row.at_s:.3f} s"
+    """A certificate row in one phrase: value, limit, how much of it is used, when."""
+    factor, unit = shown_unit(row.unit, row.limit)
+    value, limit, margin = (
+        f"{factor * figure:.4g} {unit}".rstrip() for figure in (row.worst_value, row.limit, abs(row.worst_margin))
     )
+    if row.limit == 0.0 or row.constraint == "joint position":
+        distance = f"{margin} {'left' if row.ok else 'beyond'}"
+    else:
+        distance = f"{_percent(row)} of it"
+    at = f"at t = {row.at_s:.3f} s"
+    if row.unit == "1" and row.limit == 1.0:
+        return f"{row.constraint} of {row.subject} uses {_percent(row)} of its limit {at}"
+    return f"{row.constraint} of {row.subject} is {value} against a limit of {limit} ({distance}) {at}"
+
+
+def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:
+    """Factor and name for showing figures of the certificate: mm for m, deg or mrad for rad, % for parts of a capacity.
+
+    Args:
+        unit: the row's.
+        limit: the row's; small angles are shown in thousandths of a radian, a pure number against another limit than 1
+            as it is.
+    """
+    if unit == "1":
+        return (100.0, "%") if limit in (1.0, math.inf) else (1.0, "")
+    if unit == "m":
+        return 1e3, "mm"
+    if unit.startswith("rad"):
+        small = 0.0 < abs(limit) < _SMALL_ANGLE
+        return (1e3, f"m{unit}") if small else (180.0 / math.pi, unit.replace("rad", "deg", 1))
+    return 1.0, unit
+
+
+def _percent(row: Row) -> str:
+    """The use of a limit; rounded so that it is 100 % at the very limit only."""
+    use = row.use
+    if use > 10.0:
+        return f"{use:.4g} times the whole" if math.isfinite(use) else "no number"
+    hundredths = math.floor(1e4 * use) if row.ok else math.ceil(1e4 * use)
+    return f"{hundredths / 100:.2f} %"
 
 
 def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 def save_figures(plan: Plan, folder: Path) -> list[Path]:
     """Draw every figure that applies to a plan and write it as PNG (150 dpi) and PDF (vector).
 
-    The trajectory is judged once more: the figures show what the joints in the file do, not what the optimiser meant.
+    They show what the joints in the file do, not what the optimiser meant: `Plan.judgement` or, for a plan from a
+    folder, a new judgement of its trajectory.
 
     Args:
         plan: the plan, certified or not.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from nospill.certificate import Judgement, Row, Trace
+from nospill.certificate import Judgement, Trace
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place
 from nospill.frames import SX, FrameMotion
@@ -47,15 +47,6 @@ class Evidence:
         names = [constraint.name for constraint in CONSTRAINTS if constraint.place is place]
         return {name: traces for name in names if (traces := self.traces(name))}
 
-    def worst_rows(self) -> tuple[Row, ...]:
-        """The certificate's row nearest to its limit for every constraint, in the order of the certificate."""
-        worst: dict[str, Row] = {}
-        for row in self.judgement.certificate.rows:
-            known = worst.get(row.constraint)
-            if known is None or row_use(row) > row_use(known):
-                worst[row.constraint] = row
-        return tuple(worst.values())
-
     def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Surface heights after the end, the tray at rest: times (m,) s, and heights (m,) m per object with liquid.
 
@@ -88,24 +79,3 @@ class Evidence:
         table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states)).full())
         names = [cargo.name for cargo in scene.cargo if cargo.filling]
         return played.t[-1] + after, dict(zip(names, table, strict=True))
-
-
-def limit_use(limit: np.ndarray, margin: np.ndarray) -> np.ndarray:
-    """Use of a limit, 1 - margin/|limit|: at 1 the limit is reached.
-
-    Where the limit is zero the margin counts in its own unit, so a pressing force of 0.8 weights has used 0.2 of what
-    keeps an object on the tray. A margin that is no number is infinite use.
-    """
-    size = np.abs(limit)
-    use = 1.0 - margin / np.where(size > 0.0, size, 1.0)
-    return np.where(np.isnan(use), np.inf, use)
-
-
-def trace_use(trace: Trace) -> np.ndarray:
-    """`limit_use` of a trace over time, shape (m,)."""
-    return limit_use(trace.limit, trace.margin)
-
-
-def row_use(row: Row) -> float:
-    """`limit_use` of a certificate row."""
-    return float(limit_use(np.asarray(row.limit), np.asarray(row.worst_margin)))

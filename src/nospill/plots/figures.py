@@ -39,7 +39,7 @@ def draw_figures(plan: Plan) -> dict[str, Figure]:
         ModelError: the liquids cannot be integrated along the trajectory.
         PlanFolderError: the trajectory does not fit the scene.
     """
-    evidence = Evidence(plan, judge(plan.trajectory, plan.scene))
+    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
     with matplotlib.rc_context(LOOK):
         drawn = {name: draw(evidence) for name, draw in FIGURES.items()}
     return {name: figure for name, figure in drawn.items() if figure is not None}

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from nospill.certificate import Trace
 from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
-from nospill.plots.evidence import Evidence, trace_use
-from nospill.plots.style import SMALL, draw_limit, line_key, plain, series_look, shown_unit, time_panels
+from nospill.plans import shown_unit
+from nospill.plots.evidence import Evidence
+from nospill.plots.style import SMALL, draw_limit, line_key, plain, series_look, superscript, time_panels
 
 HIGHEST_USE = 2.0
 """Uses above this are cut off; the number in the panel's corner still tells."""
@@ -45,7 +46,7 @@ def margins_figure(evidence: Evidence) -> Figure:
 
 def draw_use(axes: Axes, traces: tuple[Trace, ...], *, looks: list[int]) -> None:
     """Lines of use of a limit, one per trace, with the limit at 1 and the largest use in the corner."""
-    uses = [trace_use(trace) for trace in traces]
+    uses = [trace.use for trace in traces]
     for trace, use, look in zip(traces, uses, looks, strict=True):
         axes.plot(trace.t, np.minimum(use, 2 * HIGHEST_USE), **series_look(look))
     peaks = [float(np.max(use)) for use in uses]
@@ -68,5 +69,5 @@ def _draw_floor(axes: Axes, name: str, traces: tuple[Trace, ...], looks: list[in
     bottom = min(-0.2 * high, 1.1 * lows[least])
     draw_limit(axes, 0.0, "limit 0", forbidden=bottom)
     axes.set_ylim(bottom, 1.08 * high)
-    axes.set_ylabel(f"{_MEANING[name]} [1]" if name in _MEANING else f"{name} [{unit}]")
+    axes.set_ylabel(f"{_MEANING[name]} [1]" if name in _MEANING else f"{name} [{superscript(unit)}]")
     axes.set_title(f"min {lows[least]:.3g} ({plain(traces[least].subject, 10)})", loc="right", size=SMALL)

@@ -93,16 +93,9 @@ def plain(name: str, longest: int = 22) -> str:
     return name.replace("$", r"\$")
 
 
-def shown_unit(unit: str) -> tuple[float, str]:
-    """Factor and name for printing a unit of the certificate: mm for m, degrees for radians, % for fractions."""
-    if unit == "1":
-        return 100.0, "%"
-    factor = 1.0
-    if unit == "m":
-        factor, unit = 1e3, "mm"
-    elif unit.startswith("rad"):
-        factor, unit = 180.0 / np.pi, unit.replace("rad", "deg", 1)
-    return factor, unit.replace("^2", "²").replace("^3", "³")
+def superscript(unit: str) -> str:
+    """A unit as printed: m/s² for m/s^2."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.plans import describe
-from nospill.plots.evidence import Evidence, trace_use
+from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
 from nospill.plots.margins import draw_use
 from nospill.plots.path_view import draw_path
@@ -104,7 +104,7 @@ def _draw_progress(axes: Axes, evidence: Evidence) -> None:
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     """Use of the liquids' limit, or without liquids of the objects' constraint that comes nearest to its limit."""
     families = evidence.families(Place.OBJECT)
-    nearest = max(families, key=lambda name: max(float(np.max(trace_use(trace))) for trace in families[name]))
+    nearest = max(families, key=lambda name: max(float(np.max(trace.use)) for trace in families[name]))
     name = SloshHeight.name if SloshHeight.name in families else nearest
     traces, names = families[name], [cargo.name for cargo in evidence.plan.scene.cargo]
     looks = {trace.subject: names.index(trace.subject) for trace in traces}

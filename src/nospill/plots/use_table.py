@@ -5,8 +5,9 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from nospill.certificate import Row
-from nospill.plots.evidence import Evidence, row_use
-from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, shown_unit
+from nospill.plans import shown_unit
+from nospill.plots.evidence import Evidence
+from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
 
 _SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
 _LONGEST_USE = 1.2
@@ -14,7 +15,7 @@ _LONGEST_USE = 1.2
 
 def draw_use_table(axes: Axes, evidence: Evidence) -> None:
     """One line per constraint: who, bar of use, value, limit, when; a failing row is hatched and says so."""
-    rows = evidence.worst_rows()
+    rows = evidence.judgement.certificate.worst_rows()
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(len(rows) - 0.4, -1.6)
@@ -40,7 +41,7 @@ def draw_use_table(axes: Axes, evidence: Evidence) -> None:
 def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
     if line % 2:
         axes.axhspan(line - 0.5, line + 0.5, facecolor="#F4F4F4", linewidth=0, zorder=0)
-    factor, unit = shown_unit(row.unit)
+    factor, unit = shown_unit(row.unit, row.limit)
     weight, color = ("normal", "black") if row.ok else ("bold", DARK_RED)
     value = factor * row.worst_value
     # Errors far below their limit are rounding: one digit says enough.
@@ -50,13 +51,13 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
         (_SUBJECT, plain(row.subject, 16), "left"),
         (_VALUE, text, "right"),
         (_LIMIT, _number(factor * row.limit, 3), "right"),
-        (_UNIT, unit, "left"),
+        (_UNIT, superscript(unit), "left"),
         (_TIME, f"{row.at_s:.3f}", "right"),
     ):
         axes.text(x, line, cell, ha=align, va="center", size=8, weight=weight, color=color)
     axes.barh(
         line,
-        min(max(row_use(row), 0.0), _LONGEST_USE) * unit_use,
+        min(max(row.use, 0.0), _LONGEST_USE) * unit_use,
         left=_BAR,
         height=0.62,
         color=BLUE if row.ok else "white",
