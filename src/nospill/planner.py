@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
-from nospill.errors import ModelError, NoSolutionError
+from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, resample, smooth_start
 from nospill.ocp.layout import layout_of
@@ -36,7 +36,9 @@ _REFINE_BARRIER = 1e-4
 _TIGHTEN_BARRIER = 1e-6
 _TIGHTEN_ITERATIONS = 40
 _REFINE_ITERATIONS = 80
-_FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.65, skew=0.5))
+_FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.5, skew=0.25))
+_SAME = 1e-3
+_NEAR = 0.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,26 +54,37 @@ class PlanningProgress:
 Progress = Callable[[PlanningProgress], None]
 
 
-def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
+def plan(
+    scene: Scene, *, warm: Plan | None = None, ignore: Collection[str] = (), progress: Progress | None = None
+) -> Plan:
     """Find the fastest motion of a scene that the judge certifies.
 
     Args:
         scene: the task.
+        warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of searching; where
+            that leads nowhere, the search is made all the same.
+        ignore: names of constraints the optimiser leaves out, to see what they cost. The judge leaves out none.
         progress: called with where planning stands.
 
     Returns:
         The plan. If the judge still objects after the last tightening, the plan says so: status "uncertified".
 
     Raises:
-        ScenarioError: the robot cannot follow the path. NoSolutionError: no start led to a motion; names what is in the way.
+        ScenarioError: the robot cannot follow the path, or `ignore` names no constraint.
+        NoSolutionError: no start led to a motion; names what is in the way.
     """
-    run = _Run(scene, progress)
-    with run.phase("kinematics"):
-        joint_path = joint_paths(
-            scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-        )[0]
-    coarse = run.search(joint_path)
-    solution = run.refine(coarse)
+    unknown = set(ignore) - {constraint.name for constraint in CONSTRAINTS}
+    if unknown:
+        known = ", ".join(constraint.name for constraint in CONSTRAINTS)
+        raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
+    run = _Run(scene, progress, frozenset(ignore))
+    solution = run.restart(warm) if warm is not None else None
+    if solution is None:
+        with run.phase("kinematics"):
+            joint_path = joint_paths(
+                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+            )[0]
+        solution = run.refine(run.search(joint_path))
     trajectory, judgement, solution = run.tighten(solution)
     return Plan(
         scene=scene,
@@ -79,7 +92,25 @@ def plan(scene: Scene, *, progress: Progress | None = None) -> Plan:
         certificate=judgement.certificate,
         maxima=motion_maxima(judgement, scene),
         report=run.report(solution),
+        judgement=judgement,
     )
+
+
+class Planner:
+    """Plans scene after scene, each from the answer before where the structure is the same. Not thread-safe: one per thread.
+
+    Compiled functions are shared by all planners of a process anyway; what a planner keeps is the last plan.
+    """
+
+    def __init__(self, last: Plan | None = None) -> None:
+        """Start with nothing, or with an earlier plan (for example `load_plan(folder)`)."""
+        self.last = last
+
+    def plan(self, scene: Scene, *, progress: Progress | None = None) -> Plan:
+        """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
+        similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
+        self.last = plan(scene, warm=self.last if similar else None, progress=progress)
+        return self.last
 
 
 @dataclass(slots=True)
@@ -88,6 +119,7 @@ class _Run:
 
     scene: Scene
     progress: Progress | None
+    ignored: frozenset[str]
     began: float = field(default_factory=time.perf_counter)
     phases: dict[str, float] = field(default_factory=dict)
     solve_time: float = 0.0
@@ -96,10 +128,12 @@ class _Run:
     tried: int = 0
     durations: list[float] = field(default_factory=list)
     reserves: Reserves = field(default_factory=dict)
+    kept: set[tuple[str, int]] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
         self.reserves = {(name, index): FIRST_RESERVE for name, count in counts.items() for index in range(count)}
+        self.kept = {key for key in self.reserves if key[0] not in self.ignored}
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
@@ -123,7 +157,13 @@ class _Run:
         """Solve on the start's grid."""
         scene, options = self.scene, self.scene.planning
         with self.phase("build"):
-            problem = build_problem(scene, start.intervals, nominal_duration=start.duration, reserves=self.reserves)
+            problem = build_problem(
+                scene,
+                start.intervals,
+                nominal_duration=start.duration,
+                reserves=self.reserves,
+                kept=frozenset(self.kept),
+            )
         with self.phase("solve"):
             solution = solve(
                 problem,
@@ -161,14 +201,47 @@ class _Run:
                     best = last
             elif best is None and self._hopeless(joint_path):
                 break
+            if self._agreed():
+                break
         if best is None:
             assert last is not None
             raise NoSolutionError(self._reason(last, joint_path))
         return best
 
+    def _agreed(self) -> bool:
+        """Two starts with the same end are enough, except for perfectly still liquids, which have poor local minima."""
+        if self.scene.motion.end == "still" and any(cargo.filling for cargo in self.scene.cargo):
+            return False
+        return sum(duration <= min(self.durations) * (1 + _SAME) for duration in self.durations) >= 2
+
+    def restart(self, earlier: Plan) -> Solution | None:
+        """Solve from an earlier plan; None where that does not converge."""
+        self._keep_near(earlier.certificate)
+        start = from_trajectory(self.scene, earlier.trajectory, self.scene.planning.intervals)
+        self.tried += 1
+        solution = self.solve(start, barrier=_REFINE_BARRIER, iterations=_REFINE_ITERATIONS)
+        if _usable(solution) and solution.converged:
+            self.durations.append(solution.stages.duration)
+            return solution
+        self._keep_all()
+        return None
+
+    def _keep_all(self) -> None:
+        self.kept = {key for key in self.reserves if key[0] not in self.ignored}
+
+    def _keep_near(self, certificate: Certificate) -> None:
+        """Leave rows far from their limits to the judge: they come back if he objects. Fewer rows, faster steps."""
+        subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
+        for row in certificate.rows:
+            own = subjects.get(row.constraint, ())
+            if row.subject in own and row.use < 1 - _NEAR:
+                self.kept.discard((row.constraint, own.index(row.subject)))
+
     def refine(self, coarse: Solution) -> Solution:
         """Carry the coarse answer to the full grid."""
         intervals = self.scene.planning.intervals
+        _, judgement = self._judged(coarse)
+        self._keep_near(judgement.certificate)
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
         for barrier, iterations in ((_REFINE_BARRIER, _REFINE_ITERATIONS), (0.1, None), (None, None)):
             solution = self.solve(start, barrier=barrier, iterations=iterations)
@@ -183,12 +256,16 @@ class _Run:
         """Judge, keep back more of what was exceeded, solve again, until the judge agrees."""
         trajectory, judgement = self._judged(solution)
         while not judgement.certificate.ok and self.rounds < _ROUNDS:
+            kept = len(self.kept)
             if not self._raise_reserves(judgement.certificate):
                 break
             self.rounds += 1
-            again = self.solve(
-                solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
-            )
+            if len(self.kept) == kept:
+                again = self.solve(
+                    solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
+                )
+            else:
+                again = self.solve(solution.stages, barrier=_REFINE_BARRIER, iterations=_REFINE_ITERATIONS)
             if not _usable(again) or not again.converged:
                 again = self.solve(solution.stages)
             if not _usable(again):
@@ -204,15 +281,17 @@ class _Run:
             return trajectory, judge(trajectory, self.scene)
 
     def _raise_reserves(self, certificate: Certificate) -> bool:
-        """Whether a reserve could be raised: a broken row about the record itself has none."""
+        """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
         raised = False
         subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
         for row in certificate.rows:
-            if row.ok or row.constraint not in subjects:
+            if row.ok or row.constraint not in subjects or row.constraint in self.ignored:
                 continue
             key = (row.constraint, subjects[row.constraint].index(row.subject))
-            exceeded = -row.worst_margin / (abs(row.limit) or 1.0)
-            self.reserves[key] += min(1.3 * exceeded + 2e-4, 0.1)
+            if key in self.kept:
+                exceeded = -row.worst_margin / (abs(row.limit) or 1.0)
+                self.reserves[key] += min(1.3 * exceeded + 2e-4, 0.1)
+            self.kept.add(key)
             raised = True
         return raised
 

@@ -34,8 +34,23 @@ if TYPE_CHECKING:
 FUNCTIONS = ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures")
 
 _ABOVE = {
-    "__init__", "certificate", "cli", "compare", "cup_file", "examples", "export", "files", "motion_file", "planner", "plans",
-    "plots", "replay", "scenario", "simulate", "solvers", "units",
+    "__init__",
+    "certificate",
+    "cli",
+    "compare",
+    "cup_file",
+    "examples",
+    "export",
+    "files",
+    "motion_file",
+    "planner",
+    "plans",
+    "plots",
+    "replay",
+    "scenario",
+    "simulate",
+    "solvers",
+    "units",
 }
 """Modules whose source is left out of the key: the layer rules keep the problem from importing them."""
 

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.ocp.collocation import POINTS
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, sample_stages
 from nospill.robots.inverse import JointPath
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.slosh.modes import STANDARD_GRAVITY
+from nospill.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,3 +103,44 @@ def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
     for column in range(joints.start, joints.stop):
         table[:, column] = np.interp(times, grid, old[:-1, column])
     return Stages(duration / intervals, table)
+
+
+def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
+    """An exported motion as a start: sampled linearly, slosh accelerations from differences of the velocities.
+
+    Liquids that the trajectory does not know start at rest.
+    """
+    layout = layout_of(structure_of(scene))
+    duration = trajectory.end_time
+    times = np.linspace(0.0, duration, intervals + 1)
+    interval = duration / intervals
+
+    def at(values: np.ndarray, t: np.ndarray = times) -> np.ndarray:
+        return np.column_stack([np.interp(t, trajectory.t, column) for column in values.T])
+
+    table = np.zeros((intervals + 1, layout.size))
+    chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
+    if layout.chains > 1:
+        tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
+        chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
+    for index, chain in enumerate(chains):
+        table[:, 3 * index : 3 * index + 3] = at(chain)
+        table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
+    table[:, layout.interval] = interval
+    first = layout.displacement.start
+    for cargo in scene.cargo:
+        count = sum(len(mode.directions) for mode in cargo.filling.modes.oscillators) if cargo.filling else 0
+        track = trajectory.slosh.get(cargo.name)
+        if track is not None and track.displacement.shape[1] == count:
+            shift = first - layout.displacement.start
+            columns = slice(shift, shift + count)
+            table[:, layout.displacement][:, columns] = at(track.displacement)
+            table[:, layout.velocity][:, columns] = at(track.velocity)
+            change = np.gradient(track.velocity, trajectory.t, axis=0)
+            for point in range(2):
+                inside = np.minimum(times + POINTS[point] * interval, duration)
+                table[:, layout.acceleration(point)][:, columns] = at(change, inside)
+        first += count
+    table[:, layout.joint_position] = at(trajectory.joint_position)
+    table[:, layout.joint_speed] = at(trajectory.joint_speed)
+    return Stages(interval, table)

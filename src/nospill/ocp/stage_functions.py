@@ -112,9 +112,7 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, 
     reserves = {key: kept_back[index] for index, key in enumerate(keys)}
 
     z, x = SX.sym("z", layout.size), SX.sym("x", layout.states)
-    stage = stage_expressions(
-        structure, layout, numbers, z * scales, scales=scales, reserves=reserves, intervals=count
-    )
+    stage = stage_expressions(structure, layout, numbers, z * scales, scales=scales, reserves=reserves, intervals=count)
     gap = -stage.following / scales[: layout.states]
     constraints = ca.vertcat(gap, stage.equalities, stage.rows)
     fixed = gap.numel() + stage.equalities.numel()
