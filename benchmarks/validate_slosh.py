@@ -52,7 +52,7 @@ class Rule:
 
 RULES = (
     Rule("one mode", 1, "one-mode"),
-    Rule("two modes", 2, "one-mode"),
+    Rule("two modes (default)", 2, "one-mode"),
     Rule("one mode, corrected", 1, "corrected"),
 )
 

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import nospill as ns
 from nospill.cli import app
 from nospill.errors import ModelError, ScenarioError
+from nospill.motion_file import read_heights, read_motion
 from nospill.simulate import SloshSimulation, simulate_slosh
 from nospill.slosh.modes import STANDARD_GRAVITY
 
@@ -107,7 +108,7 @@ def test_steady_acceleration_is_a_steady_slope() -> None:
     x = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 / RATE)])
     slope = RADIUS * 2.0 / STANDARD_GRAVITY
     assert simulate_translation(x, t, height="corrected").height[-500:] == pytest.approx(slope, rel=5e-3)
-    one = simulate_translation(x, t).height[-500:]
+    one = simulate_translation(x, t, modes=1).height[-500:]
     assert one == pytest.approx(slope * 2 / (FIRST_ROOT**2 - 1), rel=5e-3)
 
 
@@ -126,7 +127,7 @@ def test_small_swings_are_the_linear_oscillator() -> None:
         return [state[1], force - 0.04 * frequency * state[1] - frequency**2 * state[0]]
 
     exact = solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-15)
-    found = simulate_translation(x, t, cup)
+    found = simulate_translation(x, t, cup, modes=1)
     largest = gain * np.max(np.abs(exact.y[0]))
     assert largest > 10 * amplitude
     assert found.height == pytest.approx(gain * np.abs(exact.y[0]), abs=2e-3 * largest)
@@ -143,7 +144,7 @@ def test_tilting_with_the_apparent_gravity_about_the_modal_height_leaves_the_mod
     lean = np.arctan2(acceleration, STANDARD_GRAVITY)
     attitude = Rotation.from_euler("y", lean[:, None])
     bottom = along_x(path) - attitude.apply([0.0, 0.0, modal_height])
-    found = simulate_slosh(CUP, t, bottom, attitude.as_quat())
+    found = simulate_slosh(CUP, t, bottom, attitude.as_quat(), modes=1)
     level = simulate_translation(path, t)
     # At both ends the jerk jumps and with it the turning rate, which the spline rounds off.
     assert np.max(np.abs(found.displacement)) < 2e-5
@@ -262,6 +263,13 @@ def test_command_prints_the_peak_and_writes_the_heights(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     kept = CliRunner().invoke(app, ["simulate", str(cup), str(motion), "-o", str(out), "--modes", "2"])
     assert kept.exit_code == 0
+    # Two modes are the default, in both ways to ask.
+    assert kept.stdout.splitlines()[0] == plain.stdout.splitlines()[0]
+    one = CliRunner().invoke(app, ["simulate", str(cup), str(motion), "--modes", "1"])
+    assert one.exit_code == 0 and one.stdout != plain.stdout
+    given = read_motion(motion)
+    found = simulate_slosh(cup, given.t, given.position, given.quaternion)
+    assert read_heights(out).height == pytest.approx(found.height, abs=1e-7)
     lines = out.read_text().splitlines()
     assert lines[0] == "t_s,height_mm" and len(lines) == 502
     corrected = CliRunner().invoke(app, ["simulate", str(cup), str(motion), "--height", "corrected"])

@@ -196,13 +196,13 @@ def describe(row: Row) -> str:
     value, limit, margin = (
         f"{factor * figure:.4g} {unit}".rstrip() for figure in (row.worst_value, row.limit, abs(row.worst_margin))
     )
+    at = f"at t = {row.at_s:.3f} s"
+    if row.unit == "1" and row.limit == 1.0:
+        return f"{row.constraint} of {row.subject} uses {_used(row, 'its limit')} {at}"
     if row.limit == 0.0 or row.constraint == "joint position":
         distance = f"{margin} {'left' if row.ok else 'beyond'}"
     else:
-        distance = f"{_percent(row)} of it"
-    at = f"at t = {row.at_s:.3f} s"
-    if row.unit == "1" and row.limit == 1.0:
-        return f"{row.constraint} of {row.subject} uses {_percent(row)} of its limit {at}"
+        distance = _used(row, "it")
     return f"{row.constraint} of {row.subject} is {value} against a limit of {limit} ({distance}) {at}"
 
 
@@ -224,13 +224,13 @@ def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:
     return 1.0, unit
 
 
-def _percent(row: Row) -> str:
-    """The use of a limit; rounded so that it is 100 % at the very limit only."""
+def _used(row: Row, limit: str) -> str:
+    """How much of a limit is used; rounded so that it is 100 % at the very limit only."""
     use = row.use
     if use > 10.0:
-        return f"{use:.4g} times the whole" if math.isfinite(use) else "no number"
+        return f"{use:.4g} times {limit}"
     hundredths = math.floor(1e4 * use) if row.ok else math.ceil(1e4 * use)
-    return f"{hundredths / 100:.2f} %"
+    return f"{hundredths / 100:.2f} % of {limit}"
 
 
 def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:

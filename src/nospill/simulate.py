@@ -85,7 +85,7 @@ def simulate_slosh(
     position: np.ndarray,
     quaternion: np.ndarray,
     *,
-    modes: int = 1,
+    modes: int = 2,
     height: HeightRule | str = "one-mode",
     gravity: float = STANDARD_GRAVITY,
 ) -> SloshSimulation:
@@ -99,7 +99,7 @@ def simulate_slosh(
         t: (m,) s, increasing without gaps.
         position: (m, 3) of the centre of the container's bottom in the world (z up), m.
         quaternion: (m, 4), (x, y, z, w), container axes to world axes; length 1 within 1e-3, either sign.
-        modes: liquid modes in each direction.
+        modes: liquid modes in each direction; two predict measured peaks best, one their course (docs/slosh-model.md).
         height: "one-mode" adds the carried modes; "corrected" adds the quasi-static part of those not carried.
         gravity: m/s^2.
 

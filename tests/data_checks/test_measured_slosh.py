@@ -93,6 +93,7 @@ def test_published_prediction_from_the_executed_joints() -> None:
             joints[:, 0],
             position + rotation @ np.append(cargo.position, 0.0),
             Rotation.from_matrix(rotation).as_quat(),
+            modes=1,
         )
         theirs = read_heights(place / f"predicted-height-{cargo.name}.csv")
         during = theirs.t <= found.t[-1]
