@@ -14,6 +14,9 @@ from nospill.errors import PlanFolderError
 _NEARLY_THERE = 1e-7
 """Remaining path parameter from which on the motion is taken to stand."""
 
+_TRAY_COLUMNS = 7
+_FEWEST_ROWS = 10
+
 
 @dataclass(frozen=True, slots=True)
 class SloshTrack:
@@ -112,7 +115,9 @@ class Trajectory:
             + u**2 * (3 - 2 * u) * q[left + 1]
             - u**2 * (1 - u) * width * qd[left + 1]
         )
-        quaternion = linear(self.tray_quaternion)
+        start, end = self.tray_quaternion[left], self.tray_quaternion[left + 1]
+        # q and -q are the same attitude: the way goes to the nearer one.
+        quaternion = (1 - u) * start + u * (end if start @ end >= 0 else -end)
         return TrajectorySample(
             t=float(t),
             s=float(linear(self.s)),
@@ -155,6 +160,21 @@ def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, 
     return columns
 
 
+def _carried(header: list[str]) -> tuple[tuple[str, ...], dict[str, int]]:
+    """Joints and slosh coordinates per object, read by position from the header: names may look like other columns."""
+    before = len(_columns((), {})) - _TRAY_COLUMNS
+    tray = header.index("tray_x_m") if "tray_x_m" in header else before
+    count = max(tray - before, 0) // 3
+    joints = tuple(name.removesuffix("_rad") for name in header[before : before + count])
+    slosh: dict[str, int] = {}
+    start = tray + _TRAY_COLUMNS
+    for index in range(start, len(header)):
+        if header[index].endswith("_height_m"):
+            slosh[header[index].removesuffix("_height_m")] = (index - start) // 2
+            start = index + 1
+    return joints, slosh
+
+
 def _column(trajectory: Trajectory, key: str, component: int | None) -> np.ndarray:
     kind, _, name = key.partition(":")
     values = getattr(trajectory.slosh[name], kind) if name else getattr(trajectory, kind)
@@ -171,6 +191,37 @@ def trajectory_text(trajectory: Trajectory) -> str:
     return buffer.getvalue()
 
 
+def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
+    """The table below the header, shape (rows, columns)."""
+    if len(lines) - 1 < _FEWEST_ROWS:
+        raise PlanFolderError(f"{path}: {len(lines) - 1} rows below the header, at least {_FEWEST_ROWS} are needed")
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        cells = line.split(",")
+        if len(cells) != len(header):
+            raise PlanFolderError(f"{path}: line {number} has {len(cells)} values, the header {len(header)}")
+        try:
+            rows.append([float(cell) for cell in cells])
+        except ValueError:
+            column = next(index for index, cell in enumerate(cells) if not _is_number(cell))
+            message = f"line {number}, column {header[column]}: {cells[column]!r} is not a number"
+            raise PlanFolderError(f"{path}: {message}") from None
+    table = np.array(rows)
+    if not np.all(np.isfinite(table)):
+        row, column = np.argwhere(~np.isfinite(table))[0]
+        value = table[row, column]
+        raise PlanFolderError(f"{path}: line {row + 2}, column {header[column]}: {value:g} is not a finite number")
+    return table
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def read_trajectory(path: FilePath) -> Trajectory:
     """Read what `trajectory_text` wrote; joints and objects are taken from the header.
 
@@ -183,27 +234,13 @@ def read_trajectory(path: FilePath) -> Trajectory:
         raise PlanFolderError(f"{path}: cannot be read ({error})") from error
     lines = text.splitlines()
     header = next(csv.reader(lines[:1]), [])
-    joints = tuple(
-        name.removesuffix("_rad_s2") for name in header if name.endswith("_rad_s2") and not name.startswith("theta_")
-    )
-    names = [name.removesuffix("_height_m") for name in header if name.endswith("_height_m")]
-    slosh = {name: sum(h.startswith(f"{name}_slosh_rate_") for h in header) for name in names}
+    joints, slosh = _carried(header)
     columns = _columns(joints, slosh)
     if header != [name for name, _, _ in columns]:
         missing = [name for name, _, _ in columns if name not in header]
         wrong = f"column {missing[0]} is missing" if missing else "the columns are not in the order nospill writes"
         raise PlanFolderError(f"{path}: not a trajectory of nospill: {wrong}")
-    try:
-        table = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
-    except ValueError as error:
-        raise PlanFolderError(f"{path}: {error}") from error
-    if len(table) < 10 or table.shape[1] != len(columns):
-        raise PlanFolderError(
-            f"{path}: {len(table)} rows of {table.shape[1]} values, expected at least 10 of {len(columns)}"
-        )
-    if not np.all(np.isfinite(table)):
-        row, column = np.argwhere(~np.isfinite(table))[0]
-        raise PlanFolderError(f"{path}: line {row + 2}, column {header[column]}: the value is not a finite number")
+    table = _numbers(path, lines, header)
     where: dict[str, list[int]] = {}
     for index, (_, key, _) in enumerate(columns):
         where.setdefault(key, []).append(index)
@@ -227,6 +264,6 @@ def read_trajectory(path: FilePath) -> Trajectory:
     }
     tracks = {
         name: SloshTrack(block(f"displacement:{name}"), block(f"velocity:{name}"), block(f"height:{name}")[:, 0])
-        for name in names
+        for name in slosh
     }
     return Trajectory(joints=joints, slosh=tracks, **flat, **wide)
