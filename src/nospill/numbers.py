@@ -128,10 +128,15 @@ def flatten(record: object) -> np.ndarray:
 
 
 def symbolic(template: Record, vector: ca.SX) -> Record:
-    """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`."""
-    record, used = _unflatten(template, vector, 0)
-    if used != vector.numel():
-        raise ValueError(f"vector has {vector.numel()} entries, the record {used}")
+    """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
+
+    Raises:
+        ValueError: the vector has another length than the record has leaves.
+    """
+    size = len(flatten(template))
+    if vector.numel() != size:
+        raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
+    record, _ = _unflatten(template, vector, 0)
     return record
 
 
