@@ -349,7 +349,7 @@ def test_nearest_row_of_every_constraint(crowded: Evidence) -> None:
 
 
 def test_units_as_printed() -> None:
-    assert superscript(shown_unit("rad/s^3")[1]) == "deg/s³"
+    assert superscript(shown_unit("rad/s^3")[1]) == "rad/s³"
     assert superscript("m/s^2") == "m/s²"
 
 

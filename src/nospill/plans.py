@@ -218,9 +218,9 @@ def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:
         return (100.0, "%") if limit in (1.0, math.inf) else (1.0, "")
     if unit == "m":
         return 1e3, "mm"
-    if unit.startswith("rad"):
+    if unit in ("rad", "rad/s"):
         small = 0.0 < abs(limit) < _SMALL_ANGLE
-        return (1e3, f"m{unit}") if small else (180.0 / math.pi, unit.replace("rad", "deg", 1))
+        return (1e3, f"m{unit}") if small else (180.0 / math.pi, unit.replace("rad", "deg"))
     return 1.0, unit
 
 

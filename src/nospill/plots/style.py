@@ -163,7 +163,7 @@ def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, rig
     """What is shown on the left, the plan's end time and verdict on the right, in fractions of the figure."""
     verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
     figure.text(left, y, title, ha="left", va="top", weight="bold")
-    name = plain(evidence.plan.scene.name, 16)
+    name = plain(evidence.plan.scene.name, 22)
     figure.text(
         right, y, f"{name}: {evidence.end_time:.3f} s, {verdict}", ha="right", va="top", color="#333333", size=8
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -47,18 +49,18 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     names = plain(", ".join(item.name for item in scene.cargo), max(75 - len(about), 12))
     figure.text(0.03, 0.93, about + names, size=8.5, va="top")
     rows = certificate.rows
+    detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16)))
     if certificate.ok:
         verdict, color = f"CERTIFIED: all {len(rows)} rows hold at {certificate.grid_hz:g} Hz", "#00704F"
-        detail = f"nearest to its limit: {describe(certificate.worst)}"
+        detail = f"nearest to its limit: {detail}"
     else:
         failed = [row for row in rows if not row.ok]
         verdict, color = (
             f"NOT CERTIFIED: {len(failed)} of {len(rows)} rows fail at {certificate.grid_hz:g} Hz",
             DARK_RED,
         )
-        detail = describe(certificate.worst)
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
-    figure.text(0.975, 0.94, plain(detail, 100), size=8, ha="right", va="top")
+    figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
     tiles = _tiles(evidence)
     for index, (value, label) in enumerate(tiles):
         x = 0.03 + 0.945 * index / len(tiles)

@@ -54,9 +54,10 @@ def _draw_lateral(axes: Axes, evidence: Evidence) -> None:
     tilted = np.hypot(played.body[6], played.body[7])
     level = np.hypot(played.tray.acceleration[:, 0], played.tray.acceleration[:, 1])
     axes.plot(played.t, tilted, color=BLUE, label="as planned")
-    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="same motion, level tray")
+    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="same, level tray")
     friction = min(cargo.planned_friction for cargo in scene.cargo)
-    holds = f"friction, μ = {friction:.2f}"
+    # A liquid is pushed only as far as it follows its cup, so its cup may be driven beyond this for a moment.
+    holds = f"friction on solids, μ = {friction:.2f}"
     axes.plot(played.t, friction * played.body[8], color=GREEN, linestyle=_DOTTED, label=holds)
     axes.set_ylim(0.0, 1.1 * max(float(np.max(level)), float(np.max(tilted)), 1e-3))
     axes.set_ylabel("lateral specific force [m/s²]")

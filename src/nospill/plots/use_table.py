@@ -76,5 +76,7 @@ def _number(value: float, digits: int) -> str:
     if value == 0.0:
         return "0"
     size = abs(value)
-    text = f"{value:.{digits}g}" if 1e-3 <= size < 100.0 else f"{value:.0f}" if 100.0 <= size < 1e5 else f"{value:.0e}"
+    text = f"{value:.0e}"
+    if 1e-3 <= size < 1e5:
+        text = f"{value:.{digits}g}" if size < 10.0**digits else f"{value:.0f}"
     return text.replace("-", "−")
