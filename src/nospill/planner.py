@@ -13,7 +13,7 @@ from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.ocp.answer import export_samples
-from nospill.ocp.guess import Start, resample, smooth_start
+from nospill.ocp.guess import Start, from_trajectory, resample, smooth_start
 from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Reserves, build_problem
 from nospill.ocp.stages import Stages
@@ -32,10 +32,10 @@ _FEASIBLE = 1e-5
 _AGREEMENT = 5e-3
 _COARSEST = 25
 _COARSE_ITERATIONS = 400
-_REFINE_BARRIER = 1e-4
+_REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
 _TIGHTEN_ITERATIONS = 40
-_REFINE_ITERATIONS = 80
+_REFINE_ITERATIONS = 100
 _FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.5, skew=0.25))
 _SAME = 1e-3
 _NEAR = 0.3
@@ -219,7 +219,7 @@ class _Run:
         self._keep_near(earlier.certificate)
         start = from_trajectory(self.scene, earlier.trajectory, self.scene.planning.intervals)
         self.tried += 1
-        solution = self.solve(start, barrier=_REFINE_BARRIER, iterations=_REFINE_ITERATIONS)
+        solution = self.solve(start, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
         if _usable(solution) and solution.converged:
             self.durations.append(solution.stages.duration)
             return solution
@@ -243,8 +243,8 @@ class _Run:
         _, judgement = self._judged(coarse)
         self._keep_near(judgement.certificate)
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
-        for barrier, iterations in ((_REFINE_BARRIER, _REFINE_ITERATIONS), (0.1, None), (None, None)):
-            solution = self.solve(start, barrier=barrier, iterations=iterations)
+        for barrier in (*_REFINE_BARRIERS, None):
+            solution = self.solve(start, barrier=barrier, iterations=_REFINE_ITERATIONS)
             if _usable(solution) and solution.converged:
                 return solution
         raise NoSolutionError(
@@ -265,7 +265,7 @@ class _Run:
                     solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
                 )
             else:
-                again = self.solve(solution.stages, barrier=_REFINE_BARRIER, iterations=_REFINE_ITERATIONS)
+                again = self.solve(solution.stages, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
             if not _usable(again) or not again.converged:
                 again = self.solve(solution.stages)
             if not _usable(again):

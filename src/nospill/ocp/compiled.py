@@ -76,7 +76,12 @@ def load(structure: Structure) -> tuple[StageShape, dict[str, Any]] | None:
         return None
 
 
-def compile_later(structure: Structure, shape: StageShape, functions: dict[str, Any]) -> None:
+def waits() -> bool:
+    """Whether `start` returns only when the compiler has finished."""
+    return _mode() == "wait"
+
+
+def start(structure: Structure, shape: StageShape, functions: dict[str, Any]) -> None:
     """Start the compiler for a structure, in the background unless NOSPILL_COMPILE=wait; failures are silent."""
     mode, compiler = _mode(), shutil.which(os.environ.get("CC", "cc"))
     if mode == "off" or compiler is None:

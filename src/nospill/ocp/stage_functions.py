@@ -94,13 +94,15 @@ def stage_functions(structure: Structure, numbers: SceneNumbers) -> StageFunctio
 
 @lru_cache(maxsize=16)
 def _stage_functions(structure: Structure, shapes: Shapes) -> StageFunctions:
-    kept = compiled.load(structure)
-    if kept is not None:
-        shape, functions = kept
-        return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=True)
-    shape, functions = _build(structure, shapes)
-    compiled.compile_later(structure, shape, functions)
-    return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=False)
+    ready = compiled.load(structure)
+    if ready is None:
+        shape, functions = _build(structure, shapes)
+        compiled.start(structure, shape, functions)
+        ready = compiled.load(structure) if compiled.waits() else None
+        if ready is None:
+            return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=False)
+    shape, functions = ready
+    return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=True)
 
 
 def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, Any]]:
