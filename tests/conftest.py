@@ -18,6 +18,9 @@ from nospill.scenario import read_scenario
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
 
+# No compiler at work behind the tests, and none of the user's compiled functions in them.
+os.environ.setdefault("NOSPILL_COMPILE", "off")
+
 
 @dataclass(frozen=True)
 class SmoothMotion:

@@ -1,8 +1,11 @@
-"""The assembled derivatives against automatic differentiation of the whole problem and against differences."""
+"""The assembled derivatives against automatic differentiation of the whole problem and against differences; rows left
+out, and the same functions compiled."""
 
 from __future__ import annotations
 
 import dataclasses
+import os
+import shutil
 from functools import cache
 
 import casadi as ca
@@ -11,7 +14,10 @@ import pytest
 
 from nospill.constraints import CONSTRAINTS
 from nospill.ocp.problem import Problem, build_problem
+from nospill.ocp.stage_functions import _stage_functions, stage_functions
+from nospill.ocp.transcription import transcribe
 from nospill.scenario import read_scenario
+from nospill.scene_numbers import numbers_of, structure_of
 
 INTERVALS = 3
 SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
@@ -104,16 +110,18 @@ def test_blocks_cover_the_rows_once_and_name_every_constraint(name):
     transcription, scene = found.transcription, found.scene
     used = [row for block in transcription.blocks for row in range(block.first, block.first + block.count)]
     assert len(set(used)) == len(used)
-    assert max(used) < transcription.stage_height
+    assert max(used) < transcription.height
     # What no block names are equalities: gaps, kinematics, equations of motion.
-    equal = transcription.lower[: transcription.stage_height] == transcription.upper[: transcription.stage_height]
-    assert sorted(set(range(transcription.stage_height)) - set(used)) == np.flatnonzero(equal).tolist()
-    named = {(block.constraint, block.subject) for block in (*transcription.blocks, *transcription.terminal_blocks)}
+    equal = transcription.lower[: transcription.height] == transcription.upper[: transcription.height]
+    assert sorted(set(range(transcription.height)) - set(used)) == np.flatnonzero(equal).tolist()
+    named = {
+        (block.constraint, block.subject) for block in (*transcription.blocks, *transcription.stage.shape.end_blocks)
+    }
     expected = {
         (constraint.name, index) for constraint in CONSTRAINTS for index in range(len(constraint.subjects(scene)))
     }
     assert named == expected
-    assert named <= set(transcription.reserve_keys)
+    assert named <= set(transcription.stage.reserve_keys)
 
 
 def test_one_transcription_serves_every_scene_of_the_structure():
@@ -127,6 +135,71 @@ def test_one_transcription_serves_every_scene_of_the_structure():
 
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
+def test_rows_left_out_change_nothing_else(name):
+    """The kept rows, their derivatives and the cost are those of the whole problem."""
+    whole = problem(name)
+    kept = frozenset({("slip", 0), ("slosh height", 1), ("joint speed", 2), ("tip", 0), ("tilt", 1)})
+    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, reserves=RESERVES, kept=kept)
+    full, less = whole.transcription, part.transcription
+    assert {(block.constraint, block.subject) for block in less.blocks} == kept & {
+        (block.constraint, block.subject) for block in full.blocks
+    }
+    chosen = [*range(full.stage.shape.fixed)]
+    for block in full.blocks:
+        if (block.constraint, block.subject) in kept:
+            chosen += _rows(block)
+    stages = [stage * full.height + row for stage in range(INTERVALS) for row in chosen]
+    rows = np.array([*stages, *range(INTERVALS * full.height, len(full.lower))])
+    np.testing.assert_array_equal(less.lower, full.lower[rows])
+    np.testing.assert_array_equal(less.upper, full.upper[rows])
+    point = random_point(whole, 6)
+    values, jacobian = full.jac_g(point, whole.parameters)
+    values_, jacobian_ = less.jac_g(point, part.parameters)
+    np.testing.assert_array_equal(values_.full(), values.full()[rows])
+    np.testing.assert_array_equal(jacobian_.full(), jacobian.full()[rows])
+    multipliers = np.zeros(len(full.lower))
+    multipliers[rows] = np.random.default_rng(1).normal(size=len(rows))
+    np.testing.assert_allclose(
+        less.hess_lag(point, part.parameters, 1.0, multipliers[rows]).full(),
+        full.hess_lag(point, whole.parameters, 1.0, multipliers).full(),
+        atol=1e-12,
+    )
+
+
+@pytest.mark.slow
+def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
+    """Machine code against CasADi's virtual machine, and no entry of the cache without its shape."""
+    if shutil.which(os.environ.get("CC", "cc")) is None:
+        pytest.skip("no C compiler")
+    scene = read_scenario("matrix-rigid")
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    plain = stage_functions(structure, numbers)
+    assert not plain.compiled
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    _stage_functions.cache_clear()
+    try:
+        fast = stage_functions(structure, numbers)
+    finally:
+        _stage_functions.cache_clear()
+    assert fast.compiled
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so"]
+    random = np.random.default_rng(1)
+    for name in ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures"):
+        ours, theirs = getattr(fast, name), getattr(plain, name)
+        inputs = [0.5 + 0.1 * random.random(theirs.size1_in(index)) for index in range(theirs.n_in())]
+        inputs[1] = transcribe(structure, numbers, 3).parameters(numbers, np.ones(plain.layout.size), {})
+        for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
+            np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
+    for field in dataclasses.fields(plain.shape):
+        pair = getattr(fast.shape, field.name), getattr(plain.shape, field.name)
+        if field.name.endswith(("jacobian", "hessian")):
+            assert all(np.array_equal(one, other) for one, other in zip(*pair, strict=True))
+        else:
+            assert np.array_equal(*pair) if isinstance(pair[0], np.ndarray) else pair[0] == pair[1]
+
+
+@pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
 def test_reserves_tighten_the_rows_they_name_and_no_other(name):
     found = problem(name)
     transcription = found.transcription
@@ -134,7 +207,7 @@ def test_reserves_tighten_the_rows_they_name_and_no_other(name):
     point = random_point(found, 5)
     with_reserve = transcription.constraint_function(point, found.parameters).full().ravel()
     without = transcription.constraint_function(point, bare.parameters).full().ravel()
-    changed = np.flatnonzero(with_reserve[: transcription.stage_height] != without[: transcription.stage_height])
+    changed = np.flatnonzero(with_reserve[: transcription.height] != without[: transcription.height])
     named = {
         row
         for block in transcription.blocks
