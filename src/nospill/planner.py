@@ -43,7 +43,10 @@ _NEAR = 0.3
 
 @dataclass(frozen=True, slots=True)
 class PlanningProgress:
-    """Where planning stands: the phase and, while solving, iteration, current end time (s) and largest scaled violation."""
+    """Where planning stands.
+
+    The phase and, while solving, iteration, current end time (s) and largest scaled violation.
+    """
 
     phase: str
     iteration: int | None = None
@@ -61,8 +64,8 @@ def plan(
 
     Args:
         scene: the task.
-        warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of searching; where
-            that leads nowhere, the search is made all the same.
+        warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
+            searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints the optimiser leaves out, to see what they cost. The judge leaves out none.
         progress: called with where planning stands.
 
@@ -97,8 +100,9 @@ def plan(
 
 
 class Planner:
-    """Plans scene after scene, each from the answer before where the structure is the same. Not thread-safe: one per thread.
+    """Plans scene after scene, each from the answer before where the structure is the same.
 
+    Not thread-safe: one per thread.
     Compiled functions are shared by all planners of a process anyway; what a planner keeps is the last plan.
     """
 
@@ -240,9 +244,9 @@ class _Run:
     def refine(self, coarse: Solution) -> Solution:
         """Carry the coarse answer to the full grid."""
         intervals = self.scene.planning.intervals
-        _, judgement = self._judged(coarse)
-        self._keep_near(judgement.certificate)
+        self.kept -= {key for key, slack in coarse.slack.items() if slack > _NEAR}
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
+        solution = coarse
         for barrier in (*_REFINE_BARRIERS, None):
             solution = self.solve(start, barrier=barrier, iterations=_REFINE_ITERATIONS)
             if _usable(solution) and solution.converged:
@@ -290,7 +294,7 @@ class _Run:
             key = (row.constraint, subjects[row.constraint].index(row.subject))
             if key in self.kept:
                 exceeded = -row.worst_margin / (abs(row.limit) or 1.0)
-                self.reserves[key] += min(1.3 * exceeded + 2e-4, 0.1)
+                self.reserves[key] += min(2.0 * exceeded + 5e-4, 0.1)
             self.kept.add(key)
             raised = True
         return raised
@@ -313,8 +317,8 @@ class _Run:
         limit = self.scene.motion.max_duration
         if verdict is not None and not verdict.ok:
             return (
-                f"No motion found: {describe(verdict.worst)} even in a smooth motion of {0.95 * limit:.3g} s, nearly the "
-                f"longest allowed (max_duration {limit:g} s). Relax that limit."
+                f"No motion found: {describe(verdict.worst)} even in a smooth motion of {0.95 * limit:.3g} s, "
+                f"nearly the longest allowed (max_duration {limit:g} s). Relax that limit."
             )
         return (
             f"No motion found: {last.status} after {last.iterations} iterations, although a smooth motion of "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +20,13 @@ Progress = Callable[[int, float, float], None]
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:
-    """Limits and start mode: iterations, seconds, and the initial barrier parameter (small when the start is nearly optimal)."""
+    """Limits and start mode.
+
+    Attributes:
+        max_iterations, max_time: of the solver; time in s.
+        barrier_start: first barrier parameter, small where the start is nearly optimal; None leaves it to the solver.
+        progress: called at every iteration.
+    """
 
     max_iterations: int
     max_time: float
@@ -36,6 +42,7 @@ class Solution:
         stages: the candidate motion.
         variables: scaled. multipliers: of the constraints. bound_multipliers: of the variables' bounds.
         objective: t_e + sum k mean(u^2). violation: largest scaled constraint violation.
+        slack: per (constraint, subject), least distance of its rows from their bounds, relative to the budget.
         status: a sentence. iterations, solve_time_s: effort.
     """
 
@@ -45,6 +52,7 @@ class Solution:
     bound_multipliers: np.ndarray
     objective: float
     violation: float
+    slack: dict[tuple[str, int], float]
     converged: bool
     status: str
     iterations: int
@@ -161,6 +169,7 @@ def solve(
         bound_multipliers=np.asarray(result["lam_x"]).ravel(),
         objective=float(result["f"]),
         violation=violation(problem, values),
+        slack=_slack(problem, values),
         converged=bool(stats["success"]),
         status=_sentence(solver, bool(stats["success"]), str(stats["return_status"])),
         iterations=int(stats["iter_count"]),
@@ -172,6 +181,20 @@ def violation(problem: Problem, values: np.ndarray) -> float:
     """Largest violation of the constraint bounds, scaled units; infinite where a value is not a number."""
     short = np.maximum(problem.transcription.lower - values, values - problem.transcription.upper)
     return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
+
+
+def _slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]:
+    transcription = problem.transcription
+    distance = np.minimum(values - transcription.lower, transcription.upper - values)
+    stages, end = np.split(distance, [transcription.intervals * transcription.height])
+    least = np.min(stages.reshape(-1, transcription.height), axis=0)
+    slack: dict[tuple[str, int], float] = {}
+    for blocks, distances in ((transcription.blocks, least), (transcription.stage.shape.end_blocks, end)):
+        for block in blocks:
+            key = (block.constraint, block.subject)
+            own = float(np.min(distances[block.first : block.first + block.count]))
+            slack[key] = min(own, slack.get(key, np.inf))
+    return slack
 
 
 def _sentence(solver: str, success: bool, status: str) -> str:
@@ -226,9 +249,9 @@ class _Watcher(ca.Callback):
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self._sizes[ca.nlpsol_out(i)], 1)
 
-    def eval(self, arg: list[Any]) -> list[int]:
+    def eval(self, arg: Sequence[ca.DM]) -> list[ca.DM]:
         values = dict(zip(ca.nlpsol_out(), arg, strict=False))
         stages = self._problem.decode(np.asarray(values["x"]).ravel())
         self._progress(self._iteration, stages.duration, violation(self._problem, np.asarray(values["g"]).ravel()))
         self._iteration += 1
-        return [0]
+        return [ca.DM(0)]

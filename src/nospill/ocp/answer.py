@@ -24,8 +24,12 @@ from nospill.trajectory import SloshTrack, Trajectory
 
 @dataclass(frozen=True, slots=True)
 class TraySamples:
-    """The tray frame at m samples: position (m, 3), rotation (m, 3, 3) tray to base, twist and its derivative (m, 6) in base axes (linear, then
-    angular), body motion (9, m): angular velocity, angular acceleration, specific force in tray axes.
+    """The tray frame at m samples.
+
+    Attributes:
+        position: (m, 3), m. rotation: (m, 3, 3), tray to base.
+        twist, twist_change: (m, 6) in base axes, linear then angular, and its time derivative.
+        body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
     """
 
     position: np.ndarray
@@ -38,8 +42,8 @@ class TraySamples:
 def export_samples(scene: Scene, stages: Stages) -> Trajectory:
     """Sample a solved motion at the scene's output rate, until the first sample at or after its end.
 
-    s and tilt follow their own polynomials exactly; the joints are solved on every sample from the tray's pose, their speeds and
-    accelerations from its twist. Past the end the motion stands still.
+    s and tilt follow their own polynomials exactly; the joints are solved on every sample from the tray's pose, their
+    speeds and accelerations from its twist. Past the end the motion stands still.
 
     Raises:
         ModelError: the joints cannot follow (does not happen on a feasible motion).

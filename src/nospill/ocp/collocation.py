@@ -51,7 +51,9 @@ Values = TypeVar("Values", SX, np.ndarray)
 def interior(
     displacement: Values, velocity: Values, accelerations: tuple[Values, Values], fraction: Any, interval: Any
 ) -> tuple[Values, Values, Values]:
-    """Displacement, velocity and acceleration inside an interval: the cubic whose second derivative meets both accelerations.
+    """Displacement, velocity and acceleration inside an interval.
+
+    The displacement is the cubic whose second derivative meets both accelerations.
 
     Args:
         displacement: at the start. velocity: at the start.

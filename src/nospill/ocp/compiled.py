@@ -1,8 +1,9 @@
 """Stage functions as machine code, kept on the disk by content.
 
-The key of an entry is a hash of the structure, of the source of the laws and the problem and of the versions of CasADi and of the file format; so
-a changed law never meets old code. An entry is a shared library and the stage's shape beside it; the library is put in place last.
-Where there is no compiler nothing happens and the virtual machine serves.
+The key of an entry is a hash of the structure, of the source of the laws and the problem and of the versions of
+CasADi and of the file format; so a changed law never meets old code. An entry is a shared library and the stage's
+shape beside it; the library is put in place last. Where there is no compiler nothing happens and the virtual machine
+serves.
 
 NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder.
 """

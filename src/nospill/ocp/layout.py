@@ -18,8 +18,9 @@ Chain = tuple[SX, SX, SX]
 class Layout:
     """Sizes and slices of a stage's variables.
 
-    State: chains (s, then theta_x and theta_y where free; each value, rate, acceleration), interval length, slosh displacements,
-    slosh velocities. Control: jerks, slosh accelerations at both points, joint positions and speeds at the node.
+    State: chains (s, then theta_x and theta_y where free; each value, rate, acceleration), interval length, slosh
+        displacements, slosh velocities. Control: jerks, slosh accelerations at both points, joint positions and
+        speeds at the node.
     """
 
     chains: int

@@ -10,8 +10,9 @@ from nospill.frames import SX
 def path_expression(breaks: SX, coefficients: list[SX], s: SX) -> tuple[SX, SX, SX]:
     """r(s), r'(s), r''(s) of x, y, z, yaw, each shape (4, 1).
 
-    The span is selected by sums of step functions, whose derivative is zero, so that first and second derivatives of this
-    expression are those of the selected polynomial; on a break the two neighbours agree to the spline's own continuity.
+    The span is selected by sums of step functions, whose derivative is zero, so that first and second derivatives of
+    this expression are those of the selected polynomial; on a break the two neighbours agree to the spline's own
+    continuity.
 
     Args:
         breaks: (m + 1, 1).

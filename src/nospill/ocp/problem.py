@@ -1,4 +1,7 @@
-"""A scene as an optimal control problem with numbers: parameters, scales, bounds, and the way in and out of its variables."""
+"""A scene as an optimal control problem with numbers.
+
+Parameters, scales, bounds, and the way in and out of its variables.
+"""
 
 from __future__ import annotations
 

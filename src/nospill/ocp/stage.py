@@ -21,7 +21,10 @@ from nospill.slosh.motion import motion_residual
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Rows of one constraint and one subject inside a stage: first row, number of rows, and which repetition (point) it is."""
+    """Rows of one constraint and one subject inside a stage.
+
+    First row, number of rows, and which repetition (point) it is.
+    """
 
     constraint: str
     subject: int
@@ -32,7 +35,10 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class TrayState:
-    """Pose and motion of the tray frame from the chains: base-frame position and velocity, rotation to base, body motion."""
+    """Pose and motion of the tray frame from the chains.
+
+    Base-frame position and velocity, rotation to base, body motion.
+    """
 
     position: SX
     velocity: SX
@@ -88,8 +94,9 @@ def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain,
 
 @dataclass(frozen=True, slots=True)
 class StageExpressions:
-    """The pieces a transcription maps: next state, equalities (zero), rows with bounds, cost share; all in physical units
-    except the equalities, which are divided by their scales.
+    """The pieces a transcription maps: next state, equalities (zero), rows with bounds, share of the cost.
+
+    All in physical units except the equalities, which are divided by their scales, and the rows (see `smooth_rows`).
     """
 
     following: SX

@@ -27,7 +27,8 @@ class StageShape:
     Attributes:
         numbers: entries of a flattened numbers record.
         height: constraints of a stage: gaps, equalities, rows. fixed: how many of them are gaps and equalities.
-        lower, upper: bounds of the rows, (height - fixed,). blocks: of the rows, first row counted from the stage's start.
+        lower, upper: bounds of the rows, (height - fixed,). blocks: of the rows, first row counted from the stage's
+            start.
         end_lower, end_upper, end_blocks: of the rows on the final state.
         jacobian, hessian, end_jacobian, end_hessian: structural nonzeros; the Hessians' upper triangles.
     """
@@ -53,7 +54,8 @@ class StageFunctions:
 
     Attributes:
         layout, shape: sizes and places. reserve_keys: (constraint, subject) of every entry of the reserve vector.
-        values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) -> cost, gradient.
+        values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) ->
+            cost, gradient.
         curvatures: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the Lagrangian's Hessian.
         end_values: (x, p) -> rows. end_slopes: (x, p) -> nonzeros. end_curvatures: (x, p, multipliers) -> nonzeros.
         compiled: whether they are machine code rather than CasADi's virtual machine.
@@ -163,7 +165,8 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, 
 
 def _nonzeros(matrix: SX) -> SX:
     entries = matrix.nonzeros()
-    return SX.zeros(0, 1) if not entries else ca.vertcat(*[SX(entry) for entry in entries])
+    stacked: SX = ca.vertcat(*entries) if entries else SX.zeros(0, 1)  # type: ignore[call-overload]
+    return stacked
 
 
 def _triplets(matrix: SX) -> Triplets:

@@ -35,8 +35,11 @@ class Stages:
 
 @dataclass(frozen=True, slots=True)
 class StageSamples:
-    """Values at m times: chains (m, 3 c), jerks (m, c), slosh displacement, velocity and the accelerations at both points of the interval (m, k),
-    and the interval each time falls in (m,).
+    """Values at m times.
+
+    Attributes:
+        chains: (m, 3 c). jerks: (m, c). displacement, velocity: (m, k) of the liquids.
+        accelerations: (m, k) at both points of the interval. index: (m,) the interval each time falls in.
     """
 
     chains: np.ndarray

@@ -1,7 +1,7 @@
 """The whole problem from the functions of one stage, mapped over the stages and placed by a fixed permutation.
 
-Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities and
-the kept rows; then the rows on x_N. Nothing of the size of the whole problem is ever differentiated.
+Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities
+and the kept rows; then the rows on x_N. Nothing of the size of the whole problem is ever differentiated.
 """
 
 from __future__ import annotations

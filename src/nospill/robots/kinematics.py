@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 from xml.etree import ElementTree
 
 import casadi as cs
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.robots.robot import Robot
 
 ToolPosition = Sequence[float] | np.ndarray | cs.SX
 
@@ -179,7 +178,26 @@ class Kinematics:
         return np.array(function(*columns, cs.repmat(tool, 1, count)).full().T, order="C")
 
 
-def kinematics(robot: Robot) -> Kinematics:
+class Chain(Protocol):
+    """What forward kinematics needs to know of an arm; a `Robot` is one."""
+
+    @property
+    def urdf(self) -> str:
+        """URDF text without xacro."""
+        ...
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the moving joints, base to tip."""
+        ...
+
+    @property
+    def tip(self) -> str:
+        """The flange link."""
+        ...
+
+
+def kinematics(robot: Chain) -> Kinematics:
     """Return the forward kinematics of an arm; built once per chain.
 
     Raises:
