@@ -48,6 +48,7 @@ class ObjectNumbers:
         friction: coefficient the plan may use.
         footprint: (2,) m: radius twice for a disc, half lengths for a rectangle.
         twist_radius: mean lever arm of friction under uniform pressure, m; 2R/3 for a disc.
+        grip_radius: radius of gyration of the footprint about its weaker axis, m; R/2 for a disc.
         liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
         oscillators: the modal masses.
     """
@@ -62,6 +63,7 @@ class ObjectNumbers:
     friction: Number
     footprint: Number
     twist_radius: Number
+    grip_radius: Number
     liquid_height: Number
     max_slosh_height: Number
     static_correction: Number

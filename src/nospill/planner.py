@@ -303,9 +303,12 @@ class _Run:
         """What the judge says of the slowest smooth motion; None if the liquids cannot even be integrated."""
         slow = smooth_start(self.scene, joint_path, 100, Start(stretch=1e6))
         try:
-            return judge(export_samples(self.scene, slow), self.scene).certificate
+            verdict = judge(export_samples(self.scene, slow), self.scene).certificate
         except ModelError:
             return None
+        names = {constraint.name for constraint in CONSTRAINTS}
+        rows = tuple(row for row in verdict.rows if row.constraint in names)
+        return Certificate(all(row.ok for row in rows), verdict.grid_hz, rows)
 
     def _hopeless(self, joint_path: JointPath) -> bool:
         """Even the slowest smooth motion breaks a limit several times over."""

@@ -73,6 +73,7 @@ def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
         friction=cargo.planned_friction,
         footprint=_half_lengths(footprint),
         twist_radius=twist_radius(footprint),
+        grip_radius=grip_radius(footprint),
         liquid_height=filling.liquid_height if filling else 0.0,
         max_slosh_height=filling.max_slosh_height if filling else 0.0,
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
@@ -133,3 +134,16 @@ def twist_radius(footprint: Footprint) -> float:
     a, b = footprint.half_x, footprint.half_y
     d = math.hypot(a, b)
     return (d + a * a / (2 * b) * math.log((b + d) / a) + b * b / (2 * a) * math.log((a + d) / b)) / 3.0
+
+
+def grip_radius(footprint: Footprint) -> float:
+    """Radius of gyration of the footprint about its weaker principal axis, m.
+
+    R/2 for a disc, half the short side over sqrt(3) for a rectangle.
+    Under uniform pressure and slip about a far centre at distance c, friction loses r^2/(2 c^2) of its force and gains
+    a moment r^2/c per unit, so the ellipsoid |f|^2 + (M/r)^2 with this r touches the limit curve there from inside and
+    stays inside everywhere.
+    """
+    if isinstance(footprint, DiscFootprint):
+        return footprint.radius / 2.0
+    return min(footprint.half_x, footprint.half_y) / math.sqrt(3.0)

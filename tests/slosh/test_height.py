@@ -36,6 +36,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         friction=0.0,
         footprint=np.zeros(2),
         twist_radius=0.0,
+        grip_radius=0.0,
         liquid_height=DEPTH,
         max_slosh_height=0.02,
         static_correction=modes.static_correction,

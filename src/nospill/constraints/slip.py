@@ -12,9 +12,10 @@ from nospill.scene import Scene
 class Slip(Constraint):
     """|f_T| <= mu N [D3]; at full fidelity sliding and twisting share the budget.
 
-    Full: the friction a footprint under uniform pressure can give against force and moment together is taken as the
-    ellipsoid |(f_x, f_y, M_z/r)| <= mu N with r the mean lever arm of friction. It is exact for pure sliding and pure
-    turning; in between it promises up to 6.5 % too much for a disc and 12 % for a rectangle of sides 4:1.
+    Full: against force and moment together a footprint under uniform pressure is given the ellipsoid
+    |(f_x, f_y, M_z/r)| <= mu N with r its radius of gyration about the weaker axis. It lies inside the exact limit
+    curve, touches it at pure sliding, and gives three quarters of the moment of pure turning for a disc. The mean lever
+    arm in its place (exact for pure turning) would promise up to 6.5 % too much in between, 12 % for sides of 4:1.
     """
 
     name = "slip"
@@ -35,7 +36,7 @@ class Slip(Constraint):
         for item in sample.objects:
             demand = item.wrench.force[:2]
             if sample.structure.fidelity == "full":
-                demand = ca.vertcat(demand, item.wrench.moment[2] / item.numbers.twist_radius)
+                demand = ca.vertcat(demand, item.wrench.moment[2] / item.numbers.grip_radius)
             friction = item.numbers.friction
             cones.append((Cone(demand, friction * item.wrench.force[2], friction * item.numbers.weight),))
         return tuple(cones)

@@ -102,15 +102,16 @@ def start(structure: Structure, shape: StageShape, functions: dict[str, Any]) ->
             'mv "$3/stage.so" "$2"'
         )
         arguments = [compiler, str(library), str(source), str(lock), " ".join(_FLAGS)]
-        process = subprocess.Popen(
-            ["sh", "-c", script, "sh", *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        if mode == "wait":
-            process.wait(timeout=_LONGEST_COMPILATION)
+        with suppress(subprocess.TimeoutExpired):
+            subprocess.run(
+                ["sh", "-c", script if mode == "wait" else f"({script}) &", "sh", *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+                timeout=_LONGEST_COMPILATION,
+                check=False,
+            )
 
 
 def cache_folder() -> Path:
