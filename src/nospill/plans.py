@@ -272,7 +272,7 @@ def load_plan(folder: str | Path) -> Plan:
             certificate=Certificate(
                 ok=certificate["ok"],
                 grid_hz=certificate["grid_hz"],
-                rows=tuple(Row(**row) for row in certificate["rows"]),
+                rows=_rows(certificate["rows"]),
             ),
             maxima=MotionMaxima(
                 tray_acceleration=summary["max_tray_acceleration_m_s2"],
@@ -294,6 +294,12 @@ def load_plan(folder: str | Path) -> Plan:
         )
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({error!r})") from error
+
+
+def _rows(found: list[dict[str, Any]]) -> tuple[Row, ...]:
+    if not found:
+        raise ValueError("a certificate without rows")
+    return tuple(Row(**row) for row in found)
 
 
 def _write(path: Path, text: str) -> None:
