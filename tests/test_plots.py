@@ -90,7 +90,7 @@ def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = export_samples(scene, smooth_start(scene, path, 40, start))
     judgement = judge(trajectory, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none")
+    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
     return Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report), judgement
 
 

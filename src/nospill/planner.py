@@ -221,6 +221,7 @@ class _Run:
     def restart(self, earlier: Plan) -> Solution | None:
         """Solve from an earlier plan; None where that does not converge."""
         self._keep_near(earlier.certificate)
+        self._recall(earlier.report.reserves)
         start = from_trajectory(self.scene, earlier.trajectory, self.scene.planning.intervals)
         self.tried += 1
         solution = self.solve(start, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
@@ -229,6 +230,14 @@ class _Run:
             return solution
         self._keep_all()
         return None
+
+    def _recall(self, reserves: dict[str, float]) -> None:
+        for key in self.reserves:
+            self.reserves[key] = max(self.reserves[key], reserves.get(self._label(key), 0.0))
+
+    def _label(self, key: tuple[str, int]) -> str:
+        subjects = next(item.subjects(self.scene) for item in CONSTRAINTS if item.name == key[0])
+        return f"{key[0]} | {subjects[key[1]]}"
 
     def _keep_all(self) -> None:
         self.kept = {key for key in self.reserves if key[0] not in self.ignored}
@@ -341,6 +350,7 @@ class _Run:
             starts=Starts(self.tried, len(self.durations), agreed, tuple(self.durations)),
             phases=dict(self.phases),
             solver_status=solution.status,
+            reserves={self._label(key): value for key, value in self.reserves.items() if value > FIRST_RESERVE},
         )
 
 

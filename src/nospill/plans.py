@@ -41,6 +41,7 @@ SUMMARY_KEYS = (
     "residual_slosh_height_m",
     "certificate",
     "rounds",
+    "reserves",
     "phases_s",
     "solver_status",
 )
@@ -91,6 +92,7 @@ class PlanningReport:
     Attributes:
         plan_time, solve_time: s. phases: s, by name.
         iterations: of all solves. rounds: of tightening. solver_status: the solver's last word.
+        reserves: fraction of the budget kept from the optimiser, by "constraint | subject", where the judge asked for more.
     """
 
     plan_time: float
@@ -100,6 +102,7 @@ class PlanningReport:
     starts: Starts
     phases: dict[str, float]
     solver_status: str
+    reserves: dict[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +162,7 @@ class Plan:
                 "worst_margin": worst.worst_margin,
             },
             "rounds": report.rounds,
+            "reserves": report.reserves,
             "phases_s": report.phases,
             "solver_status": report.solver_status,
         }
@@ -287,6 +291,7 @@ def load_plan(folder: str | Path) -> Plan:
                 solve_time=summary["solve_time_s"],
                 iterations=summary["iterations"],
                 rounds=summary["rounds"],
+                reserves=summary["reserves"],
                 starts=Starts(starts["tried"], starts["converged"], starts["agreed"], tuple(starts["durations"])),
                 phases=summary["phases_s"],
                 solver_status=summary["solver_status"],
