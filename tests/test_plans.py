@@ -42,7 +42,8 @@ def judged() -> tuple[Plan, Judgement]:
     path = joint_paths(scene.robot, scene.path, samples=41, **tool)[0]
     trajectory = export_samples(scene, smooth_start(scene, path, 40, Start(stretch=1.5)))
     judgement = judge(trajectory, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(2, 2, 1, (1.8, 1.9)), {"solve": 0.5}, "solved", {"slip | c1": 0.004})
+    starts = Starts(2, 2, 1, (1.8, 1.9))
+    report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})
     maxima = motion_maxima(judgement, scene)
     return Plan(scene, trajectory, judgement.certificate, maxima, report, judgement), judgement
 

@@ -92,7 +92,7 @@ class PlanningReport:
     Attributes:
         plan_time, solve_time: s. phases: s, by name.
         iterations: of all solves. rounds: of tightening. solver_status: the solver's last word.
-        reserves: fraction of the budget kept from the optimiser, by "constraint | subject", where the judge asked for more.
+        reserves: fraction of the budget kept from the optimiser, by "constraint | subject"; those the judge asked for.
     """
 
     plan_time: float
