@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from nospill import compiled
 from nospill.batches import evaluate
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
@@ -214,7 +215,7 @@ def constraint_traces(trajectory: Trajectory, scene: Scene, played: Replay) -> t
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
         if not constraints:
             continue
-        function = _figures_function(structure, Shapes(numbers), place)
+        function = _figures(structure, Shapes(numbers))[f"figures_{place.value}"]
         table = evaluate(function, columns, parameters)
         table = table.reshape(-1, 3, len(t))
         row = 0
@@ -266,9 +267,20 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
     return position[:, None], speed[:, None]
 
 
-@lru_cache(maxsize=64)
-def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any:
-    """(columns of `_inputs`, parameters) -> value, limit, margin of every constraint and subject of one place."""
+@lru_cache(maxsize=16)
+def _figures(structure: Structure, shapes: Shapes) -> compiled.Functions:
+    def build() -> tuple[compiled.Functions, None]:
+        places = [_figures_function(structure, shapes, place) for place in Place]
+        return {function.name(): function for function in places if function is not None}, None
+
+    return compiled.functions("figures", structure, build)[0]
+
+
+def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any | None:
+    """(columns of `_inputs`, parameters) -> value, limit, margin of every constraint and subject of one place.
+
+    None where no constraint has a subject there.
+    """
     parameters = SX.sym("p", shapes.size)
     numbers = symbolic(shapes.record, parameters)
     count = coordinate_count(structure)
@@ -296,7 +308,11 @@ def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any
     for constraint in CONSTRAINTS:
         if constraint.place is place:
             stacked += [_worst(constraint, budgets) for budgets in constraint.budgets(sample)]
-    return ca.Function("figures", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True})
+    if not stacked:
+        return None
+    return ca.Function(
+        f"figures_{place.value}", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True}
+    )
 
 
 def _worst(constraint: Constraint, budgets: tuple[Any, ...]) -> SX:

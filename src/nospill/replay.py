@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill import compiled
 from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
@@ -66,14 +67,21 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
     per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = _joint_spline(trajectory)
     count = coordinate_count(structure)
-    grid, tray, body = np.empty(0), None, np.empty((9, 0))
+    made = _functions(structure, Shapes(numbers))
+    grid, tray, body, finest = np.empty(0), None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
-        nonlocal grid, tray, body
-        # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too.
-        grid = _grid(trajectory, 2 * per_sample * refinement)
-        tray, body = _tray(scene, spline, grid)
-        return _integrate(structure, numbers, body, float(grid[2] - grid[0])) if count else grid[::2, None][:, :0]
+        nonlocal grid, tray, body, finest
+        if refinement > finest:
+            # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too. The first
+            # grid is made as fine as the second needs it, since two are compared at least.
+            finest = max(refinement, 2 if count else 1)
+            grid = _grid(trajectory, 2 * per_sample * finest)
+            tray, body = _tray(scene, spline, grid, made["flat_motion"])
+        every = finest // refinement
+        if not count:
+            return grid[::2, None][:, :0]
+        return _integrate(made["step"], numbers, body[:, ::every], float(grid[2 * every] - grid[0]))
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -115,13 +123,27 @@ def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
     return np.linspace(trajectory.t[0], trajectory.t[-1], count)
 
 
-def _tray(scene: Scene, spline: Any, grid: np.ndarray) -> tuple[ToolMotions, np.ndarray]:
+@lru_cache(maxsize=16)
+def _functions(structure: Structure, shapes: Shapes) -> compiled.Functions:
+    """The arm's `motion_function` and one Runge-Kutta step of all liquids."""
+
+    def build() -> tuple[compiled.Functions, None]:
+        made = {"flat_motion": kinematics(structure).motion_function}
+        if coordinate_count(structure):
+            made["step"] = _step(structure, shapes)
+        return made, None
+
+    return compiled.functions("replay", structure, build)[0]
+
+
+def _tray(scene: Scene, spline: Any, grid: np.ndarray, function: Any) -> tuple[ToolMotions, np.ndarray]:
     motions = kinematics(scene.robot).motions(
         spline(grid),
         spline(grid, 1),
         spline(grid, 2),
         tool_position=scene.tray.offset,
         tool_yaw=scene.tray.yaw_on_flange,
+        function=function,
     )
     back = np.swapaxes(motions.rotation, 1, 2)
     lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
@@ -155,7 +177,6 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-@lru_cache(maxsize=16)
 def _step(structure: Structure, shapes: Shapes) -> Any:
     """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
     count = coordinate_count(structure)
@@ -168,12 +189,12 @@ def _step(structure: Structure, shapes: Shapes) -> Any:
     return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=shapes.size)
 
 
-def _integrate(structure: Structure, numbers: SceneNumbers, body: np.ndarray, step: float) -> np.ndarray:
+def _integrate(step: Any, numbers: SceneNumbers, body: np.ndarray, length: float) -> np.ndarray:
     """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
     return integrate(
-        _step(structure, Shapes(numbers)),
-        np.zeros(2 * coordinate_count(structure)),
+        step,
+        np.zeros(step.size1_in(0)),
         inputs=body,
-        lengths=np.full((body.shape[1] - 1) // 2, step),
+        lengths=np.full((body.shape[1] - 1) // 2, length),
         parameters=flatten(numbers),
     )

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from types import FrameType
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.ocp.problem import Problem
+from nospill.ocp.problem import DERIVING_SOLVERS, Problem
 from nospill.ocp.stages import Stages
 
 Progress = Callable[[int, float, float], None]
@@ -126,13 +130,13 @@ def solve(
         warm: an earlier answer of a problem of the same shape, whose multipliers are used.
 
     Raises:
-        ScenarioError: unknown solver.
+        ScenarioError: unknown solver. KeyboardInterrupt: stopped by the user.
     """
     if solver not in SOLVERS:
         raise ScenarioError(f'planning.solver "{solver}" is not known; allowed: {", ".join(SOLVERS)}')
     transcription = problem.transcription
     settings = SOLVERS[solver](options) | {"print_time": False, "error_on_fail": False, "calc_lam_p": False}
-    if solver == "fatrop":
+    if solver in DERIVING_SOLVERS:
         settings |= _fatrop_structure(problem)
     else:
         settings |= {
@@ -157,7 +161,8 @@ def solve(
     }
     if warm is not None:
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
-    result = nlpsol(**arguments)
+    with _interruptible():
+        result = nlpsol(**arguments)
     elapsed = time.perf_counter() - began
     stats = nlpsol.stats()
     variables = np.asarray(result["x"]).ravel()
@@ -175,6 +180,31 @@ def solve(
         iterations=int(stats["iter_count"]),
         solve_time_s=elapsed,
     )
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Raise KeyboardInterrupt after a call into CasADi during which one came: CasADi would swallow it and go on.
+
+    Outside the main thread, where no signal arrives, this does nothing.
+    """
+    came = False
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        raise KeyboardInterrupt
 
 
 def violation(problem: Problem, values: np.ndarray) -> float:

@@ -22,6 +22,9 @@ _SHORTEST = 0.05
 _LARGEST_SLOSH_SCALE = 0.02
 """Scale of a surface height when its limit is generous, m."""
 
+DERIVING_SOLVERS = ("fatrop",)
+"""Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
+
 Reserves = dict[tuple[str, int], float]
 """(constraint, subject index) -> fraction of the budget kept back."""
 
@@ -73,7 +76,9 @@ def build_problem(
         kept: which (constraint, subject) rows take part; None for all.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
-    transcription = transcribe(structure, numbers, intervals, kept=kept)
+    transcription = transcribe(
+        structure, numbers, intervals, kept=kept, derivable=scene.planning.solver in DERIVING_SOLVERS
+    )
     scales = _scales(scene, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals)
     return Problem(

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from nospill import compiled
 from nospill.constraints import CONSTRAINTS
 from nospill.frames import SX
 from nospill.numbers import SceneNumbers, Shapes, Structure, symbolic
-from nospill.ocp import compiled
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stage import Block, stage_expressions, terminal_rows
 
@@ -22,7 +22,7 @@ Triplets = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class StageShape:
-    """Everything about a stage that is not a function; plain data, so that it can be kept beside compiled code.
+    """Everything about a stage that is not a function; made from plain data that is kept beside compiled code.
 
     Attributes:
         numbers: entries of a flattened numbers record.
@@ -85,29 +85,36 @@ def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, 
     return numbers, layout_of(structure).size, len(reserve_keys(structure)), 1
 
 
-def stage_functions(structure: Structure, numbers: SceneNumbers) -> StageFunctions:
-    """The functions of a structure; `numbers` only shows the shapes.
+def stage_functions(structure: Structure, numbers: SceneNumbers, *, derivable: bool = False) -> StageFunctions:
+    """The functions of a structure; `numbers` only shows the shapes, `derivable` asks for functions CasADi can derive.
 
     Compiled ones are taken from the disk where an earlier run has left them; otherwise they are built for CasADi's
     virtual machine, and a compiler, where there is one, is started in the background for the next time.
     """
-    return _stage_functions(structure, Shapes(numbers))
+    return _stage_functions(structure, Shapes(numbers), derivable)
 
 
 @lru_cache(maxsize=16)
-def _stage_functions(structure: Structure, shapes: Shapes) -> StageFunctions:
-    ready = compiled.load(structure)
-    if ready is None:
-        shape, functions = _build(structure, shapes)
-        compiled.start(structure, shape, functions)
-        ready = compiled.load(structure) if compiled.waits() else None
-        if ready is None:
-            return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=False)
-    shape, functions = ready
-    return StageFunctions(layout_of(structure), shape, reserve_keys(structure), **functions, compiled=True)
+def _stage_functions(structure: Structure, shapes: Shapes, derivable: bool) -> StageFunctions:
+    if derivable:
+        made, data, is_compiled = *_build(structure, shapes), False
+    else:
+        made, data, is_compiled = compiled.functions("stage", structure, lambda: _build(structure, shapes))
+    return StageFunctions(layout_of(structure), _shape(data), reserve_keys(structure), **made, compiled=is_compiled)
 
 
-def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, Any]]:
+def _shape(data: dict[str, Any]) -> StageShape:
+    table = dict(data)
+    for name in ("lower", "upper", "end_lower", "end_upper"):
+        table[name] = np.array(table[name], dtype=float)
+    for name in ("blocks", "end_blocks"):
+        table[name] = tuple(Block(*block) for block in table[name])
+    for name in ("jacobian", "hessian", "end_jacobian", "end_hessian"):
+        table[name] = tuple(np.array(part, dtype=int) for part in table[name])
+    return StageShape(**table)
+
+
+def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[str, Any]]:
     layout, keys = layout_of(structure), reserve_keys(structure)
     sizes = parameter_sizes(structure, shapes.size)
     parameters = SX.sym("p", sum(sizes))
@@ -142,33 +149,25 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[StageShape, dict[str, 
         name: ca.Function(name, inputs, [ca.densify(output) for output in results], {"cse": True})
         for name, (inputs, results) in outputs.items()
     }
-    shape = StageShape(
-        numbers=shapes.size,
-        height=constraints.numel(),
-        fixed=fixed,
-        lower=stage.lower,
-        upper=stage.upper,
-        blocks=tuple(
-            Block(block.constraint, block.subject, block.first + fixed, block.count, block.repetition)
-            for block in stage.blocks
-        ),
-        end_lower=end_lower,
-        end_upper=end_upper,
-        end_blocks=tuple(end.blocks),
-        jacobian=_triplets(jacobian),
-        hessian=_triplets(hessian),
-        end_jacobian=_triplets(end_jacobian),
-        end_hessian=_triplets(end_hessian),
-    )
-    return shape, functions
+    data = {
+        "numbers": shapes.size,
+        "height": constraints.numel(),
+        "fixed": fixed,
+        "lower": stage.lower.tolist(),
+        "upper": stage.upper.tolist(),
+        "blocks": [astuple(replace(block, first=block.first + fixed)) for block in stage.blocks],
+        "end_lower": end_lower.tolist(),
+        "end_upper": end_upper.tolist(),
+        "end_blocks": [astuple(block) for block in end.blocks],
+        "jacobian": jacobian.sparsity().get_triplet(),
+        "hessian": hessian.sparsity().get_triplet(),
+        "end_jacobian": end_jacobian.sparsity().get_triplet(),
+        "end_hessian": end_hessian.sparsity().get_triplet(),
+    }
+    return functions, data
 
 
 def _nonzeros(matrix: SX) -> SX:
     entries = matrix.nonzeros()
     stacked: SX = ca.vertcat(*entries) if entries else SX.zeros(0, 1)  # type: ignore[call-overload]
     return stacked
-
-
-def _triplets(matrix: SX) -> Triplets:
-    rows, columns = matrix.sparsity().get_triplet()
-    return np.array(rows, dtype=int), np.array(columns, dtype=int)

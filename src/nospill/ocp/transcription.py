@@ -71,7 +71,12 @@ class Transcription:
 
 
 def transcribe(
-    structure: Structure, numbers: SceneNumbers, intervals: int, *, kept: Kept | None = None
+    structure: Structure,
+    numbers: SceneNumbers,
+    intervals: int,
+    *,
+    kept: Kept | None = None,
+    derivable: bool = False,
 ) -> Transcription:
     """The transcription of a structure; `numbers` only shows the shapes.
 
@@ -80,8 +85,9 @@ def transcribe(
         numbers: of any scene of that structure.
         intervals: N.
         kept: which rows take part; None for all. The judge looks at all of them in any case.
+        derivable: from functions that CasADi can derive itself, for a solver that does not take ours.
     """
-    return _transcribe(stage_functions(structure, numbers), intervals, kept)
+    return _transcribe(stage_functions(structure, numbers, derivable=derivable), intervals, kept)
 
 
 @lru_cache(maxsize=32)

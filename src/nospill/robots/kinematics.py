@@ -49,6 +49,7 @@ class Kinematics:
 
     Attributes:
         n: number of moving joints.
+        motion_function: (q, qd, qdd, tool) -> pose, twist and its derivative as one column; `motions` reads it.
     """
 
     def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
@@ -86,7 +87,7 @@ class Kinematics:
         self._flat_both = _function(
             "flat_both", [q, tool], [cs.vertcat(position, cs.vec(rotation.T), cs.vec(jacobian.T))]
         )
-        self._flat_motion = _function(
+        self.motion_function = _function(
             "flat_motion", [q, rate, rate_change, tool], [cs.vertcat(position, cs.vec(rotation.T), twist, twist_change)]
         )
 
@@ -146,6 +147,7 @@ class Kinematics:
         *,
         tool_position: ToolPosition = FLANGE,
         tool_yaw: float = 0.0,
+        function: Any = None,
     ) -> ToolMotions:
         """Return pose, velocity and acceleration of the tool at m samples.
 
@@ -155,8 +157,9 @@ class Kinematics:
             qdd: (m, n) joint accelerations, rad/s^2.
             tool_position: (3,) tool origin in flange axes, m.
             tool_yaw: turn of the tool about the flange's z, rad.
+            function: a compiled copy of `motion_function` to use in its place.
         """
-        flat = self._call(self._flat_motion, q, qd, qdd, tool=_tool(tool_position, tool_yaw))
+        flat = self._call(function or self.motion_function, q, qd, qdd, tool=_tool(tool_position, tool_yaw))
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),
