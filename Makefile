@@ -9,12 +9,13 @@ PINS := pyproject.toml constraints.txt
 DEMO := out/matrix-liquid
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check clean
+.PHONY: help demo test check bench clean
 
 help:
 	@echo "make demo    plan the example matrix-liquid and write its folder to $(DEMO)"
 	@echo "make test    run the whole test suite"
 	@echo "make check   linter, formatting, types, import rules"
+	@echo "make bench   measure planning times against the published transcription (half an hour)"
 	@echo "make clean   remove the virtual environment and everything generated"
 
 demo: $(VENV)/.ready-test
@@ -29,6 +30,9 @@ check: $(VENV)/.ready-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 	$(BIN)/lint-imports --no-logo
+
+bench: $(VENV)/.ready-test
+	$(BIN)/python benchmarks/run.py
 
 # The stamps are written last, so a set-up that was cut short is done again.
 $(VENV)/.ready-test: $(PINS)
