@@ -6,7 +6,7 @@ Multiple shooting with RK4 on N = 150 intervals through `Function.map`, everythi
 MUMPS and CasADi's own derivatives [D3]. Nothing of the package's optimal control problem is used, only the data of a
 scene: path, numbers of the cups, limits of the arm and its kinematics.
 
-liquid (Eq. 6): level tray. s = 1 and no displacement of the liquid from 0.8 T on, every later node again at rest at s = 1
+liquid (Eq. 6): level tray. s = 1 and no displacement of the liquid at 0.8 T, every later node again at rest at s = 1
     (redundant equalities, as published), a fifth of the height allowed there; cost T + 1e-2 mean(u^2) over the horizon.
 rigid (Eq. 11): the tray tilts, rest to rest; cost T + 1e-5 mean(u^2) of each of the three jerks.
 """

@@ -126,9 +126,7 @@ def measurements(bench: Bench) -> list[Measurement]:
     ]
     for name in EXAMPLES:
         found.append(Measurement(f"cold {name}", "cold", lambda name=name: task("cold", name)))
-        found.append(
-            Measurement(f"no compiler {name}", "virtual", lambda name=name: task("cold", name, mode="off"))
-        )
+        found.append(Measurement(f"no compiler {name}", "virtual", lambda name=name: task("cold", name, mode="off")))
     found += [Measurement(f"warm {name}", "warm", lambda name=name: task("warm", name)) for name in EXAMPLES]
     found += [
         Measurement("process, cold cache", "process", lambda: bench.whole_process(cold_cache=True)),

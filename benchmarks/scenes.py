@@ -49,7 +49,7 @@ def changed(name: str, change: str) -> Scene:
 
 
 def tray_of_cups(count: int) -> Scene:
-    """The level tray of the liquid example, larger, with `count` small cups of water (at most 32), middle ones first."""
+    """The level tray of the liquid example, larger, with `count` small cups of water, at most 32, middle ones first."""
     table = _table("matrix-liquid")
     table["tray"]["size"] = ["480 mm", "260 mm"]
     columns, rows = _GRID

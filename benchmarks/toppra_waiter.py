@@ -47,9 +47,7 @@ def solve(scene: Scene) -> float:
     return float(trajectory.duration)
 
 
-def object_accelerations(
-    scene: Scene, place: np.ndarray, speed: np.ndarray, acceleration: np.ndarray
-) -> np.ndarray:
+def object_accelerations(scene: Scene, place: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
     """Per object: horizontal acceleration in world axes (2), vertical less gravity, yaw acceleration; (4 n,)."""
     c, s = np.cos(place[3]), np.sin(place[3])
     values = []
