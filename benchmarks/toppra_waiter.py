@@ -6,6 +6,8 @@ joints, whose speeds are limited. Friction and tipping cones are pyramids of 16 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import toppra
 import toppra.algorithm
@@ -41,7 +43,7 @@ def solve(scene: Scene) -> float:
         10,
     )
     instance = toppra.algorithm.TOPPRA([limits, contact], path, gridpoints=s, parametrizer="ParametrizeConstAccel")
-    trajectory = instance.compute_trajectory(0, 0)
+    trajectory: Any = instance.compute_trajectory(0, 0)
     if trajectory is None:
         raise RuntimeError("toppra found no parametrisation")
     return float(trajectory.duration)

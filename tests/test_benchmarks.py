@@ -23,9 +23,9 @@ from nospill.slosh.motion import modal_acceleration
 FOLDER = Path(__file__).resolve().parents[1] / "benchmarks"
 sys.path.insert(0, str(FOLDER))
 
-import baseline  # noqa: E402
-import report  # noqa: E402
-import scenes  # noqa: E402
+import baseline  # noqa: E402  # pyright: ignore[reportMissingImports]
+import report  # noqa: E402  # pyright: ignore[reportMissingImports]
+import scenes  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 POINTS = [np.random.default_rng(seed).uniform(-1, 1, 32) for seed in range(4)]
 
