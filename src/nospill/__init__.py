@@ -21,6 +21,7 @@ from nospill.errors import ScenarioError as ScenarioError
 if TYPE_CHECKING:
     from nospill.certificate import Certificate as Certificate
     from nospill.certificate import certify as certify
+    from nospill.planner import Planner as Planner
     from nospill.planner import plan as plan
     from nospill.plans import Plan as Plan
     from nospill.plans import load_plan as load_plan
@@ -34,6 +35,7 @@ _PLACES = {
     "certify": ("nospill.certificate", "certify"),
     "Plan": ("nospill.plans", "Plan"),
     "load_plan": ("nospill.plans", "load_plan"),
+    "Planner": ("nospill.planner", "Planner"),
     "plan": ("nospill.planner", "plan"),
     "load": ("nospill.scenario", "read_scenario"),
     "Scene": ("nospill.scene", "Scene"),

@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stdout
@@ -122,14 +123,17 @@ def plan(
             require_replaceable(output)
         scene = read_scenario(scenario)
         progress.say("load the optimiser")
+        began = time.perf_counter()
         from nospill.planner import plan as find_plan
 
+        loading = time.perf_counter() - began
         outcome: Plan | NoSolutionError
         try:
-            outcome = find_plan(scene, progress=progress.show)
+            outcome = find_plan(scene, progress=progress.show).timed("import", loading)
             if output is not None:
                 progress.say("write")
-                outcome.save(output, extra=None if no_figures else functools.partial(_write_figures, outcome))
+                figures = None if no_figures else functools.partial(_write_figures, outcome)
+                outcome.save(output, extra=figures, time_writing=True)
         except NoSolutionError as error:
             outcome = error
     if isinstance(outcome, NoSolutionError):

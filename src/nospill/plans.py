@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -167,26 +168,35 @@ class Plan:
             "solver_status": report.solver_status,
         }
 
-    def save(self, folder: str | Path, *, extra: Callable[[Path], None] | None = None) -> None:
+    def timed(self, phase: str, seconds: float) -> Plan:
+        """The same plan with the time of one more phase in its report."""
+        return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
+
+    def save(
+        self, folder: str | Path, *, extra: Callable[[Path], None] | None = None, time_writing: bool = False
+    ) -> None:
         """Write the plan folder in one piece: a killed run leaves the old folder or none.
 
         Args:
             folder: place of the plan folder; an earlier plan there is replaced.
             extra: writes more files into the folder while it is being made, for example figures.
+            time_writing: add the time this takes to the summary's phases, so that two copies differ in that figure.
 
         Raises:
             PlanFolderError: the folder holds something else or cannot be written.
         """
+        began = time.perf_counter()
         with atomic_folder(folder) as partial:
             _write(partial / SCENARIO_FILE, scenario_text(self.scene))
             _write(partial / TRAJECTORY_FILE, trajectory_text(self.trajectory))
             _write(partial / CERTIFICATE_FILE, _json(self.certificate.to_dict()))
-            _write(partial / SUMMARY_FILE, _json(self.summary()))
             for exporter in EXPORTERS.values():
                 if exporter.reason_against(self.scene) is None:
                     exporter.write(self.trajectory, self.scene, partial / exporter.file_name)
             if extra is not None:
                 extra(partial)
+            written = self.timed("write", time.perf_counter() - began) if time_writing else self
+            _write(partial / SUMMARY_FILE, _json(written.summary()))
 
 
 def failed_summary(scenario: str, message: str) -> dict[str, Any]:
