@@ -309,7 +309,7 @@ def solve_rigid(scene: Scene | None = None, *, print_level: int = 0) -> Baseline
     for row, limit in enumerate((path_limit, tilt_limit, tilt_limit)):
         problem.subject_to(problem.bounded(-limit, u[row, :], limit))
     problem.subject_to(problem.bounded(0.1, horizon, 20))
-    problem.subject_to(problem.bounded(0, x[0, 1:-1], 1))
+    problem.subject_to(problem.bounded(0, x[0, :], 1))
 
     guess = np.zeros((9, INTERVALS + 1))
     guess[0] = np.linspace(0, 1, INTERVALS + 1)

@@ -84,13 +84,13 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
     yield from faster("no compiler matrix-rigid", "baseline rigid", 5)
     yield from share("no compiler matrix-liquid-tilt", "baseline rigid", 1.0)
     limits = {"matrix-liquid": 0.1, "matrix-liquid-tilt": 1 / 3}
-    for name in ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt"):
+    for name in limits:
         run = found.get(f"warm {name}")
         for part in ("first", "again") if run else ():
             for change, figures in run[part].items() if run else ():
                 told = f"warm {name}: {change}" + (", first time" if part == "first" else "")
                 ratio = figures["seconds"] / figures["duration"]
-                yield Line(told, figures["seconds"], ratio, "of the motion", limits.get(name))
+                yield Line(told, figures["seconds"], ratio, "of the motion", limits[name])
     for key in ("process, cold cache", "process, second run"):
         if key in seconds:
             target = 1.0 if key.endswith("second run") else None
@@ -151,7 +151,8 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
         left = [start + width for start, width in zip(left, widths, strict=True)]
     bars.invert_yaxis()
     bars.set_xlabel("time / s")
-    bars.legend(fontsize=7)
+    if keys:
+        bars.legend(fontsize=7)
     for label, unit, marker in (("cups", " cup", "o"), ("intervals", "N = ", "s")):
         points = sorted(
             (int("".join(filter(str.isdigit, key))), value["seconds"])
@@ -163,5 +164,6 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
     growth.set_xlabel("number")
     growth.set_ylabel("time of a cold plan / s")
     growth.grid(alpha=0.3)
-    growth.legend()
+    if growth.lines:
+        growth.legend()
     figure.savefig(place, dpi=130)

@@ -127,7 +127,8 @@ def measurements(bench: Bench) -> list[Measurement]:
     for name in EXAMPLES:
         found.append(Measurement(f"cold {name}", "cold", lambda name=name: task("cold", name)))
         found.append(Measurement(f"no compiler {name}", "virtual", lambda name=name: task("cold", name, mode="off")))
-    found += [Measurement(f"warm {name}", "warm", lambda name=name: task("warm", name)) for name in EXAMPLES]
+    for name in ("matrix-liquid", "matrix-liquid-tilt"):
+        found.append(Measurement(f"warm {name}", "warm", lambda name=name: task("warm", name)))
     found += [
         Measurement("process, cold cache", "process", lambda: bench.whole_process(cold_cache=True)),
         Measurement("process, second run", "process", lambda: bench.whole_process(cold_cache=False)),
