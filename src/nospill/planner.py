@@ -13,7 +13,7 @@ from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.ocp.answer import export_samples
-from nospill.ocp.guess import Start, from_trajectory, resample, smooth_start
+from nospill.ocp.guess import Start, estimate_duration, from_trajectory, resample, smooth_start
 from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Reserves, build_problem
 from nospill.ocp.stages import Stages
@@ -31,6 +31,8 @@ _ROUNDS = 8
 _FEASIBLE = 1e-5
 _AGREEMENT = 5e-3
 _COARSEST = 25
+_COARSE_SWING = 2.5
+_FINE_SWING = 0.7
 _COARSE_ITERATIONS = 400
 _REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
@@ -192,7 +194,8 @@ class _Run:
     def search(self, joint_path: JointPath) -> Solution:
         """Solve from several starts on a coarse grid and return the best answer."""
         options = self.scene.planning
-        intervals = max(_COARSEST, options.intervals // 4)
+        expected = estimate_duration(self.scene, joint_path)
+        intervals = max(_COARSEST, options.intervals // 4, _resolving(self.scene, expected, _COARSE_SWING))
         best: Solution | None = None
         last: Solution | None = None
         for start in _starts(self.scene):
@@ -222,7 +225,8 @@ class _Run:
         """Solve from an earlier plan; None where that does not converge."""
         self._keep_near(earlier.certificate)
         self._recall(earlier.report.reserves)
-        start = from_trajectory(self.scene, earlier.trajectory, self.scene.planning.intervals)
+        fewest = _resolving(self.scene, earlier.duration, _FINE_SWING)
+        start = from_trajectory(self.scene, earlier.trajectory, max(self.scene.planning.intervals, fewest))
         self.tried += 1
         solution = self.solve(start, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
         if _usable(solution) and solution.converged:
@@ -252,7 +256,8 @@ class _Run:
 
     def refine(self, coarse: Solution) -> Solution:
         """Carry the coarse answer to the full grid."""
-        intervals = self.scene.planning.intervals
+        fewest = _resolving(self.scene, coarse.stages.duration, _FINE_SWING)
+        intervals = max(self.scene.planning.intervals, fewest)
         self.kept -= {key for key, slack in coarse.slack.items() if slack > _NEAR}
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
         solution = coarse
@@ -352,6 +357,15 @@ class _Run:
             solver_status=solution.status,
             reserves={self._label(key): value for key, value in self.reserves.items() if value > FIRST_RESERVE},
         )
+
+
+def _resolving(scene: Scene, duration: float, swing: float) -> int:
+    """Intervals in which no carried mode turns by more than `swing` rad over a motion of `duration` s."""
+    fastest = max(
+        (mode.frequency for cargo in scene.cargo if cargo.filling for mode in cargo.filling.modes.oscillators),
+        default=0.0,
+    )
+    return int(np.ceil(fastest * duration / swing))
 
 
 def _usable(solution: Solution) -> bool:
