@@ -28,7 +28,7 @@ class Recorder:
         self.functions = 0.0
         self.setting_up = 0.0
         self.running = 0.0
-        self.sizes: list[tuple[int, int, int]] = []
+        self.solves: list[tuple[int, int, int, float]] = []
 
     def __call__(self, name: str, solver: str, problem: dict[str, Any], options: dict[str, Any]) -> Recorder:
         """Make the solver with its clock on."""
@@ -46,12 +46,13 @@ class _Recorded:
     def __call__(self, **arguments: Any) -> Any:
         began = time.perf_counter()
         result = self._solver(**arguments)
-        self._recorder.running += time.perf_counter() - began
+        seconds = time.perf_counter() - began
+        self._recorder.running += seconds
         stats = self._solver.stats()
         self._recorder.functions += sum(
             value for key, value in stats.items() if key.startswith("t_wall_nlp_") or key == "t_wall_callback_fun"
         )
-        self._recorder.sizes.append((*self._size, int(stats["iter_count"])))
+        self._recorder.solves.append((*self._size, int(stats["iter_count"]), seconds))
         return result
 
     def stats(self) -> Any:
@@ -78,7 +79,10 @@ def profile(name: str) -> None:
         "IPOPT and MUMPS": algebra,
         "rest": whole - sum(parts.values()) - recorder.setting_up - recorder.running,
     }
-    print(f"\n{name}: {whole:.3f} s; solves (variables, constraints, iterations): {recorder.sizes}\n")
+    print(f"\n{name}: {whole:.3f} s. Solves:")
+    for variables, constraints, iterations, seconds in recorder.solves:
+        print(f"{variables} variables, {constraints} constraints: {iterations} iterations, {seconds:.3f} s")
+    print()
     print("| part | s | share |\n|---|---:|---:|")
     for part, seconds in parts.items():
         print(f"| {part} | {seconds:.3f} | {100 * seconds / whole:.0f} % |")

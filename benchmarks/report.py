@@ -12,6 +12,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+BEGIN, END = "<!-- benchmark table: begin -->", "<!-- benchmark table: end -->"
+
 
 @dataclass(frozen=True)
 class Line:
@@ -64,14 +66,18 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
     found = {key: value for key, value in results["measurements"].items() if "failed" not in value}
     seconds = {key: value["seconds"] for key, value in found.items() if "seconds" in value}
 
+    def together(key: str, reference: str) -> bool:
+        """Only what was measured alternately in one run is compared."""
+        return reference in seconds and found[key].get("run") == found[reference].get("run")
+
     def faster(key: str, reference: str, target: float) -> Iterator[Line]:
         if key in seconds:
-            ratio = seconds[reference] / seconds[key] if reference in seconds else None
+            ratio = seconds[reference] / seconds[key] if together(key, reference) else None
             yield Line(key, seconds[key], ratio, f"times faster than {reference}", target, most=False)
 
     def share(key: str, reference: str, target: float | None) -> Iterator[Line]:
         if key in seconds:
-            ratio = seconds[key] / seconds[reference] if reference in seconds else None
+            ratio = seconds[key] / seconds[reference] if together(key, reference) else None
             yield Line(key, seconds[key], ratio, f"of {reference}", target)
 
     for key in ("baseline liquid", "baseline rigid"):
@@ -113,26 +119,35 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
         yield Line(f"peak memory: {key}", seconds.get(key, float("nan")), memory[key], "MB", 600)
 
 
-def print_table(results: dict[str, Any]) -> None:
-    """Print it as Markdown, so that it can be kept."""
+def table(results: dict[str, Any]) -> str:
+    """The machine, the table and what is missing from it, as Markdown."""
     told = results["machine"]
-    print(
+    text = [
         f"{told['processor']}, {told['cores']} cores, load {told['load_before']:.1f} to {told['load_after']:.1f}; "
         f"Python {told['python']}, CasADi {told['casadi']}, commit {told['commit']}"
-        + (" and changes" if told["changed_since"] else "")
-    )
-    print("\n| measurement | s | ratio | | target | |\n|---|---:|---:|---|---:|---|")
+        + (" and changes" if told["changed_since"] else ""),
+        "",
+        "| measurement | s | ratio | | target | |",
+        "|---|---:|---:|---|---:|---|",
+    ]
     for line in lines(results):
         ratio = "" if line.ratio is None else f"{line.ratio:.3g}"
         target = "" if line.target is None else f"{'≤' if line.most else '≥'} {line.target:.3g}"
-        print(f"| {line.what} | {line.seconds:.3f} | {ratio} | {line.of} | {target} | {line.verdict} |")
+        text.append(f"| {line.what} | {line.seconds:.3f} | {ratio} | {line.of} | {target} | {line.verdict} |")
     for key, value in results["measurements"].items():
         reason = value.get("failed") or value.get("missing")
         if reason:
-            print(f"\nnot measured: {key}: {reason}")
+            text += ["", f"not measured: {key}: {reason}"]
         elif value.get("certified") is False:
-            print(f"\nnot certified: {key}")
-    print()
+            text += ["", f"not certified: {key}"]
+    return "\n".join(text) + "\n"
+
+
+def write_page(results: dict[str, Any], page: Path) -> None:
+    """Replace the table between the page's markers."""
+    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
+    _, after = rest.split(END)
+    page.write_text(f"{before}{BEGIN}\n{table(results)}{END}{after}", encoding="utf-8")
 
 
 def save_plot(results: dict[str, Any], place: Path) -> None:

@@ -26,10 +26,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from report import machine, print_table, save_plot
+from report import machine, save_plot, table, write_page
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 RESULTS = REPOSITORY / "benchmarks" / "results"
+PAGE = REPOSITORY / "docs" / "performance.md"
 EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt")
 CUPS = (1, 2, 4, 8, 16, 32)
 INTERVALS = (50, 100, 200, 400)
@@ -166,6 +167,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, help="number of rounds")
     parser.add_argument("--only", help=f"some of {','.join(GROUPS)}", default=",".join(GROUPS))
     parser.add_argument("--show", action="store_true", help="print the table and draw the plot of the last results")
+    parser.add_argument("--page", action="store_true", help="also put the table into docs/performance.md")
     arguments = parser.parse_args()
     RESULTS.mkdir(exist_ok=True)
     place = RESULTS / "summary.json"
@@ -182,15 +184,17 @@ def main() -> None:
             results["prepared"] = kept["prepared"] | results["prepared"]
         place.write_text(json.dumps(results, indent=1) + "\n")
     results = json.loads(place.read_text())
-    print_table(results)
+    print(table(results))
     save_plot(results, RESULTS / "times.png")
+    if arguments.page:
+        write_page(results, PAGE)
     print(f"written: {place}, {RESULTS / 'times.png'}")
 
 
 def _measure(groups: set[str], rounds: int, *, hurry: bool) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder))
-        before = machine(REPOSITORY)
+        before, started = machine(REPOSITORY), time.strftime("%Y-%m-%d %H:%M")
         prepared = fill_cache(bench, groups)
         chosen = [one for one in measurements(bench) if one.group in groups]
         runs: dict[str, list[dict[str, Any]]] = {one.key: [] for one in chosen}
@@ -205,7 +209,7 @@ def _measure(groups: set[str], rounds: int, *, hurry: bool) -> dict[str, Any]:
         return {
             "machine": before | {"load_after": os.getloadavg()[0]},
             "prepared": prepared,
-            "measurements": {key: _summary(found) for key, found in runs.items()},
+            "measurements": {key: _summary(found) | {"run": started} for key, found in runs.items()},
         }
 
 

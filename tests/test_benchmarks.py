@@ -177,7 +177,7 @@ def test_targets_are_judged_in_their_direction() -> None:
     assert report.Line("a", 1.0).verdict == ""
 
 
-def test_table_skips_what_was_not_measured(capsys: pytest.CaptureFixture[str]) -> None:
+def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
     told = {"processor": "p", "cores": 2, "load_before": 0.0, "load_after": 0.0, "python": "3", "casadi": "3"}
     results = {
         "machine": told | {"commit": "abc", "changed_since": False},
@@ -187,8 +187,11 @@ def test_table_skips_what_was_not_measured(capsys: pytest.CaptureFixture[str]) -
             "toppra, rigid on a level tray": {"missing": "No module named 'toppra'"},
         },
     }
-    report.print_table(results)
-    printed = capsys.readouterr().out
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{report.BEGIN}\nyesterday\n{report.END}\nafter\n")
+    report.write_page(results, page)
+    printed = page.read_text()
+    assert printed.startswith("before") and printed.endswith("after\n") and "yesterday" not in printed
     assert "| cold matrix-liquid | 0.500 | 120 | times faster than baseline liquid | ≥ 60 | met |" in printed
     assert "not measured: toppra" in printed
 
