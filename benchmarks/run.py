@@ -137,7 +137,7 @@ def measurements(bench: Bench) -> list[Measurement]:
         Measurement("import nospill", "process", lambda: bench.python("import nospill")),
         Measurement("import nospill.planner", "process", lambda: bench.python("import nospill.planner")),
     ]
-    # Compiling a tray of 32 cups takes minutes, so growth with their number is measured on the virtual machine.
+    # On the virtual machine: compiling each of these trays first would take longer than the measurement.
     for count in CUPS:
         key = f"{count} cup{'s' if count > 1 else ''}"
         run = lambda count=count: task("cups", str(count), mode="off")  # noqa: E731
