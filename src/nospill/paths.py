@@ -390,7 +390,7 @@ def _assemble(position: Pieces, yaw: object) -> Path:
         (refined(position, breaks, degree=degree), refined(turning, breaks, degree=degree)), axis=2
     )
     if np.max(np.abs(coefficients[:-1])) <= SAME_KNOT:
-        raise ScenarioError("path: it neither moves nor turns; give it points that differ or a yaw that changes")
+        raise ScenarioError("the path neither moves nor turns; give it points that differ or a yaw that changes")
     breaks.flags.writeable = False
     coefficients.flags.writeable = False
     return Path(breaks, coefficients)

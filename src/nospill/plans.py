@@ -272,7 +272,7 @@ def load_plan(folder: str | Path) -> Plan:
     """
     place = Path(folder)
     if not place.is_dir():
-        raise PlanFolderError(f"{place}: no such plan folder; make one with nospill plan SCENARIO -o {place}")
+        raise PlanFolderError(f"{place}: no such folder; make one with nospill plan SCENARIO -o DIR")
     for name in (SCENARIO_FILE, TRAJECTORY_FILE, CERTIFICATE_FILE, SUMMARY_FILE):
         if not (place / name).is_file():
             raise PlanFolderError(f"{place}: not a plan folder: {name} is missing")

@@ -107,8 +107,8 @@ SOLVERS: dict[str, Callable[[SolveOptions], dict[str, Any]]] = {
 _SENTENCES = {
     "Solved_To_Acceptable_Level": "converged to a slightly relaxed tolerance",
     "Infeasible_Problem_Detected": "ended at a point that cannot be made feasible locally",
-    "Maximum_Iterations_Exceeded": "stopped at the limit of iterations; raise planning.max_iterations",
-    "Maximum_WallTime_Exceeded": "stopped at the time limit; raise planning.max_solve_time",
+    "Maximum_Iterations_Exceeded": "stopped at the limit of iterations",
+    "Maximum_WallTime_Exceeded": "stopped at the time limit planning.max_solve_time",
     "Restoration_Failed": "could not restore feasibility",
     "Search_Direction_Becomes_Too_Small": "made no further progress",
     "Diverging_Iterates": "diverged",
