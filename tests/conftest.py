@@ -2,24 +2,60 @@
 
 from __future__ import annotations
 
+import copy
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
 from nospill.ocp.stages import Stages
+from nospill.planner import plan
+from nospill.plans import Plan
 from nospill.robots.inverse import JointPath, joint_paths
-from nospill.scenario import read_scenario
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
 
-# No compiler at work behind the tests, and none of the user's compiled functions in them.
-os.environ.setdefault("NOSPILL_COMPILE", "off")
+
+@pytest.fixture(scope="session", autouse=True)
+def no_compiled_functions(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No compiler at work behind the tests, and none of the user's compiled functions in them.
+
+    A test that wants them sets both variables itself (monkeypatch).
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NOSPILL_COMPILE", "off")
+        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("nospill-cache")))
+        yield
+
+
+@pytest.fixture(scope="session")
+def changed_scene() -> Callable[..., Scene]:
+    """Make a variant of an example: its name, and new values by place, for example {"motion.tilt": "fixed"}."""
+
+    def make(name: str, changes: Mapping[str, Any]) -> Scene:
+        table: Any = copy.deepcopy(read_scenario(name).source)
+        for place, value in changes.items():
+            *parents, key = place.split(".")
+            entry = table
+            for parent in parents:
+                entry = entry[int(parent)] if isinstance(entry, list) else entry.setdefault(parent, {})
+            entry[int(key) if isinstance(entry, list) else key] = value
+        return scene_from_table(table, name=name)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def example_plan() -> Callable[[str], Plan]:
+    """Plan an example, once for all tests."""
+    return cache(lambda name: plan(read_scenario(name)))
 
 
 @dataclass(frozen=True)
