@@ -33,7 +33,9 @@ _AGREEMENT = 5e-3
 _COARSEST = 25
 _COARSE_SWING = 2.5
 _FINE_SWING = 0.7
-_COARSE_ITERATIONS = 400
+_COARSE_ITERATIONS = 150
+_LAST_ITERATIONS = 500
+_LAST_STARTS = 4
 _REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
 _TIGHTEN_ITERATIONS = 40
@@ -199,9 +201,12 @@ class _Run:
         best: Solution | None = None
         last: Solution | None = None
         for start in _starts(self.scene):
+            if self.tried >= options.starts and best is not None:
+                break
+            patience = _COARSE_ITERATIONS if self.tried < options.starts else _LAST_ITERATIONS
             self.tried += 1
             motion = smooth_start(self.scene, joint_path, intervals, start)
-            last = self.solve(motion, iterations=_COARSE_ITERATIONS)
+            last = self.solve(motion, iterations=patience)
             if _usable(last):
                 self.durations.append(last.stages.duration)
                 if best is None or last.objective < best.objective:
@@ -373,9 +378,12 @@ def _usable(solution: Solution) -> bool:
 
 
 def _starts(scene: Scene) -> Iterator[Start]:
-    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed."""
-    count = scene.planning.starts
-    yield from _FIXED_STARTS[:count]
+    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed.
+
+    As many as the scenario asks for, and some more for when all of those fail.
+    """
+    count = scene.planning.starts + _LAST_STARTS
+    yield from _FIXED_STARTS
     random = np.random.default_rng(scene.planning.seed)
     for _ in range(count - len(_FIXED_STARTS)):
         lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)

@@ -1,5 +1,6 @@
 """The constraints, as one visible table: a new one is a file here and a line below."""
 
+from nospill.constraints.apparent_gravity import ApparentGravity
 from nospill.constraints.base import Constraint as Constraint
 from nospill.constraints.jerk import PathJerk, TiltJerk
 from nospill.constraints.joint_position import JointPosition
@@ -16,6 +17,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     SloshHeight(),
     ResidualHeight(),
     EndDisplacement(),
+    ApparentGravity(),
     Lift(),
     Slip(),
     Tip(),

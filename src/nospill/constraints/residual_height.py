@@ -15,7 +15,7 @@ STILL_FRACTION = 0.02
 
 The optimiser holds it at zero exactly; the judge, who integrates with another method, must find it this small."""
 
-_SMOOTHING = 0.01
+_SMOOTHING = 0.02
 """Of the bound, as a fraction of its limit: it adds 0.01 % for a mode that reaches it, 1.4 % for one at rest."""
 
 

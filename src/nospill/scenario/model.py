@@ -83,7 +83,15 @@ class PlanningTable(Table):
 
     path_jerk_weight: _JerkWeight = 1e-5
     tilt_jerk_weight: _JerkWeight = 1e-5
-    intervals: Annotated[int, Field(strict=True, ge=20, le=1000, description="fewest intervals of the time grid; long motions of liquids get more")] = 100
+    intervals: Annotated[
+        int,
+        Field(
+            strict=True,
+            ge=20,
+            le=1000,
+            description="fewest time intervals; long motions of liquids get more",
+        ),
+    ] = 100
     solver: Annotated[Literal["ipopt", "fatrop"], Field(description="the nonlinear programming solver")] = "ipopt"
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=100_000, description="iterations of one solve")] = 1000
     max_solve_time: Annotated[

@@ -21,15 +21,17 @@ def residual_bound(
     Without decay the mode runs on the ellipse of A and B, whose half axis is the largest singular value of [A B],
     sqrt(a + sqrt(b^2 + c^2)) with a = (|A|^2 + |B|^2)/2, b = (|A|^2 - |B|^2)/2, c = A.B; along one axis it is
     sqrt(A^2 + B^2). The half axis is never below the largest displacement, and above it by at most
-    exp(pi zeta/sqrt(1 - zeta^2)), 3 % at zeta = 0.01. Both roots are smoothed from above, so the bound stays one and is
-    smooth at rest and on a circle too, where it exceeds the half axis most, by sqrt(2) `smoothing`.
+    exp(pi zeta/sqrt(1 - zeta^2)), 3 % at zeta = 0.01. The largest singular value has a kink where both are equal, which
+    is where a circular swirl ends and where optimisers stop; in its place stands (s1^8 + s2^8)^(1/8), smooth except at
+    rest, equal to it along a line and at most 9 % above it on a circle. With G = [A B]^T [A B] the sum is
+    (tr G^2)^2 - 2 (det G)^2.
 
     Args:
         displacement: (k, 1) modal displacement at the end, m; k = 1 or 2.
         velocity: (k, 1), m/s.
         frequency: omega, rad/s.
         damping: zeta, 0 to below 1.
-        smoothing: length, m, small against the displacements of interest.
+        smoothing: the bound at rest, m, which makes it smooth there; small against the displacements of interest.
 
     Returns:
         Scalar, m.
@@ -39,5 +41,6 @@ def residual_bound(
     first, second = ca.dot(displacement, displacement), ca.dot(quadrature, quadrature)
     if displacement.numel() == 1:
         return ca.sqrt(first + second + smoothing**2)
-    mean, difference, product = (first + second) / 2, (first - second) / 2, ca.dot(displacement, quadrature)
-    return ca.sqrt(mean + ca.sqrt(difference**2 + product**2 + smoothing**4) + smoothing**2)
+    product = ca.dot(displacement, quadrature)
+    trace, determinant = first**2 + second**2 + 2 * product**2, first * second - product**2
+    return (trace**2 - 2 * determinant**2 + smoothing**8) ** 0.125
