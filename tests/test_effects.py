@@ -131,7 +131,7 @@ END_ROWS_STAY = pytest.mark.xfail(
 )
 SHARP_RESIDUAL = pytest.mark.xfail(
     run=False,
-    reason="the residual's bound, smoothed over 1 % of its limit only, keeps IPOPT from converging without slosh height",
+    reason="the residual's bound, smoothed over 1 % of its limit, keeps IPOPT from converging without slosh height",
 )
 KNOWN = {"residual height": END_ROWS_STAY, "still at the end": END_ROWS_STAY, "slosh height": SHARP_RESIDUAL}
 

@@ -1,0 +1,78 @@
+"""Functions on many samples: chunks of any length give what one sample at a time gives."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nospill.batches import evaluate
+
+
+def function() -> ca.Function:
+    x, y, p = ca.SX.sym("x", 2), ca.SX.sym("y"), ca.SX.sym("p", 3)
+    return ca.Function("f", [x, y, p], [ca.vertcat(p[0] * x[0] + ca.sin(y), p[1] * x[1] * y + p[2])])
+
+
+F = function()
+P = np.array([2.0, -3.0, 0.5])
+
+
+def columns(count: int, seed: int = 0) -> list[np.ndarray]:
+    random = np.random.default_rng(seed)
+    return [random.normal(size=(2, count)), random.normal(size=(1, count))]
+
+
+def expected(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.array([P[0] * x[0] + np.sin(y[0]), P[1] * x[1] * y[0] + P[2]])
+
+
+@pytest.mark.parametrize("count", [1, 2, 499, 500, 501, 999, 1000, 1001, 2345])
+def test_against_closed_form_on_both_sides_of_a_chunk(count: int) -> None:
+    x, y = columns(count)
+    result = evaluate(F, [x, y], P)
+    assert result.shape == (2, count)
+    np.testing.assert_allclose(result, expected(x, y), rtol=1e-14, atol=1e-14)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.integers(1, 1200), st.integers(0, 1200))
+def test_a_cut_changes_nothing(count: int, cut: int) -> None:
+    x, y = columns(count, seed=count)
+    whole = evaluate(F, [x, y], P)
+    ends = sorted({0, min(cut, count), count})
+    parts = [evaluate(F, [x[:, a:b], y[:, a:b]], P) for a, b in pairwise(ends)]
+    np.testing.assert_array_equal(np.concatenate(parts, axis=1), whole)
+
+
+def test_shared_input_and_arguments_are_taken_anew_each_time() -> None:
+    x, y = columns(600)
+    first = evaluate(F, [x, y], P)
+    np.testing.assert_array_equal(evaluate(F, [x, y], 2 * P)[1] - 2 * P[2], 2 * (first[1] - P[2]))
+    np.testing.assert_array_equal(evaluate(F, [x, y], P), first)
+
+
+def test_inputs_are_left_alone() -> None:
+    x, y = columns(700)
+    before = x.copy(), y.copy()
+    evaluate(F, [x, y], P)
+    assert np.array_equal(x, before[0]) and np.array_equal(y, before[1])
+
+
+def test_two_functions_are_not_mixed_up() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    one, two = ca.Function("f", [x, p], [x + p]), ca.Function("f", [x, p], [x - p])
+    values = np.arange(3.0)[None, :]
+    np.testing.assert_array_equal(evaluate(one, [values], np.ones(1)), values + 1)
+    np.testing.assert_array_equal(evaluate(two, [values], np.ones(1)), values - 1)
+
+
+def test_a_value_that_is_no_number_stays_in_its_column() -> None:
+    x, y = columns(501)
+    y[0, 500] = np.nan
+    result = evaluate(F, [x, y], P)
+    assert np.all(np.isfinite(result[:, :500])) and np.all(np.isnan(result[:, 500]))
