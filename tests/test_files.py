@@ -17,12 +17,12 @@ from nospill import files
 from nospill.errors import NospillError, PlanFolderError
 from nospill.files import atomic_folder, atomic_text, require_replaceable
 
-OLD_PLAN = {"a.txt": "old", "summary.json": "{}"}
+OLD_PLAN = {"trajectory.csv": "old", "summary.json": "{}"}
 
 
 def make_plan(folder: Path, content: str = "old") -> Path:
     folder.mkdir(parents=True)
-    (folder / "a.txt").write_text(content)
+    (folder / "trajectory.csv").write_text(content)
     (folder / "summary.json").write_text("{}")
     return folder
 
@@ -55,12 +55,24 @@ def test_new_folder_with_missing_parents(tmp_path: Path) -> None:
 
 def test_old_plan_is_replaced_whole(tmp_path: Path) -> None:
     target = make_plan(tmp_path / "plan")
-    (target / "stale.txt").write_text("from an earlier version")
+    (target / "robot.csv").write_text("from an earlier run")
     with atomic_folder(target) as folder:
         (folder / "summary.json").write_text("new")
-        assert (target / "stale.txt").exists()
+        assert (target / "robot.csv").exists()
     assert content(target) == {"summary.json": "new"}
     assert os.listdir(tmp_path) == ["plan"]
+
+
+def test_a_plan_folder_with_foreign_files_is_kept(tmp_path: Path) -> None:
+    target = make_plan(tmp_path / "plan")
+    (target / "thesis.tex").write_text("years of work")
+    before = content(target)
+    with (
+        pytest.raises(PlanFolderError, match="holds files that nospill did not write"),
+        atomic_folder(target) as folder,
+    ):
+        (folder / "summary.json").write_text("new")
+    assert content(target) == before
 
 
 def test_usual_permissions(tmp_path: Path) -> None:
@@ -75,7 +87,7 @@ def test_usual_permissions(tmp_path: Path) -> None:
 def test_error_in_the_body_leaves_the_old_folder(tmp_path: Path, failure: BaseException) -> None:
     target = make_plan(tmp_path / "plan")
     with pytest.raises(type(failure)), atomic_folder(target) as folder:
-        (folder / "a.txt").write_text("half")
+        (folder / "trajectory.csv").write_text("half")
         raise failure
     assert content(target) == OLD_PLAN
     assert os.listdir(tmp_path) == ["plan"]
@@ -242,7 +254,7 @@ def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
         if stage == "between":
             Path.rename = slow
         with atomic_folder(target) as folder:
-            (folder / "a.txt").write_text("half")
+            (folder / "trajectory.csv").write_text("half")
             if stage == "body":
                 print("ready", flush=True)
                 time.sleep(60)
@@ -271,7 +283,7 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
         target, who = sys.argv[1:]
         for turn in range(40):
             with atomic_folder(target) as folder:
-                for name in ("a.txt", "b.txt", "summary.json"):
+                for name in ("trajectory.csv", "certificate.json", "summary.json"):
                     (folder / name).write_text(f"{who}-{turn}")
     """
     writers = [run(script, str(target), str(who)) for who in range(4)]

@@ -51,6 +51,7 @@ __all__ = [
     "NospillError",
     "Plan",
     "PlanFolderError",
+    "Planner",
     "ScenarioError",
     "Scene",
     "Trajectory",
@@ -58,6 +59,7 @@ __all__ = [
     "load",
     "load_plan",
     "plan",
+    "simulate_slosh",
 ]
 
 
@@ -68,3 +70,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(importlib.import_module(module), attribute)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -19,9 +19,13 @@ Replaceable = Callable[[set[str]], bool]
 """Judges by the names in a folder that is not empty whether it may be thrown away."""
 
 
+PLAN_NAMES = {"scenario.toml", "trajectory.csv", "certificate.json", "summary.json", "robot.csv", "figures"}
+"""What a plan folder may hold."""
+
+
 def is_plan_folder(names: set[str]) -> bool:
-    """Whether a folder with these names in it was written as a plan: it holds summary.json."""
-    return "summary.json" in names
+    """Whether a folder with these names in it was written as a plan: it holds summary.json and nothing foreign."""
+    return "summary.json" in names and names <= PLAN_NAMES
 
 
 def require_replaceable(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Path:
