@@ -55,7 +55,7 @@ class StandIn:
 
     def save(self, folder: Path, extra: Callable[[Path], None] | None = None, time_writing: bool = False) -> None:
         with atomic_folder(folder) as partial:
-            (partial / "summary.json").write_text("{}")
+            (partial / "summary.json").write_text(json.dumps(self.summary()))
             if extra is not None:
                 extra(partial)
 

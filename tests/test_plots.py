@@ -230,7 +230,8 @@ def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, picture
     names = [c.name for c in CONSTRAINTS if c.place is Place.OBJECT and c.name != "slosh height"]
     assert [axes.get_title(loc="left") for axes in panels(pictures["margins"])] == names
     for axes in panels(pictures["margins"]):
-        assert len(series(axes)) == len(CARGO)
+        name = axes.get_title(loc="left")
+        assert len(series(axes)) == sum(trace.constraint == name for trace in tilting.judgement.traces) > 0
 
 
 def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -49,9 +49,9 @@ _COLUMNS = (
 """What the judge reads of a trajectory."""
 
 
-_LEAST_SIZE = {"joint position": np.pi, "lift": 1.0}
+_LEAST_SIZE = {"joint position": np.pi, "lift": 1.0, "apparent gravity": 1.0}
 """By constraint, what a margin is measured by at least where the limit's distance from zero says nothing: half a turn
-of a joint, one weight."""
+of a joint, one weight, one gravity."""
 
 
 def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:

@@ -143,7 +143,8 @@ def plan(
             _print_json(failed_summary(scene.name, _one_line(outcome)))
         raise outcome
     if as_json:
-        _print_json(outcome.summary())
+        saved = output / "summary.json" if output is not None else None
+        _print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
         _print_certificate(outcome.certificate)
         print(f"duration: {outcome.duration:.3f} s")

@@ -197,6 +197,9 @@ class _Run:
         """Solve from several starts on a coarse grid and return the best answer."""
         options = self.scene.planning
         expected = estimate_duration(self.scene, joint_path)
+        # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
+        if expected >= 0.79 * self.scene.motion.max_duration and self._hopeless(joint_path):
+            raise NoSolutionError(self._reason(None, joint_path))
         intervals = max(_COARSEST, options.intervals // 4, _resolving(self.scene, expected, _COARSE_SWING))
         best: Solution | None = None
         last: Solution | None = None
@@ -334,7 +337,7 @@ class _Run:
         verdict = self._slow_verdict(joint_path)
         return verdict is not None and verdict.worst.worst_margin < -abs(verdict.worst.limit)
 
-    def _reason(self, last: Solution, joint_path: JointPath) -> str:
+    def _reason(self, last: Solution | None, joint_path: JointPath) -> str:
         verdict = self._slow_verdict(joint_path)
         limit = self.scene.motion.max_duration
         if verdict is not None and not verdict.ok:
@@ -342,6 +345,7 @@ class _Run:
                 f"No motion found: {describe(verdict.worst)} even in a smooth motion of {0.95 * limit:.3g} s, "
                 f"nearly the longest allowed (max_duration {limit:g} s). Relax that limit."
             )
+        assert last is not None  # without a solve there is a verdict
         return (
             f"No motion found: {last.status} after {last.iterations} iterations, although a smooth motion of "
             f"{0.95 * limit:.3g} s keeps every limit on the way; the end condition "

@@ -16,8 +16,10 @@ from nospill.certificate import Certificate, Judgement, Row
 from nospill.errors import PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.files import atomic_folder
-from nospill.scenario import read_scenario, scenario_text
+from nospill.numbers import flatten
+from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
 from nospill.trajectory import Trajectory, read_trajectory, trajectory_text
 
 SCENARIO_FILE = "scenario.toml"
@@ -183,9 +185,11 @@ class Plan:
             time_writing: add the time this takes to the summary's phases, so that two copies differ in that figure.
 
         Raises:
-            PlanFolderError: the folder holds something else or cannot be written.
+            PlanFolderError: the folder holds something else or cannot be written, or the scene is not what its
+                scenario says.
         """
         began = time.perf_counter()
+        _require_faithful(self.scene)
         with atomic_folder(folder) as partial:
             _write(partial / SCENARIO_FILE, scenario_text(self.scene))
             _write(partial / TRAJECTORY_FILE, trajectory_text(self.trajectory))
@@ -197,6 +201,17 @@ class Plan:
                 extra(partial)
             written = self.timed("write", time.perf_counter() - began) if time_writing else self
             _write(partial / SUMMARY_FILE, _json(written.summary()))
+
+
+def _require_faithful(scene: Scene) -> None:
+    """A scene altered in Python no longer agrees with the scenario text that would be kept with the plan."""
+    again = scene_from_table(scene.source, name=scene.name)
+    same = structure_of(again) == structure_of(scene)
+    if not same or not np.array_equal(flatten(numbers_of(again)), flatten(numbers_of(scene))):
+        raise PlanFolderError(
+            f"{scene.name}: the scene was changed after it was read, so the scenario kept with the plan would "
+            "contradict it; change the table scene.source and build the scene with nospill.scenario.scene_from_table"
+        )
 
 
 def failed_summary(scenario: str, message: str) -> dict[str, Any]:
