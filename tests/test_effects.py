@@ -129,11 +129,7 @@ END_ROWS_STAY = pytest.mark.xfail(
     raises=AssertionError,
     reason="the planner keeps rows and bounds on the final state whatever it is told",
 )
-SHARP_RESIDUAL = pytest.mark.xfail(
-    run=False,
-    reason="the residual's bound, smoothed over 1 % of its limit, keeps IPOPT from converging without slosh height",
-)
-KNOWN = {"residual height": END_ROWS_STAY, "still at the end": END_ROWS_STAY, "slosh height": SHARP_RESIDUAL}
+KNOWN = {"residual height": END_ROWS_STAY, "still at the end": END_ROWS_STAY}
 
 
 @pytest.mark.parametrize(
