@@ -180,18 +180,13 @@ class Stopper:
             raise self.error
 
 
-SWALLOWED = pytest.mark.xfail(
-    strict=True, reason="CasADi swallows what a callback raises: the solver stops, planning goes on"
-)
-
-
 @pytest.mark.parametrize(
     ("phase", "iteration"),
     [
         ("kinematics", None),
         ("build", None),
         ("solve", None),
-        pytest.param("solve", 5, marks=SWALLOWED),
+        ("solve", 5),
         ("certify", None),
     ],
 )
@@ -207,7 +202,6 @@ def test_an_interrupt_ends_planning_at_once_and_leaves_nothing(
     assert plan(scene).duration == pytest.approx(plan(scene, progress=lambda _: None).duration, rel=1e-9)
 
 
-@SWALLOWED
 def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", {"planning.intervals": 40})
     ended: list[BaseException] = []

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
+from nospill.constraints.residual_height import EndDisplacement
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, estimate_duration, from_trajectory, resample, smooth_start
@@ -27,6 +28,7 @@ from nospill.trajectory import Trajectory
 FIRST_RESERVE = 1e-3
 """Fraction of every budget kept from the optimiser at first: what limits typically exceed between grid points."""
 
+_UNBOUNDED = -1e3
 _ROUNDS = 8
 _FEASIBLE = 1e-5
 _AGREEMENT = 5e-3
@@ -141,7 +143,9 @@ class _Run:
     def __post_init__(self) -> None:
         counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
         self.reserves = {(name, index): FIRST_RESERVE for name, count in counts.items() for index in range(count)}
-        self.kept = {key for key in self.reserves if key[0] not in self.ignored}
+        self._keep_all()
+        # Rows at the end always stand in the problem; a budget a thousand times as large leaves them without effect.
+        self.reserves |= {key: _UNBOUNDED for key in self.reserves if key[0] in self.ignored}
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
@@ -164,6 +168,9 @@ class _Run:
     ) -> Solution:
         """Solve on the start's grid."""
         scene, options = self.scene, self.scene.planning
+        if EndDisplacement.name in self.ignored:
+            # Its equalities are bounds of the variables, which only another end condition takes away.
+            scene = replace(scene, motion=replace(scene.motion, end="residual"))
         with self.phase("build"):
             problem = build_problem(
                 scene,

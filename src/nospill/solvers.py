@@ -163,6 +163,8 @@ def solve(
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
     with _interruptible():
         result = nlpsol(**arguments)
+    if watcher is not None and watcher.raised is not None:
+        raise watcher.raised
     elapsed = time.perf_counter() - began
     stats = nlpsol.stats()
     variables = np.asarray(result["x"]).ravel()
@@ -253,6 +255,7 @@ class _Watcher(ca.Callback):
     def __init__(self, problem: Problem, progress: Progress) -> None:
         ca.Callback.__init__(self)
         self._problem, self._progress, self._iteration = problem, progress, 0
+        self.raised: BaseException | None = None
         transcription = problem.transcription
         self._sizes = {
             "x": transcription.variables,
@@ -282,6 +285,11 @@ class _Watcher(ca.Callback):
     def eval(self, arg: Sequence[ca.DM]) -> list[ca.DM]:
         values = dict(zip(ca.nlpsol_out(), arg, strict=False))
         stages = self._problem.decode(np.asarray(values["x"]).ravel())
-        self._progress(self._iteration, stages.duration, violation(self._problem, np.asarray(values["g"]).ravel()))
+        try:
+            self._progress(self._iteration, stages.duration, violation(self._problem, np.asarray(values["g"]).ravel()))
+        except BaseException as error:
+            # CasADi turns it into a failed solve; `solve` raises it again.
+            self.raised = error
+            raise
         self._iteration += 1
         return [ca.DM(0)]
