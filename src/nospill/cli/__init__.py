@@ -1,0 +1,54 @@
+"""The command line: reads arguments, calls one function, prints what it returned.
+
+Exit codes: 0 certified (or done), 1 solved but not certified, 2 bad input, 3 no solution, 70 a fault of nospill itself,
+130 stopped by the user. Heavy libraries are imported inside the commands, so that help and errors come at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+
+from nospill.cli.listings import examples, robots, schema
+from nospill.cli.planning import check, plan, plot
+from nospill.cli.reporting import reported
+from nospill.cli.slosh import compare, simulate
+
+COMMANDS: tuple[Callable[..., int], ...] = (plan, check, plot, simulate, compare, examples, robots, schema)
+"""Every command, in the order of the help text: a new one is a function in a file here and an entry in this table."""
+
+app = typer.Typer(
+    name="nospill",
+    help="Plan and certify the fastest motion of a robot arm that carries open cups and loose objects on a tray.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """Entry point of the command `nospill`."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"nospill {version('nospill')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Plan and certify the fastest motion of a robot arm that carries open cups and loose objects on a tray."""
+
+
+for _command in COMMANDS:
+    app.command()(reported(_command))

@@ -1,0 +1,103 @@
+"""What the commands share: errors as one line with an exit code, tables, JSON, a clean stdout."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+
+import typer
+
+from nospill.errors import NospillError
+
+INTERNAL_ERROR = 70
+STOPPED = 130
+OUTPUT_CLOSED = 141
+
+
+def reported(command: Callable[..., int]) -> Callable[..., None]:
+    """Turn what a command returns or raises into one line and an exit code."""
+
+    @functools.wraps(command)
+    def run(*args: object, **kwargs: object) -> None:
+        try:
+            code = command(*args, **kwargs)
+            sys.stdout.flush()
+        except NospillError as error:
+            code = error.exit_code
+            say(one_line(error))
+        except KeyboardInterrupt:
+            code = STOPPED
+            say("stopped; nothing was written")
+        except BrokenPipeError:
+            code = OUTPUT_CLOSED
+            os.dup2(
+                os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+            )  # or the interpreter complains when it flushes
+        except Exception as error:
+            code = INTERNAL_ERROR
+            if os.environ.get("NOSPILL_TRACEBACK") == "1":
+                traceback.print_exc()
+            what = f"{type(error).__name__}: {one_line(error)}"
+            say(f"internal error: {what}; please report it with the scenario (NOSPILL_TRACEBACK=1 shows where)")
+        raise typer.Exit(code)
+
+    return run
+
+
+def one_line(error: Exception | str) -> str:
+    """The message on one line."""
+    return " ".join(str(error).split())
+
+
+def say(line: str) -> None:
+    """Print a line on stderr at once."""
+    print(line, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def only_stderr() -> Iterator[None]:
+    """Send everything that Python and the compiled solvers print to stderr, so that stdout stays clean for JSON."""
+    import ctypes
+
+    sys.stdout.flush()
+    stdout = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        if os.name == "posix":
+            ctypes.CDLL(None).fflush(None)  # what C code has printed may still wait in its own buffer
+        os.dup2(stdout, 1)
+        os.close(stdout)
+
+
+def print_json(value: object) -> None:
+    """Print a value as JSON; numbers that are none raise ValueError."""
+    print(json.dumps(value, indent=2, allow_nan=False))
+
+
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print rows under their column names; a real number has four digits, None is a dash."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for column in columns:
+        table.add_column(column)
+    for row in rows:
+        table.add_row(*(Text(_cell(value)) for value in row))  # Text: names may hold what rich takes for markup
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
