@@ -18,7 +18,10 @@ class Robot:
         joints: names of the moving joints, base to tip, shape of every array below: (n,).
         tip: the flange link.
         lower, upper: joint position limits, rad.
-        max_speed: rad/s. max_acceleration: rad/s^2, or None where nobody states it.
+        max_speed: rad/s. max_acceleration: rad/s^2, max_jerk: rad/s^3, max_torque: N m; each None where it is not set,
+            and then not limited.
+        inertias_known: whether the URDF's masses and inertias are real, so that joint torques can be computed.
+        home: (n,) configuration the arm stands in before and after, rad, or None.
         payload: kg or None. reach: m or None.
         sources: quantity -> where the figure comes from.
         not_known: quantities nobody states for this arm, in words.
@@ -37,3 +40,7 @@ class Robot:
     reach: float | None
     sources: dict[str, str]
     not_known: tuple[str, ...] = ()
+    max_jerk: np.ndarray | None = None
+    max_torque: np.ndarray | None = None
+    inertias_known: bool = False
+    home: np.ndarray | None = None
