@@ -6,15 +6,22 @@ that a file format is read in has its entry here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from nospill.errors import ScenarioError
 from nospill.trajectory import Trajectory
 
+LOWEST_RATE, HIGHEST_RATE = 10.0, 1000.0
+"""Hz; the judge looks at least twice between two samples of the highest."""
+
 _HOLD_SAMPLES = 6
+_SAME_INSTANT = 1e-6
+"""Part of a period by which rounding may put the end of a motion behind a sample."""
 
 
 class JointMotion(Protocol):
@@ -133,3 +140,27 @@ INTERPOLATIONS: dict[str, Interpolation] = {item.name: item for item in (QUINTIC
 def planned_motion(trajectory: Trajectory) -> JointMotion:
     """The motion that a plan's samples stand for: the quintic spline through its positions."""
     return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, trajectory.joint_position))
+
+
+def resampled(trajectory: Trajectory, rate: float) -> JointSamples:
+    """The motion that a plan's samples stand for, sampled at another rate; nothing is solved again.
+
+    Times are whole nanoseconds from 0, as message formats keep them, and the last one is at or behind the end of the
+    plan. The first and the last sample stand still exactly: a controller that is asked for a motion from rest to rest
+    refuses what rounding leaves of a speed.
+
+    Args:
+        trajectory: the plan's samples.
+        rate: samples per second, Hz, 10 to 1000.
+
+    Raises:
+        ScenarioError: the rate is not in this range.
+    """
+    if not LOWEST_RATE <= rate <= HIGHEST_RATE:  # not a number fails too
+        raise ScenarioError(f"rate is {rate:g} Hz; allowed are {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz; try 500")
+    motion, length = planned_motion(trajectory), float(trajectory.t[-1] - trajectory.t[0])
+    t = np.round(np.arange(math.ceil(length * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
+    position, speed, acceleration = (motion(trajectory.t[0] + t, order) for order in range(3))
+    for column in (speed, acceleration):
+        column[[0, -1]] = 0.0
+    return JointSamples(t, position, speed, acceleration)
