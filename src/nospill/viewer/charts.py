@@ -1,7 +1,8 @@
 """Charts beside the scene as one SVG picture, the same in the live viewer and in the file.
 
 Three panels a plan over one time axis: heights of the liquids, use of the contact limits, joint speeds; limits are
-drawn and named. The cursor is a picture of its own, to be laid over the first, so that it alone changes with time.
+drawn and named. The cursor over them is placed by three properties of a style sheet, so that nothing else is sent while
+time goes on.
 """
 
 from __future__ import annotations
@@ -19,7 +20,13 @@ WIDTH = 320
 """Of the picture, px."""
 _LEFT, _RIGHT, _PANEL, _TITLE, _KEY, _AXIS = 34, 8, 84, 15, 12, 15
 _FONT = "font-family='system-ui,-apple-system,Segoe UI,DejaVu Sans,sans-serif'"
-_MOST_POINTS = 260
+_RATE, _MOST_POINTS = 200.0, 420
+_CURSOR_STYLE = (
+    f".nospill-cursor{{position:absolute;top:2px;bottom:{_AXIS + 12}px;left:var(--nospill-x,-9999px);"
+    "border-left:1px solid #222;pointer-events:none}"
+    ".nospill-cursor::after{content:var(--nospill-t);position:absolute;top:0;left:0;white-space:nowrap;"
+    "font:10px/10px system-ui,sans-serif;color:#222;transform:translateX(var(--nospill-shift))}"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +55,7 @@ class Charts:
     """The picture and what the cursor needs.
 
     Attributes:
-        svg: the picture. height: of it, px.
+        svg: the picture, as wide as its place. height: of it where it is `WIDTH` px wide, px.
         left, right: where time 0 and `length` (s) lie, px.
     """
 
@@ -59,17 +66,22 @@ class Charts:
     length: float
 
     def cursor_at(self, t: float) -> float:
-        """Where time t lies, px."""
-        return self.left + (self.right - self.left) * float(np.clip(t / self.length, 0.0, 1.0))
+        """Where time t lies, in hundredths of the picture's width."""
+        part = float(np.clip(t / self.length, 0.0, 1.0))
+        return 100.0 * (self.left + (self.right - self.left) * part) / WIDTH
 
-    def cursor(self, t: float) -> str:
-        """The cursor as a picture of the same size."""
+    def cursor_style(self, t: float) -> str:
+        """Style sheet that puts the cursor of `page` to time t."""
         x = self.cursor_at(t)
-        side, anchor = (4, "start") if x < 0.75 * WIDTH else (-4, "end")
+        shift = "4px" if x < 75.0 else "calc(-100% - 4px)"
+        return f":root{{--nospill-x:{x:.2f}%;--nospill-t:'{t:.2f} s';--nospill-shift:{shift}}}"
+
+    @property
+    def page(self) -> str:
+        """The picture with a cursor over it, as HTML; `cursor_style` says where the cursor is."""
         return (
-            f"<svg width='{WIDTH}' height='{self.height}' viewBox='0 0 {WIDTH} {self.height}' {_FONT}>"
-            f"<line x1='{x:.1f}' x2='{x:.1f}' y1='4' y2='{self.height - _AXIS}' stroke='#222' stroke-width='1'/>"
-            f"<text x='{x + side:.1f}' y='10' font-size='9' text-anchor='{anchor}' fill='#222'>{t:.2f} s</text></svg>"
+            f"<style>{_CURSOR_STYLE}</style><div style='position:relative;line-height:0'>{self.svg}"
+            "<div class='nospill-cursor'></div></div>"
         )
 
 
@@ -77,7 +89,7 @@ def draw_charts(films: Sequence[Film], titles: Sequence[str]) -> Charts:
     """Panels of one or several plans on one time axis, titled where there are several."""
     length = max(film.length for film in films)
     panels: list[Panel] = []
-    for film, title in zip(films, titles, strict=True):
+    for film, title in zip([film.at_rate(_RATE) for film in films], titles, strict=True):
         panels += _panels(film, f"{title}: " if len(films) > 1 else "")
     pieces, y = [], 14.0
     for panel in panels:
@@ -85,25 +97,25 @@ def draw_charts(films: Sequence[Film], titles: Sequence[str]) -> Charts:
         y += _panel_height(panel)
     pieces.append(_time_axis(y - 10, length))
     height = round(y + _AXIS)
-    svg = f"<svg width='{WIDTH}' height='{height}' viewBox='0 0 {WIDTH} {height}' {_FONT}>{''.join(pieces)}</svg>"
+    svg = f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} {height}' {_FONT}>{''.join(pieces)}</svg>"
     return Charts(svg, height, _LEFT, WIDTH - _RIGHT, length)
 
 
 def colour_key() -> str:
     """The scale of colours as a picture, with what carries it."""
     stops = "".join(f"<stop offset='{stop}' stop-color='{colour}'/>" for stop, colour in USE_STOPS)
-    right = WIDTH - _RIGHT - 52
+    right = WIDTH - _RIGHT - 76
     ticks = "".join(
         f"<text x='{_LEFT + (right - _LEFT) * value}' y='31' font-size='9' text-anchor='middle'>{label}</text>"
         for value, label in ((0.0, "0"), (0.5, "half"), (1.0, "limit"))
     )
     return (
-        f"<svg width='{WIDTH}' height='36' viewBox='0 0 {WIDTH} 36' {_FONT} fill='#222'>"
+        f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} 36' {_FONT} fill='#222'>"
         f"<defs><linearGradient id='nospill-use'>{stops}</linearGradient></defs>"
         "<text x='0' y='9' font-size='10'>Colour: use of a limit. Liquid: height; band at the foot: contact.</text>"
         f"<rect x='{_LEFT}' y='13' width='{right - _LEFT}' height='9' fill='url(#nospill-use)'/>"
-        f"<rect x='{right + 10}' y='13' width='12' height='9' fill='#000'/>"
-        f"<text x='{right + 16}' y='31' font-size='9' text-anchor='middle'>broken</text>{ticks}</svg>"
+        f"<rect x='{right + 36}' y='13' width='12' height='9' fill='#000'/>"
+        f"<text x='{right + 42}' y='31' font-size='9' text-anchor='middle'>broken</text>{ticks}</svg>"
     )
 
 
@@ -156,6 +168,7 @@ def _draw(panel: Panel, top: float, length: float) -> str:
             f"<text x='{_LEFT - 4}' y='{y + 3:.1f}' font-size='9' text-anchor='end' fill='#444'>{tick:g}</text>"
         )
     for index, line in enumerate(panel.lines):
+        # The first points of every stretch stand for it; a stretch is shorter than a pixel and a half.
         every = max(1, -(-len(line.t) // _MOST_POINTS))
         points = zip(at(line.t[::every]), height(line.values[::every]), strict=True)
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
@@ -165,7 +178,7 @@ def _draw(panel: Panel, top: float, length: float) -> str:
         )
     for value, label in panel.limits:
         y = float(height(value))
-        beside = y - 2 if value >= 0 else y + 8
+        beside = y - 2
         pieces.append(
             f"<line x1='{_LEFT}' x2='{right}' y1='{y:.1f}' y2='{y:.1f}' stroke='{RED}' stroke-width='1.2'/>"
             f"<text x='{right - 2}' y='{beside:.1f}' font-size='9' text-anchor='end' fill='#9A4300'>{label}</text>"

@@ -43,7 +43,7 @@ class Film:
     """A motion as pictures.
 
     Attributes:
-        plan: what is shown. rate: pictures per second.
+        plan: what is shown. judgement: where it was read from. rate: pictures per second.
         t: (m,) s, from 0, also past the end of the motion. end_time: s.
         joint_position: (m, n), rad. joint_speed_use: (m, n), speed over its limit, with its sign.
         tray_position: (m, 3) origin of the tray in the base frame, m.
@@ -52,6 +52,7 @@ class Film:
     """
 
     plan: Plan
+    judgement: Judgement
     rate: float
     t: np.ndarray
     end_time: float
@@ -69,6 +70,10 @@ class Film:
     def index(self, t: float) -> int:
         """The picture at time t in s; the first or last one outside."""
         return int(np.clip(round((t - float(self.t[0])) * self.rate), 0, len(self.t) - 1))
+
+    def at_rate(self, rate: float) -> Film:
+        """The same motion, as long, at another rate."""
+        return make_film(self.plan, self.judgement, rate=rate, length=self.length)
 
 
 def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | None = None) -> Film:
@@ -88,6 +93,7 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
     leans = _leans(scene, played.body[:, picked])
     return Film(
         plan=plan,
+        judgement=judgement,
         rate=rate,
         t=t - start,
         end_time=plan.duration - start,

@@ -162,7 +162,8 @@ def drawn_links(chain: Chain, tray: Tray | None = None, *, only_holder: bool = F
             parts[links[number]].append(tube(np.zeros(3), offsets[number], (radii[number], radii[number + 1])))
         if joint.index is not None:
             half = 1.25 * radii[number + 1] * joint.axis
-            parts[joint.child].append(tube(-half, half, (1.2 * radii[number + 1],) * 2))
+            thick = float(1.2 * radii[number + 1])
+            parts[joint.child].append(tube(-half, half, (thick, thick)))
     if only_holder:
         parts = {link: [] for link in links}
     elif tray is not None:
@@ -175,7 +176,7 @@ def drawn_links(chain: Chain, tray: Tray | None = None, *, only_holder: bool = F
 def _holder(tray: Tray, radius: float) -> Mesh:
     """From the flange to the underside of the board, flange frame."""
     end = np.asarray(tray.offset, dtype=float) - np.array([0.0, 0.0, TRAY_THICKNESS])
-    plate = tube(end - np.array([0.0, 0.0, 0.35 * radius]), end, (1.9 * radius,) * 2)
+    plate = tube(end - np.array([0.0, 0.0, 0.35 * radius]), end, (1.9 * radius, 1.9 * radius))
     if np.linalg.norm(end) < 1e-3:
         return plate
     return joined([tube(np.zeros(3), end, (radius, radius)), plate])

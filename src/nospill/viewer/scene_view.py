@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import viser
 
 _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
-_CUP_OPACITY = 0.35
+_CUP_OPACITY = 0.22
 _PATH_POINTS = 120
 
 
