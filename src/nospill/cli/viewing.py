@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,13 +52,11 @@ def view(
     from nospill.viewer.live import LIVE_RATE, live_viewer
 
     films = _films(folders, LIVE_RATE)
-    with live_viewer(films, port=port, visuals=_visuals(urdf, films)) as (address, _):
+    with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=_visuals(urdf, films)) as (address, _):
         print(f"{address}  (stop with Ctrl-C)", flush=True)
         if not no_browser:
-            import webbrowser
-
             webbrowser.open(address)
-        _wait()
+        threading.Event().wait()
     return 0
 
 
@@ -79,13 +80,3 @@ def _visuals(urdf: Path | None, films: list[Film]) -> Visuals | None:
     if found.missing:
         say(f"{urdf}: {len(found.missing)} meshes are missing ({found.missing[0]}, ...); links are drawn instead")
     return found
-
-
-def _wait() -> None:
-    """Until the user has seen enough."""
-    import threading
-
-    try:
-        threading.Event().wait()
-    except KeyboardInterrupt:
-        return

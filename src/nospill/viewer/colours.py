@@ -10,12 +10,14 @@ import numpy as np
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
 SKY, BLACK, GREY, RED = "#56B4E9", "#000000", "#777777", "#D55E00"
+PALE = "#EDE6D6"
+"""Between the blue and the orange half of the scale; a mixture of those two would be green."""
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, BLACK, SKY, GREY)
 """For lines of a chart; vermilion is kept for limits."""
 SVG_DASHES = ("", "7 2.4", "2 2", "9 2.4 2 2.4")
 """Dash patterns of the lines of a chart, in the order of the figures' own."""
 
-USE_STOPS: tuple[tuple[float, str], ...] = ((0.0, BLUE), (0.6, SKY), (0.85, ORANGE), (1.0, RED))
+USE_STOPS: tuple[tuple[float, str], ...] = ((0.0, BLUE), (0.45, SKY), (0.7, PALE), (0.88, ORANGE), (1.0, RED))
 """Use of a limit -> colour, linear between; a broken limit is black."""
 
 _BROKEN_ABOVE = 1.0 + 1e-6

@@ -9,7 +9,7 @@ import numpy as np
 
 from nospill.containers.base import Container
 
-TUBE_SIDES = 20
+TUBE_SIDES = 32
 """Corners round a tube."""
 
 

@@ -77,7 +77,7 @@ class TrayView:
                 cargo.name,
                 position=(0.0, 0.0, cargo.container.height + 0.012),
                 anchor="bottom-center",
-                font_screen_scale=0.8,
+                font_screen_scale=1.0,
             )
         )
 
@@ -147,7 +147,7 @@ class ArmView:
                 self._moving.append(frame)
         self.flange = node
         for link, body in bodies.items():
-            _add(scene, f"{nodes[link]}/body", body, color=_ARM)
+            _add(scene, f"{nodes[link]}/body", body, color=_ARM, receive_shadow=False)
         for link, mesh in (meshes or {}).items():
             if link in nodes:
                 scene.add_mesh_trimesh(f"{nodes[link]}/mesh", mesh)

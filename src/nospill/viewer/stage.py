@@ -15,6 +15,8 @@ _GAP = 0.35
 """m between the spaces that two plans need."""
 _FOOT, _THICKNESS = 0.2, 0.1
 """m; half width of the foot of an arm, and what its links need round their joints."""
+_ANGLE, _ASPECT, _MARGIN = float(np.radians(40.0)), 1.2, 1.04
+"""Vertical angle of view; width over height of the scene's part of a usual window; distance to spare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,21 +43,33 @@ def swept_box(film: Film) -> tuple[np.ndarray, np.ndarray]:
 
 
 def side_by_side(films: Sequence[Film]) -> list[np.ndarray]:
-    """Places (3,), m, of the robots' bases: along -y one after the other, so that no plan meets another."""
+    """Places (3,), m, of the robots' bases: along y one after the other, so that no plan meets another.
+
+    Seen by `camera` they stand from left to right.
+    """
     places = [np.zeros(3)]
     for before, film in pairwise(films):
-        edge = places[-1][1] + swept_box(before)[0][1] - _GAP
-        places.append(np.array([0.0, edge - swept_box(film)[1][1], 0.0]))
+        edge = places[-1][1] + swept_box(before)[1][1] + _GAP
+        places.append(np.array([0.0, edge - swept_box(film)[0][1], 0.0]))
     return places
 
 
 def camera(films: Sequence[Film], places: Sequence[np.ndarray]) -> Camera:
-    """From the front, a little from above and from the side, far enough to see every plan whole."""
-    corners = [place + corner for film, place in zip(films, places, strict=True) for corner in swept_box(film)]
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    middle = (low + high) / 2
-    radius = float(np.linalg.norm(high - low)) / 2
-    angle = np.radians(40.0)
-    direction = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.42])
-    direction /= np.linalg.norm(direction)
-    return Camera(middle + direction * radius / np.sin(angle / 2) * 0.78, middle, float(angle))
+    """From the front, a little from above and from the side, just far enough to see every plan whole."""
+    boxes = [swept_box(film) for film in films]
+    # All eight corners of every box: each coordinate is the lower or the upper one.
+    which = np.array(list(np.ndindex(2, 2, 2)))
+    corners = np.concatenate(
+        [place + np.stack(box)[which, np.arange(3)] for box, place in zip(boxes, places, strict=True)]
+    )
+    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.42])
+    back /= np.linalg.norm(back)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    # A corner at (r, u, b) in these axes is inside the picture where |u| <= tan(angle/2) (distance - b).
+    r, u, b = ((corners - middle) @ np.stack([right, up, back], axis=1)).T
+    slope = np.tan(_ANGLE / 2)
+    distance = float(np.max(b + np.maximum(np.abs(u) / slope, np.abs(r) / (slope * _ASPECT))))
+    return Camera(middle + back * distance * _MARGIN, middle, _ANGLE)
