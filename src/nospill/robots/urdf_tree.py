@@ -124,9 +124,8 @@ def read_tree(text: str) -> UrdfTree:
             raise ScenarioError(f"the URDF has two links named {name!r}; give every link its own name")
         links[name] = _inertial(element, name)
     joints = tuple(_joint(element) for element in top.findall("joint"))
-    written = re.search(
-        re.escape(_MESHES) + r"(\d{1,6}) ", text
-    )  # by write_tree, so that reading it gives an equal tree
+    # written by write_tree, so that reading what it wrote gives an equal tree
+    written = re.search(re.escape(_MESHES) + r"(\d{1,6}) ", text)
     meshes = int(written[1]) if written else sum(1 for _ in top.iter("mesh"))
     tree = UrdfTree(top.get("name") or "robot", links, joints, meshes)
     _check(tree)

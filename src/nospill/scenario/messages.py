@@ -126,11 +126,12 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         return ("[path]", location[2:], model) if len(location) > 1 else ("", location, Scenario)
     if len(location) == 1:
         return "", location, Scenario
-    model, keys = _table_model(str(head)), location[1:]
-    inner = None if model is None or len(keys) < 2 else _model_of(model, str(keys[0]))
+    model = _table_model(str(head))
+    first, *below = location[1:]
+    inner = _model_of(model, str(first)) if model is not None and below else None
     if inner is not None:
-        return f"[{head}.{keys[0]}]", keys[1:], inner
-    return f"[{head}]", keys, model
+        return f"[{head}.{first}]", tuple(below), inner
+    return f"[{head}]", location[1:], model
 
 
 def _table_model(key: str) -> type[BaseModel] | None:
