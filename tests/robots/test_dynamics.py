@@ -1,6 +1,7 @@
 """Inverse dynamics against Pinocchio, against energy, against closed forms; and how large the expression is."""
 
 from dataclasses import replace
+from typing import Any
 
 import casadi as cs
 import numpy as np
@@ -124,9 +125,10 @@ def test_expression_takes_symbols_and_agrees_with_samples():
     column, gravity = cs.SX.sym("load", 13), cs.SX.sym("gravity")
     load = Load(column[0], column[1:4], cs.reshape(column[4:], 3, 3))
     function = cs.Function("f", [q, qd, qdd, column, gravity], [joint_torque(robot, q, qd, qdd, load, gravity=gravity)])
-    state = tuple(rows[0] for rows in random_states(robot, 1))
-    answer = function(*state, load_column(random_load()), GRAVITY).full().ravel()
-    expected = joint_torques(robot, *(row[None] for row in state), random_load())[0]
+    states = random_states(robot, 1)
+    outputs: Any = function(*(rows[0] for rows in states), load_column(random_load()), GRAVITY)
+    answer = outputs.full().ravel()
+    expected = joint_torques(robot, *states, random_load())[0]
     np.testing.assert_allclose(answer, expected, atol=1e-12)
 
 
@@ -139,9 +141,10 @@ def test_expression_stays_small(name, most):
 def test_one_build_per_chain_shapes_and_empty_batches():
     robot = load_robot("ur5e")
     assert dynamics(replace(robot, name="other")) is dynamics(robot)
-    assert joint_torques(robot, *np.zeros((3, 0, 6))).shape == (0, 6)
+    none, wrong = np.zeros((0, 6)), np.zeros((4, 7))
+    assert joint_torques(robot, none, none, none).shape == (0, 6)
     with pytest.raises(ValueError, match=r"expected \(4, 6\)"):
-        joint_torques(robot, *np.zeros((3, 4, 7)))
+        joint_torques(robot, wrong, wrong, wrong)
 
 
 def test_unknown_inertias_are_refused():

@@ -2,9 +2,9 @@
 
 Recursive Newton-Euler equations in the frames of `bodies` (Luh, Walker and Paul, "On-line computational scheme for
 mechanical manipulators", ASME J. Dyn. Syst. Meas. Control 102, 1980), with each body's first moment and its inertia
-about the frame's own origin, so that no centre of mass is ever visited, and with what a joint's turning cannot tell from
-the body before it moved to that body. Gravity enters as an acceleration of the base upwards. Friction, motor inertia and
-damping entries of the URDF are not in it.
+about the frame's own origin, so that no centre of mass is ever visited, and with what a joint's turning cannot tell
+from the body before it moved to that body. Gravity enters as an acceleration of the base upwards. Friction, motor
+inertia and damping entries of the URDF are not in it.
 
 Written out here, since the general floating-base algorithms of adam-robotics (mass matrix times acceleration plus bias
 force) make an expression many times as large, and an optimal control problem with exact Hessians pays for every node.
@@ -230,8 +230,8 @@ def _regrouped(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
 
     The part of a body that is symmetric about its joint's axis (its mass and the first moment along the axis, and a
     transverse inertia) moves as if it belonged to the body before; so it is counted there, and what the first body
-    passes on stands still. Source: Gautier and Khalil, "Direct calculation of minimum set of inertial parameters of serial
-    robots", IEEE Trans. Robotics and Automation 6, 1990.
+    passes on stands still. Source: Gautier and Khalil, "Direct calculation of minimum set of inertial parameters of
+    serial robots", IEEE Trans. Robotics and Automation 6, 1990.
     """
     kept: list[Body] = []
     mass, moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))

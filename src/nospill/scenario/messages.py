@@ -127,10 +127,10 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
     if len(location) == 1:
         return "", location, Scenario
     model = _table_model(str(head))
-    first, *below = location[1:]
-    inner = _model_of(model, str(first)) if model is not None and below else None
-    if inner is not None:
-        return f"[{head}.{first}]", tuple(below), inner
+    if model is not None and len(location) > 2:
+        inner = _model_of(model, str(location[1]))
+        if inner is not None:
+            return f"[{head}.{location[1]}]", location[2:], inner
     return f"[{head}]", location[1:], model
 
 
