@@ -40,10 +40,9 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Lines over time with a common unit and limits; `low` and `high` are the ends of its axis."""
+    """Lines over time with limits (value, name), all in the unit of the title; from `low` to `high`."""
 
     title: str
-    unit: str
     lines: tuple[Line, ...]
     limits: tuple[tuple[float, str], ...]
     low: float
@@ -86,13 +85,13 @@ class Charts:
 
 
 def draw_charts(films: Sequence[Film], titles: Sequence[str]) -> Charts:
-    """Panels of one or several plans on one time axis, titled where there are several."""
+    """Panels of one or several plans on one time axis; where there are several, titled, and like below like."""
     length = max(film.length for film in films)
-    panels: list[Panel] = []
+    found: list[tuple[int, Panel]] = []
     for film, title in zip([film.at_rate(_RATE) for film in films], titles, strict=True):
-        panels += _panels(film, f"{title}: " if len(films) > 1 else "")
+        found += _panels(film, f"{title}: " if len(films) > 1 else "")
     pieces, y = [], 14.0
-    for panel in panels:
+    for _, panel in sorted(found, key=lambda item: item[0]):
         pieces.append(_draw(panel, y, length))
         y += _panel_height(panel)
     pieces.append(_time_axis(y - 10, length))
@@ -119,24 +118,25 @@ def colour_key() -> str:
     )
 
 
-def _panels(film: Film, before: str) -> list[Panel]:
-    panels = []
+def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
+    """A plan's panels with their rank from top to bottom."""
+    panels: list[tuple[int, Panel]] = []
     if film.liquids:
         limits = sorted({track.limit for track in film.liquids.values()})
         lines = [Line(name, film.t, 1e3 * track.height) for name, track in film.liquids.items()]
         highest = max(1e3 * limits[-1], *[float(np.max(line.values)) for line in lines])
         named = tuple((1e3 * limit, f"{1e3 * limit:.3g} mm") for limit in limits)
-        panels.append(Panel(f"{before}liquid height [mm]", "mm", tuple(lines), named, 0.0, 1.15 * highest))
+        panels.append((0, Panel(f"{before}liquid height [mm]", tuple(lines), named, 0.0, 1.15 * highest)))
     uses = [Line(name, film.t, use) for name, use in film.contact_use.items()]
     if uses:
         top = float(np.clip(1.1 * max(np.max(line.values) for line in uses), 1.15, 2.0))
-        panels.append(Panel(f"{before}contact, use of limit [1]", "", tuple(uses), ((1.0, "limit 1"),), 0.0, top))
+        panels.append((1, Panel(f"{before}contact, use of limit [1]", tuple(uses), ((1.0, "limit 1"),), 0.0, top)))
     speeds = [
         Line(name, film.t, film.joint_speed_use[:, index]) for index, name in enumerate(film.plan.scene.robot.joints)
     ]
     reach = max(1.15, 1.05 * max(float(np.max(np.abs(line.values))) for line in speeds))
     both = ((1.0, "limit 1"), (-1.0, "limit -1"))
-    panels.append(Panel(f"{before}joint speed over limit [1]", "", tuple(speeds), both, -reach, reach))
+    panels.append((2, Panel(f"{before}joint speed over limit [1]", tuple(speeds), both, -reach, reach)))
     return panels
 
 

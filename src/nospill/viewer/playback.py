@@ -85,7 +85,7 @@ class Player:
         self._loop = gui.add_checkbox("Loop", True)
         self._names = gui.add_checkbox("Names", True)
         self._path = gui.add_checkbox("Path", True)
-        self._page = gui.add_html(colour_key() + charts.page)
+        self._page = gui.add_html(f"<div style='padding:4px 8px 0 4px'>{colour_key()}{charts.page}</div>")
         self._cursor = gui.add_html("")
         self._handles = (
             self._button,
