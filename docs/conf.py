@@ -23,9 +23,6 @@ exclude_patterns = ["_build", "_generated", "_ext", "examples"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 
-# Pages that another part of the project may bring (robots, exports, viewer ...) are taken in by patterns.
-suppress_warnings = ["toc.empty_glob"]
-
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_class_signature = "separated"
@@ -37,13 +34,14 @@ add_module_names = False
 python_use_unqualified_type_names = True
 
 nitpicky = True
-# Types of other libraries have no pages here, and their inventories would need a network.
 nitpick_ignore_regex = [
+    # Types of other libraries have no pages here, and their inventories would need a network.
     ("py:.*", r"(np|numpy|ca|casadi|os|pathlib|typing|collections|enum|abc)\..*"),
     ("py:.*", r"(Path|FilePath|Callable|Collection|Mapping|Sequence|Literal|Any|Protocol|PathLike)"),
-    ("py:.*", r"nospill\..*\.(Judgement|Replay|JointPath|OscillatorState|SX)"),
-    # Names of fields and shapes in "Attributes:" sections are words, not types.
-    ("py:class", r"[a-z_ ,()0-9/^*']+"),
+    # Records that only the inside of the package hands around are named in signatures and have no entry.
+    ("py:class", r"nospill\..*"),
+    # The first words of a "Returns:" section are a sentence, and of "lower, upper: limits" the first is a name: no types.
+    ("py:class", r".* .*|[a-z_]+"),
 ]
 
 html_math_renderer = "mathml"
@@ -52,6 +50,7 @@ html_title = f"nospill {release}"
 html_static_path = ["_static"]
 html_css_files = ["nospill.css"]
 html_extra_path = ["_generated/extra"]
+Path(__file__).parent.joinpath(*html_extra_path).mkdir(parents=True, exist_ok=True)
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"sidebar_hide_name": False}

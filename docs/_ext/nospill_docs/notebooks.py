@@ -38,7 +38,9 @@ def execute(text: str, folder: Path) -> Any:
         nbclient.exceptions.CellExecutionError: a cell failed.
     """
     notebook = nbformat.reads(text, as_version=4)
-    client = nbclient.NotebookClient(notebook, timeout=TIME_LIMIT, resources={"metadata": {"path": str(folder)}})
+    client = nbclient.NotebookClient(
+        notebook, timeout=TIME_LIMIT, coalesce_streams=True, resources={"metadata": {"path": str(folder)}}
+    )
     return client.execute(env={**os.environ, "NOSPILL_COMPILE": "off"})
 
 

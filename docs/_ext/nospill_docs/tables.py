@@ -63,9 +63,18 @@ def constraints_table() -> str:
 
 
 def exporters_table() -> str:
-    """Name, file and format of every exporter."""
-    rows = [(f"`{item.name}`", f"`{item.file_name}`", item.title) for item in EXPORTERS.values()]
-    return markdown_table(("exporter", "file in the plan folder", "format"), rows)
+    """Name, file names, format and receiver of every exporter."""
+    rows = [
+        (
+            f"`{item.name}`",
+            ", ".join(f"`{suffix}`" for suffix in item.suffixes),
+            f"`{item.plan_file}`" if item.plan_file else "-",
+            item.title,
+            item.receiver,
+        )
+        for item in EXPORTERS.values()
+    ]
+    return markdown_table(("exporter", "file names", "in every plan folder", "format", "played by"), rows)
 
 
 def shapes_table() -> str:
@@ -155,4 +164,4 @@ def _argument(item: Any) -> str:
 
 def _option(item: Any) -> str:
     names = ", ".join([*item.opts, *item.secondary_opts])
-    return names if item.is_flag else f"{names} {item.metavar or item.type.name.upper()}"
+    return names if item.is_flag else f"{names} {item.metavar or item.name.upper()}"

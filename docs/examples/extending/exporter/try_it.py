@@ -11,9 +11,9 @@ from nospill.export import EXPORTERS
 plan = ns.plan(ns.load("pp-two-cups"))
 with tempfile.TemporaryDirectory() as folder:
     plan.save(folder)
-    written = Path(folder) / "joints_deg.csv"
+    written = Path(folder) / "joints.deg.csv"
     print(written.read_text().splitlines()[0])
-    t, joints = EXPORTERS["timed-degrees"].read(written, plan.scene)
-assert np.allclose(t, plan.trajectory.t, atol=1e-9)
-assert np.allclose(joints, plan.trajectory.joint_position, atol=1e-9)
-print(f"{len(t)} samples, the same as planned")
+    samples = EXPORTERS["timed-degrees"].read(written, plan.scene)
+assert np.allclose(samples.t, plan.trajectory.t, atol=1e-9)
+assert np.allclose(samples.position, plan.trajectory.joint_position, atol=1e-9)
+print(f"{len(samples.t)} samples, the same as planned")
