@@ -52,14 +52,16 @@ def _read(path: Path, scene: Scene) -> JointSamples:
     require_joints(np.atleast_1d(found["joint_names"]).tolist(), scene, path)
     if found["units"] != UNITS:
         raise PlanFolderError(f"{path}: its units are {str(found['units'])[:120]}; {UNITS} are expected")
-    t = np.atleast_1d(found["t"])
-    shape = (len(t), len(scene.robot.joints))
-    columns = {name: _column(found[name], t.shape if name == "t" else shape, f"{path}, {name}") for name in UNITS}
+    t_shape = (np.size(found["t"]),)
+    shape = (*t_shape, len(scene.robot.joints))
+    columns = {name: _column(found[name], t_shape if name == "t" else shape, f"{path}, {name}") for name in UNITS}
     return checked_samples(JointSamples(columns["t"], columns["q"], columns["qd"], columns["qdd"]), path)
 
 
 def _column(values: Any, shape: tuple[int, ...], where: str) -> np.ndarray:
-    array = np.atleast_1d(values)
+    array = np.asarray(values)
+    if array.shape == tuple(size for size in shape if size != 1):  # the library drops axes of one
+        array = array.reshape(shape)
     if array.shape != shape or array.dtype.kind not in "fiu" or not np.all(np.isfinite(array)):
         found = f"an array of shape {array.shape}, {array.dtype}"
         raise PlanFolderError(f"{where}: {found}; finite numbers of shape {shape} are expected")

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.errors import PlanFolderError, ScenarioError
-from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
+from nospill.export.base import Exporter, checked_samples, finite_row, require_joints, text_of
 from nospill.files import atomic_text
 from nospill.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.scene import Scene
@@ -30,6 +30,8 @@ LOOKAHEAD_TIME, LOOKAHEAD_RANGE = 0.03, (0.03, 0.2)
 """s; the shortest that the controller takes: the least lag."""
 GAIN, GAIN_RANGE = 300, (100, 2000)
 """Gain of the position error; the controller's own default."""
+DECIMALS = 12
+"""Of a target in rad: rounding alone shows as less than 1e-6 rad/s^2 at 500 Hz."""
 START_TOLERANCE = 0.002
 """rad; farther from the first target, the program does not start."""
 
@@ -50,7 +52,7 @@ def _frame(first: np.ndarray) -> tuple[list[str], list[str]]:
     """The program's lines before and after the targets."""
     before = [
         "def nospill_motion():",
-        f"  start = [{numbers(first)}]",
+        f"  start = [{_row(first)}]",
         "  now = get_actual_joint_positions()",
         "  i = 0",
         f"  while i < {JOINTS}:",
@@ -64,6 +66,11 @@ def _frame(first: np.ndarray) -> tuple[list[str], list[str]]:
     return before, ["  stopj(2.0)", "end", "nospill_motion()"]
 
 
+def _row(values: np.ndarray) -> str:
+    """Fixed decimals: nowhere is it said that URScript reads exponents."""
+    return ", ".join(f"{value:.{DECIMALS}f}" for value in np.round(values, DECIMALS) + 0.0)  # turns -0.0 into 0.0
+
+
 def period_text(rate: float) -> str:
     """The period of a rate (Hz) as the program states it, s."""
     return f"{1.0 / rate:.6g}"
@@ -72,7 +79,7 @@ def period_text(rate: float) -> str:
 def _reason_against(scene: Scene, rate: float) -> str | None:
     joints = len(scene.robot.joints)
     if joints != JOINTS:
-        return f"URScript knows arms of {JOINTS} joints; this one has {joints}"
+        return f"URScript moves arms of {JOINTS} joints; this one has {joints} joints"
     if rate not in RATES:
         return f"rate is {rate:g} Hz; a URScript program runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500"
     return None
@@ -84,7 +91,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
     if reason is not None:
         raise ScenarioError(reason)
     arguments = f"0, 0, {period_text(rate)}, {LOOKAHEAD_TIME}, {GAIN}"
-    targets = [f"  servoj([{numbers(row)}], {arguments})" for row in samples.position]
+    targets = [f"  servoj([{_row(row)}], {arguments})" for row in samples.position]
     before, after = _frame(samples.position[0])
     atomic_text(path, "\n".join([*_comments(scene, rate), *before, *targets, *after, ""]))
 
