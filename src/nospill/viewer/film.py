@@ -114,10 +114,8 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
         start += item.coordinates
         lean = leans[:, 2 * number : 2 * number + 2]
         together = np.column_stack([own, lean if scene.fidelity == "full" else np.zeros_like(lean)])
-        surface = liquid_surface(cargo)
-        tracks[cargo.name] = LiquidTrack(
-            together, np.max(np.abs(together @ surface.basis.T), axis=1), cargo.filling.max_slosh_height
-        )
+        height = liquid_surface(cargo).crest(together)
+        tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
     return tracks
 
 

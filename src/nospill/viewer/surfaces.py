@@ -34,6 +34,8 @@ class LiquidSurface:
         points: (u, 2) where in the liquid these are, m: out to the true wall.
         basis: (u, k + 2): rise in m of every upper vertex per slosh coordinate (k, in the order of the trajectory) and
             per lean of the apparent gravity along x and y.
+        wall: (2, k + 2): the same at the wall on the positive side of x and of y.
+        disc: whether the wall is circular.
         floor: height of the floor inside, m, below which no surface is drawn.
     """
 
@@ -41,11 +43,18 @@ class LiquidSurface:
     upper: np.ndarray
     points: np.ndarray
     basis: np.ndarray
+    wall: np.ndarray
+    disc: bool
     floor: float
 
     def rise(self, coordinates: np.ndarray) -> np.ndarray:
         """Height above rest of every upper vertex, (u,) m, from (k + 2,) coordinates and leans."""
         return self.basis @ coordinates
+
+    def crest(self, coordinates: np.ndarray) -> np.ndarray:
+        """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2)."""
+        at_wall = np.abs(coordinates @ self.wall.T)
+        return np.hypot(*at_wall.T) if self.disc else at_wall.sum(axis=1)
 
     def vertices(self, coordinates: np.ndarray) -> np.ndarray:
         """All vertices (n, 3), m, for (k + 2,) coordinates and leans."""
@@ -78,6 +87,8 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
         upper=np.arange(len(flat)),
         points=true,
         basis=_basis(cargo, true),
+        wall=_basis(cargo, np.diag(np.max(np.abs(outline), axis=0))),
+        disc=isinstance(cargo.container.footprint, DiscFootprint),
         floor=floor,
     )
 
