@@ -112,7 +112,7 @@ def test_what_does_not_go_is_one_line(folder, monkeypatch, arguments, message):
 def test_check_reads_the_robots_file(folder):
     result = nospill("check", str(folder))
     assert result.exit_code == 0
-    assert "robot.csv: holds the motion of the trajectory" in result.stdout
+    assert "robot.csv holds the motion of the trajectory" in result.stdout
 
 
 def test_check_notices_a_changed_joint_and_names_it(folder):

@@ -83,15 +83,15 @@ def check(
     saved = load_plan(folder)
     certificate = certify(saved.trajectory, saved.scene)
     _print_certificate(certificate)
+    compared = compare_plan_files(saved.trajectory, saved.scene, folder)
+    for name, difference in compared.items():
+        print(f"{name} {difference or 'holds the motion of the trajectory'}")
+    changed = [f"{folder / name} {difference}" for name, difference in compared.items() if difference]
     if not certificate.ok:
         say(f"Not certified: {describe(certificate.worst)}.")
-    differences = compare_plan_files(saved.trajectory, saved.scene, folder)
-    for name, difference in differences.items():
-        if difference is None:
-            print(f"{name}: holds the motion of the trajectory")
-        else:
-            say(f"{folder / name} {difference}; write the plan again before it goes to a robot.")
-    return 0 if certificate.ok and not any(differences.values()) else 1
+    elif changed:
+        say(f"{changed[0]}; plan again before it goes to a robot.")
+    return 0 if certificate.ok and not changed else 1
 
 
 def plot(
