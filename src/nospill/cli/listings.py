@@ -18,7 +18,9 @@ def examples() -> int:
 
 
 def robots(
-    as_json: Annotated[bool, typer.Option("--json", help="Print limits and their sources as JSON.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print everything, limits and their sources too, as JSON.")
+    ] = False,
 ) -> int:
     """List the robots in the catalogue."""
     from nospill.robots.catalog import robot_table
@@ -27,8 +29,16 @@ def robots(
     if as_json:
         print_json(table)
         return 0
-    keys = ("name", "title", "reach_m", "payload_kg")
-    print_table(("robot", "what it is", "reach m", "payload kg"), [[row[key] for key in keys] for row in table])
+    known = ("acceleration_rad_s2", "jerk_rad_s3", "torque_nm")
+    rows = [
+        (
+            *(row[key] for key in ("name", "title", "joint_count", "reach_m", "payload_kg")),
+            ", ".join(["position", "speed", *(key.split("_")[0] for key in known if row[f"max_{key}"] is not None)]),
+        )
+        for row in table
+    ]
+    print_table(("robot", "what it is", "joints", "reach m", "payload kg", "limits known"), rows)
+    print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
 
 

@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
+from typing import Any
 
 import numpy as np
 
@@ -103,21 +104,22 @@ def moved_robot(
     )
 
 
-def robot_table() -> list[dict[str, object]]:
+def robot_table() -> list[dict[str, Any]]:
     """Return one plain (JSON-ready) row per arm of the catalogue, for `nospill robots`.
 
     Returns:
-        Rows with the keys name, title, joints (names), tip, reach_m, payload_kg, lower_deg, upper_deg, max_speed_deg_s,
-        max_acceleration_rad_s2, max_jerk_rad_s3, max_torque_nm (None where nobody states it), inertias_known, home_deg,
-        sources, not_known.
+        Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
+        max_speed_deg_s, max_acceleration_rad_s2, max_jerk_rad_s3, max_torque_nm (None where nobody states it),
+        inertias_known, home_deg, sources, not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 
 
-def _row(robot: Robot) -> dict[str, object]:
+def _row(robot: Robot) -> dict[str, Any]:
     return {
         "name": robot.name,
         "title": robot.title,
+        "joint_count": len(robot.joints),
         "joints": list(robot.joints),
         "tip": robot.tip,
         "reach_m": robot.reach,
