@@ -1,0 +1,114 @@
+"""What stands on the tray, as rigid bodies, contact points and masses in bowls: numbers for a physics engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.cargo import Cargo
+from nospill.scene import Scene
+from nospill.scene_numbers import object_numbers
+
+RIM_POINTS = 16
+"""Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
+
+_LEAST_RIGID_FRACTION = 1e-3
+"""Of the whole mass: a rigid part smaller than that has its centre too far away to compute with."""
+
+_LEAST_OWN_FRACTION = 0.1
+"""Of the whole mass: a container lighter than that gets the inertia, not the mass, of one that is. An ideal liquid has
+next to no inertia of its own, none against a turn about the axis; a weightless cup full of it rattles on rigid contacts
+at 90 % of what friction holds, and creeps by millimetres."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModalMass:
+    """One mode of a liquid: a point mass that slides in a bowl fixed to the container.
+
+    Attributes:
+        mass: kg. height: of the bowl's lowest point above the container's bottom, m.
+        axes: horizontal directions it moves in (0 = x, 1 = y).
+        curvature: of the bowl, omega^2/g, 1/m; with gravity in it, the mass swings at omega.
+        damping: 2 zeta omega m, N s/m.
+    """
+
+    mass: float
+    height: float
+    axes: tuple[int, ...]
+    curvature: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """One object.
+
+    Attributes:
+        name: of the object. position: (2,) bottom centre on the tray, m. yaw: rad.
+        mass, centre, inertia: of container and fixed liquid: kg, (3,) m from the bottom centre, (3, 3) kg m^2 about
+            that centre, object axes. In a shallow box the mass can be negative; with the modal masses the whole never
+            is.
+        contacts: (n, 2) points of the bottom that touch the tray, object axes, m.
+        height: of rim or top, m. liquid_height: m, zero for a solid.
+        friction: coefficient as measured, without reserve.
+        modes: of the liquid.
+    """
+
+    name: str
+    position: np.ndarray
+    yaw: float
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    contacts: np.ndarray
+    height: float
+    liquid_height: float
+    friction: float
+    modes: tuple[ModalMass, ...]
+
+
+def bodies_of(scene: Scene) -> tuple[Body, ...]:
+    """Every object of a scene with its liquid moving, whatever the fidelity it was planned with."""
+    full = replace(scene, fidelity="full")
+    return tuple(_body(cargo, full) for cargo in scene.cargo)
+
+
+def _body(cargo: Cargo, scene: Scene) -> Body:
+    numbers = object_numbers(cargo, scene)
+    total = float(numbers.weight / scene.gravity)
+    mass = float(numbers.mass)
+    if abs(mass) < _LEAST_RIGID_FRACTION * total:
+        mass = _LEAST_RIGID_FRACTION * total
+    centre = np.asarray(numbers.first_moment, dtype=float) / mass
+    shift = float(centre @ centre) * np.eye(3) - np.outer(centre, centre)
+    axes = {"x": 0, "y": 1}
+    oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
+    outline = cargo.container.outline
+    contacts = outline[:: max(1, len(outline) // RIM_POINTS)]
+    missing = _LEAST_OWN_FRACTION * total - cargo.empty.mass
+    inertia = np.asarray(numbers.inertia, dtype=float) - mass * shift
+    if missing > 0.0:
+        inertia = inertia + cargo.container.shell_properties(missing).inertia
+    return Body(
+        name=cargo.name,
+        position=cargo.position,
+        yaw=cargo.yaw,
+        mass=mass,
+        centre=centre,
+        inertia=inertia,
+        contacts=contacts,
+        height=cargo.container.height,
+        liquid_height=cargo.filling.liquid_height if cargo.filling else 0.0,
+        friction=cargo.friction,
+        modes=tuple(
+            ModalMass(
+                mass=mode.mass,
+                height=mode.height,
+                axes=tuple(axes[direction] for direction in mode.directions),
+                curvature=mode.curvature,
+                damping=2.0 * mode.damping * mode.frequency * mode.mass,
+            )
+            for mode in oscillators
+        ),
+    )

@@ -1,0 +1,263 @@
+"""The objects in MuJoCo, seen from the tray: the tray is a fixed plane, the world moves.
+
+Every object is a free rigid body that stands on small spheres along the outline of its bottom. A single cylinder would
+touch the plane at three points that are chosen anew, by rounding, while it stands upright; under a yaw moment of 60 %
+of what friction can hold it starts to spin. Fixed points do not wander. They lie on the rim, so friction resists a turn
+on the spot with mu N R, as it does for a cup that stands on its rim; a flat bottom under uniform pressure has two
+thirds of that, which is what the planner counts on.
+
+A mode of a liquid is a point mass in a bowl, a paraboloid fixed to the container: two slides, sideways and up, with the
+height tied to the square of the displacement. Apparent gravity in the bowl is the spring, so the frequency follows it,
+and falls with the amplitude as that of a swinging liquid does (a straight spring of m omega^2 would swing too far and
+push the cup 5 % too hard where the surface rises by half the radius).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nospill.errors import MissingExtraError, ModelError
+from nospill.verify.bodies import Body, ModalMass
+from nospill.verify.inertial import carrying, inertial_forces, inertial_torques, skew
+from nospill.verify.tray_motion import TrayMotion
+
+STEP = 1e-3
+"""s; of the simulation."""
+
+CONTACT_RADIUS = 1e-3
+"""m; of the spheres an object stands on."""
+
+_LINK_FRACTION = 1e-3
+"""Of a modal mass that moves in two directions: what the body between the two slides weighs."""
+
+_AXES = ("1 0 0", "0 1 0")
+
+_POINT_INERTIA = 1e-10
+"""kg m^2; of a modal mass, which is a point, for an engine that wants some."""
+
+_OPTIONS = (
+    f'<option timestep="{STEP}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="100" '
+    'noslip_iterations="0"/>'
+)
+_TIED = 'solref="0.002 1" solimp="0.9999 0.9999 0.001 0.5 2"'
+_CONTACT = 'solref="0.005 1" solimp="0.99 0.999 0.0001 0.5 2" condim="3"'
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """Poses of k objects relative to the tray at m instants.
+
+    Attributes:
+        t: (m,) s. position: (m, k, 3) bottom centres, m. quaternion: (m, k, 4), (w, x, y, z), object to tray axes.
+        modes: (m, j) displacement of every modal mass along its axes, object by object, m.
+    """
+
+    t: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+    modes: np.ndarray
+
+
+def mujoco() -> Any:
+    """The library.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
+    try:
+        return importlib.import_module("mujoco")
+    except ImportError as error:
+        raise MissingExtraError(
+            f"MuJoCo cannot be loaded ({error}); install it with: pip install 'nospill[verify]'"
+        ) from error
+
+
+def build(bodies: tuple[Body, ...], *, tray_size: np.ndarray, scenery: str = "", looks: bool = False) -> Any:
+    """The model: tray frame = world frame.
+
+    Args:
+        bodies: the objects.
+        tray_size: (2,) m, for the eye only: the plane has no end.
+        scenery: more elements of the world, as MJCF.
+        looks: with visible walls and liquids, which touch nothing.
+    """
+    engine = mujoco()
+    parts = "".join(_body_text(index, body, looks) for index, body in enumerate(bodies))
+    half, sky = np.asarray(tray_size) / 2, _SKY if looks else ""
+    text = (
+        f"<mujoco>{_OPTIONS}<visual><global offwidth='1280' offheight='960'/></visual>{sky}<worldbody>"
+        f'<geom name="tray" type="plane" size="{half[0]} {half[1]} 0.01" friction="0 0 0" {_CONTACT} '
+        f'contype="1" conaffinity="0" rgba="0.55 0.5 0.45 1"/>{scenery}{parts}</worldbody>'
+        f"<equality>{_bowls(bodies)}</equality></mujoco>"
+    )
+    model = engine.MjModel.from_xml_string(text)
+    for index, body in enumerate(bodies):
+        # Written past the compiler, which refuses the inertia of a liquid (none about its axis) and negative masses.
+        number = model.body(f"object{index}").id
+        values, axes = np.linalg.eigh(body.inertia)
+        axes *= np.sign(np.linalg.det(axes))
+        model.body_mass[number], model.body_ipos[number], model.body_inertia[number] = body.mass, body.centre, values
+        engine.mju_mat2Quat(model.body_iquat[number], axes.ravel())
+    engine.mj_setConst(model, engine.MjData(model))
+    return model
+
+
+def simulate(model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> Simulation:
+    """Let the objects go at the first instant and follow them along the tray's motion, steps of `STEP`.
+
+    Raises:
+        ModelError: the engine lost the solution.
+    """
+    with quiet(mujoco()):
+        stepper = Stepper(model, bodies, motion)
+        return stepper.run()
+
+
+class Stepper:
+    """One run, step by step.
+
+    Attributes:
+        data: the engine's state. index: the next instant.
+    """
+
+    def __init__(self, model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> None:
+        engine = mujoco()
+        self._engine, self._model, self._motion = engine, model, motion
+        self.data = engine.MjData(model)
+        self.index = 0
+        self._turning = skew(motion.angular_velocity)
+        self._carried = carrying(motion.angular_velocity, motion.angular_acceleration)
+        self._free = np.array([model.joint(f"free{i}").qposadr[0] for i in range(len(bodies))], dtype=int)
+        across = [i for i in range(model.njnt) if model.joint(i).name.startswith("across")]
+        self._slots = model.jnt_qposadr[across]
+        self._root = model.body_rootid[1:]
+        for address, body in zip(self._free, bodies, strict=True):
+            half = body.yaw / 2
+            self.data.qpos[address : address + 7] = (*body.position, 0.0, np.cos(half), 0.0, 0.0, np.sin(half))
+
+    def step(self) -> None:
+        """One step from the instant `index` to the next."""
+        engine, model, data, motion, now = self._engine, self._model, self.data, self._motion, self.index
+        model.opt.gravity[:] = -motion.specific_force[now]
+        engine.mj_step1(model, data)
+        centre, relative = data.xipos[1:], data.cvel[1:, :3]
+        arm = centre - data.subtree_com[self._root]
+        velocity = data.cvel[1:, 3:] + (skew(relative) @ arm[:, :, None])[:, :, 0]
+        axes = data.ximat[1:].reshape(-1, 3, 3)
+        inertia = (axes * model.body_inertia[1:, None, :]) @ np.swapaxes(axes, 1, 2)
+        spin, turning = motion.angular_velocity[now], self._turning[now]
+        data.xfrc_applied[1:, :3] = inertial_forces(
+            model.body_mass[1:], centre, velocity, turning=turning, carried=self._carried[now]
+        )
+        data.xfrc_applied[1:, 3:] = inertial_torques(
+            inertia, relative, spin=spin, spin_rate=motion.angular_acceleration[now], turning=turning
+        )
+        engine.mj_step2(model, data)
+        self.index += 1
+
+    def run(self) -> Simulation:
+        """To the end.
+
+        Raises:
+            ModelError: the engine lost the solution.
+        """
+        count = len(self._motion.t)
+        poses = np.empty((count, len(self._free), 7))
+        modes = np.empty((count, len(self._slots)))
+        columns = self._free[:, None] + np.arange(7)
+        for now in range(count):
+            poses[now], modes[now] = self.data.qpos[columns], self.data.qpos[self._slots]
+            if now + 1 < count:
+                self.step()
+        if not (np.all(np.isfinite(poses)) and np.all(np.isfinite(modes))):
+            raise ModelError(
+                "MuJoCo lost the objects: their motion is not a number; the plan's accelerations are too large"
+            )
+        return Simulation(self._motion.t, poses[:, :, :3], poses[:, :, 3:], modes)
+
+
+def _body_text(index: int, body: Body, looks: bool) -> str:
+    touch = (
+        f'type="sphere" size="{CONTACT_RADIUS}" mass="0" friction="{body.friction} 0 0" {_CONTACT} '
+        'contype="0" conaffinity="1" rgba="0.2 0.2 0.2 1"'
+    )
+    contacts = "".join(f'<geom {touch} pos="{x:.17g} {y:.17g} {CONTACT_RADIUS}"/>' for x, y in body.contacts)
+    modes = "".join(_mode_text(f"{index}-{number}", mode, looks) for number, mode in enumerate(body.modes))
+    return (
+        f'<body name="object{index}" simple="false"><freejoint name="free{index}"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        f"{contacts}{_walls(body) if looks else ''}{modes}</body>"
+    )
+
+
+def _mode_text(label: str, mode: ModalMass, looks: bool) -> str:
+    """One body per direction, nested, each with a slide across and one up; the mass is on the last."""
+    text = f"<geom {_UNTOUCHED} type='sphere' size='0.004' rgba='0.1 0.3 0.8 1'/>" if looks else ""
+    for depth, axis in reversed(list(enumerate(mode.axes))):
+        last, first = depth == len(mode.axes) - 1, depth == 0
+        share = 1.0 - _LINK_FRACTION * (len(mode.axes) - 1) if last else _LINK_FRACTION
+        text = (
+            f'<body simple="false" pos="0 0 {mode.height if first else 0.0:.17g}">'
+            f'<inertial pos="0 0 0" mass="{share * mode.mass:.17g}" '
+            f'diaginertia="{_POINT_INERTIA} {_POINT_INERTIA} {_POINT_INERTIA}"/>'
+            f'<joint name="across{label}-{axis}" type="slide" axis="{_AXES[axis]}" damping="{mode.damping:.17g}"/>'
+            f'<joint name="up{label}-{axis}" type="slide" axis="0 0 1" damping="{mode.damping:.17g}"/>{text}</body>'
+        )
+    return text
+
+
+def _bowls(bodies: tuple[Body, ...]) -> str:
+    """Rise over the bowl's lowest point: curvature/2 times the square of the displacement, for each direction."""
+    return "".join(
+        f'<joint joint1="up{index}-{number}-{axis}" joint2="across{index}-{number}-{axis}" '
+        f'polycoef="0 0 {mode.curvature / 2:.17g} 0 0" {_TIED}/>'
+        for index, body in enumerate(bodies)
+        for number, mode in enumerate(body.modes)
+        for axis in mode.axes
+    )
+
+
+_UNTOUCHED = 'contype="0" conaffinity="0" mass="0"'
+_SKY = (
+    '<asset><texture type="skybox" builtin="gradient" rgb1="0.93 0.95 0.98" rgb2="0.75 0.82 0.9" width="64" '
+    'height="64"/></asset>'
+)
+
+
+def _walls(body: Body) -> str:
+    """The object and its liquid at rest, for the eye: a prism over the outline's bounding ellipse or rectangle."""
+    half = np.max(np.abs(body.contacts), axis=0)
+    round_bottom = len(body.contacts) > 8
+    texts = []
+    solid = body.liquid_height == 0.0
+    for height, colour in (
+        (body.height, "0.75 0.45 0.2 1" if solid else "0.85 0.9 0.95 0.25"),
+        (body.liquid_height, "0.2 0.5 0.9 0.5"),
+    ):
+        if height > 0.0:
+            inner = 1.0 if height == body.height else 0.97
+            size = (
+                f"{inner * half[0]} {height / 2}"
+                if round_bottom
+                else f"{inner * half[0]} {inner * half[1]} {height / 2}"
+            )
+            kind = "cylinder" if round_bottom else "box"
+            texts.append(f'<geom {_UNTOUCHED} type="{kind}" size="{size}" pos="0 0 {height / 2}" rgba="{colour}"/>')
+    return "".join(texts)
+
+
+@contextlib.contextmanager
+def quiet(engine: Any) -> Iterator[None]:
+    """Warnings of the engine go nowhere; without this it writes a log file into the folder we stand in."""
+    before = engine.get_mju_user_warning()
+    engine.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        engine.set_mju_user_warning(before)
