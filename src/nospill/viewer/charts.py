@@ -168,9 +168,9 @@ def _draw(panel: Panel, top: float, length: float) -> str:
             f"<text x='{_LEFT - 4}' y='{y + 3:.1f}' font-size='9' text-anchor='end' fill='#444'>{tick:g}</text>"
         )
     for index, line in enumerate(panel.lines):
-        # The first points of every stretch stand for it; a stretch is shorter than a pixel and a half.
         every = max(1, -(-len(line.t) // _MOST_POINTS))
-        points = zip(at(line.t[::every]), height(line.values[::every]), strict=True)
+        inside = line.t <= length
+        points = zip(at(line.t[inside][::every]), height(line.values[inside][::every]), strict=True)
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         pieces.append(
             f"<polyline points='{path}' fill='none' stroke='{SERIES[index % len(SERIES)]}' stroke-width='1.4' "

@@ -123,6 +123,8 @@ def _geometry(geometry: ElementTree.Element, place: Path) -> trimesh.Trimesh | N
         if shape.tag == "mesh":
             found = _mesh_file(shape.get("filename", ""), place)
             mesh = trimesh.load_scene(found).to_mesh()
+            if len(mesh.faces) == 0:
+                raise ValueError("no triangles in it")
             return mesh.apply_scale(three_numbers(shape.get("scale", "1 1 1"), str(place)))
         if shape.tag == "box":
             return trimesh.creation.box(extents=three_numbers(shape.get("size", ""), str(place)))

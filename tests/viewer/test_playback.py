@@ -1,0 +1,129 @@
+"""The clock in closed form, the player on a real server, the charts as a document."""
+
+from __future__ import annotations
+
+import threading
+import time
+from itertools import pairwise
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+pytest.importorskip("viser", reason="viser is not installed")
+
+from nospill.viewer.charts import WIDTH, colour_key, draw_charts
+from nospill.viewer.film import Film
+from nospill.viewer.live import live_viewer, running_server, show_plans
+from nospill.viewer.playback import SPEEDS, Clock, Player
+
+
+@given(st.lists(st.floats(0, 0.5), max_size=30), st.sampled_from(sorted(SPEEDS.values())))
+def test_clock_runs_at_its_speed_and_starts_again(steps: list[float], speed: float) -> None:
+    clock = Clock(1.7)
+    clock.speed = speed
+    for step in steps:
+        clock.advance(step)
+    turns = (speed * sum(steps) - clock.t) / 1.7
+    assert turns == pytest.approx(round(turns), abs=1e-9)
+    assert 0.0 <= clock.t <= 1.7
+
+
+def test_clock_stops_at_the_end_without_loop() -> None:
+    clock = Clock(1.0)
+    clock.loop = False
+    clock.advance(0.4)
+    assert clock.playing
+    clock.advance(0.8)
+    assert (clock.t, clock.playing) == (1.0, False)
+    clock.advance(1.0)
+    assert clock.t == 1.0
+    clock.toggle()
+    assert (clock.t, clock.playing) == (0.0, True)
+    clock.seek(7.0)
+    assert (clock.t, clock.playing) == (1.0, False)
+    clock.seek(-7.0)
+    assert clock.t == 0.0
+
+
+def test_player_moves_views_and_controls_together(tilting_film: Film, level_film: Film) -> None:
+    with running_server(port=0) as server:
+        shown = show_plans(server, [level_film, tilting_film])
+        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
+        player.step(0.3)
+        player.step(0.2)
+        assert player.clock.t == pytest.approx(0.5)
+        assert [view._shown for view in shown.views] == [level_film.index(0.5), tilting_film.index(0.5)]
+        assert player._slider.value == pytest.approx(0.5)
+        assert "0.50 s" in player._cursor.content
+        for handle in (player._names, player._path, player._loop):
+            handle.value = False
+        player._speed.value = "0.1x"
+        # Values set from this side carry no client; a user's do.
+        for callback in player._slider._impl.update_cb:
+            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value=0.2)))
+        assert player.clock.t == pytest.approx(0.2)
+        player.step(5.0)
+        assert player.clock.t == pytest.approx(0.2)  # dragging the slider pauses
+        assert player._button.label == "Play"
+        player.remove()
+        shown.views[0].remove()
+
+
+def test_time_of_the_motion_is_real_time(tilting_film: Film) -> None:
+    """While a viewer plays on its own thread, its clock keeps up with the wall's."""
+    with live_viewer([tilting_film.at_rate(50.0)], port=0) as (address, player):
+        assert address.startswith("http://127.0.0.1:")
+        player.clock.loop = False
+        time.sleep(0.2)
+        began, shown = time.monotonic(), player.clock.t
+        time.sleep(0.8)
+        passed = time.monotonic() - began
+        assert player.clock.t - shown == pytest.approx(passed, abs=0.1)
+    assert not [thread for thread in threading.enumerate() if "run" in thread.name]
+
+
+def test_charts_are_a_document_with_every_line_and_limit(tilting_film: Film, mixed_film: Film) -> None:
+    for film in (tilting_film, mixed_film):
+        charts = draw_charts([film], [""])
+        document = ElementTree.fromstring(charts.svg)
+        texts = [item.text or "" for item in document.iter("text")]
+        for title in ("liquid height [mm]", "contact, use of limit [1]", "joint speed over limit [1]", "time [s]"):
+            assert title in texts
+        assert {"limit 1", "limit -1"} <= set(texts)
+        for name in (*film.liquids, *film.plan.scene.robot.joints, *film.contact_use):
+            assert name in texts
+        lines = list(document.iter("polyline"))
+        count = len(film.liquids) + len(film.contact_use) + len(film.plan.scene.robot.joints)
+        assert len(lines) == count
+        for line in lines:
+            points = np.array([[float(part) for part in pair.split(",")] for pair in line.get("points", "").split()])
+            assert points[:, 0].min() >= charts.left - 0.1
+            assert points[:, 0].max() <= charts.right + 0.1
+            assert np.all(np.diff(points[:, 0]) > 0)
+            assert points[:, 1].min() >= 0
+            assert points[:, 1].max() <= charts.height
+        for item in document.iter("text"):
+            assert 0 <= float(item.get("x", "0")) <= WIDTH
+            assert 0 <= float(item.get("y", "0")) <= charts.height
+    ElementTree.fromstring(colour_key())
+
+
+def test_two_plans_share_the_axis_and_stand_like_below_like(tilting_film: Film, level_film: Film) -> None:
+    charts = draw_charts([level_film, tilting_film], ["level", "tilting"])
+    texts = [item.text or "" for item in ElementTree.fromstring(charts.svg).iter("text")]
+    titles = [text for text in texts if text.startswith(("level: ", "tilting: "))]
+    assert len(titles) == 6
+    assert all(b.split(": ")[1] == a.split(": ")[1] for a, b in list(pairwise(titles))[::2])
+    assert charts.length == max(level_film.length, tilting_film.length)
+
+
+def test_cursor_goes_from_axis_to_axis(tilting_film: Film) -> None:
+    charts = draw_charts([tilting_film], [""])
+    assert charts.cursor_at(0.0) == pytest.approx(100 * charts.left / WIDTH)
+    assert charts.cursor_at(charts.length) == pytest.approx(100 * charts.right / WIDTH)
+    assert charts.cursor_at(2 * charts.length) == charts.cursor_at(charts.length)
+    assert "'1.25 s'" in charts.cursor_style(1.25)

@@ -1,0 +1,139 @@
+"""The scene tree of a real server: what stands where, what moves, what is taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+viser = pytest.importorskip("viser", reason="viser is not installed")
+
+from nospill.viewer.colours import SERIES, USE_STOPS, rgb, use_colours  # noqa: E402
+from nospill.viewer.film import Film  # noqa: E402
+from nospill.viewer.live import running_server, short_titles, show_plans, title_of  # noqa: E402
+from nospill.viewer.scene_view import PlanView, prepare  # noqa: E402
+from nospill.viewer.stage import camera, side_by_side, swept_box  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    with running_server(port=0) as found:
+        yield found
+
+
+def world(server: viser.ViserServer, name: str, points: np.ndarray) -> np.ndarray:
+    """Points of a node in the world, by walking up its names."""
+    while name:
+        handle = server.scene.get_handle_by_name(name)
+        assert handle is not None, name
+        turn = Rotation.from_quat(np.asarray(handle.wxyz)[[1, 2, 3, 0]])
+        points = turn.apply(points) + np.asarray(handle.position)
+        name = name.rpartition("/")[0]
+    return points
+
+
+def node(server: viser.ViserServer, ending: str) -> str:
+    names = [name for name in server.scene._handle_from_node_name if name.endswith(ending)]
+    assert len(names) == 1, names
+    return names[0]
+
+
+@pytest.mark.parametrize("which", ["tilting_film", "mixed_film"])
+def test_everything_stands_where_the_judge_says(
+    server: viser.ViserServer, which: str, request: pytest.FixtureRequest
+) -> None:
+    film: Film = request.getfixturevalue(which)
+    view = PlanView(server.scene, film, root="/one", position=(0.5, -1.0, 0.0))
+    tray_node, played = node(server, "/tray"), film.judgement.replay
+    for index in (0, len(film.t) // 3, len(film.t) // 2):
+        view.show(float(film.t[index]))
+        picked = int(np.rint(film.t[index] * played.rate))
+        # The tray's frame is that of the judge's replay, moved to where the robot stands.
+        axes = world(server, tray_node, np.vstack([np.zeros(3), np.eye(3)]))
+        assert axes[0] - (0.5, -1.0, 0.0) == pytest.approx(played.tray.position[picked], abs=1e-6)
+        assert pytest.approx(played.tray.rotation[picked], abs=1e-6) == (axes[1:] - axes[0]).T
+        normal = played.tray.rotation[picked][:, 2]
+        top = world(server, f"{tray_node}/board", server.scene.get_handle_by_name(f"{tray_node}/board").vertices)
+        assert (top - axes[0]) @ normal == pytest.approx(np.clip((top - axes[0]) @ normal, -1, 0), abs=1e-6)
+        for cargo in film.plan.scene.cargo:
+            body = server.scene.get_handle_by_name(f"{tray_node}/{cargo.name}/body")
+            height = (world(server, f"{tray_node}/{cargo.name}/body", body.vertices) - axes[0]) @ normal
+            assert height.min() == pytest.approx(0.0, abs=1e-6)  # stands on the board
+            assert height.max() == pytest.approx(cargo.container.height, abs=1e-6)
+            foot = world(server, f"{tray_node}/{cargo.name}", np.zeros((1, 3)))[0]
+            assert (foot - axes[0]) @ played.tray.rotation[picked] == pytest.approx([*cargo.position, 0.0], abs=1e-6)
+            if cargo.filling:
+                liquid = server.scene.get_handle_by_name(f"{tray_node}/{cargo.name}/liquid").vertices
+                assert np.all(np.abs(liquid[:, :2]).max(axis=0) < np.abs(body.vertices[:, :2]).max(axis=0))
+                assert 0.0 < liquid[:, 2].min() < liquid[:, 2].max() < cargo.container.height
+    view.remove()
+    assert server.scene.get_handle_by_name("/one") is None
+
+
+def test_colours_follow_the_use_of_limits(server: viser.ViserServer, tilting_film: Film) -> None:
+    view = PlanView(server.scene, tilting_film, root="/colours")
+    index = int(np.argmax(tilting_film.contact_use["c1"]))
+    view.show(float(tilting_film.t[index]))
+    tray = node(server, "/tray")
+    contact = server.scene.get_handle_by_name(f"{tray}/c1/contact")
+    liquid = server.scene.get_handle_by_name(f"{tray}/c1/liquid")
+    track = tilting_film.liquids["c1"]
+    assert np.array_equal(contact.color, use_colours(tilting_film.contact_use["c1"][[index]])[0])
+    assert np.array_equal(liquid.color, use_colours(track.height[[index]] / track.limit)[0])
+    view.show_path(False)
+    view.tray.show_names(False)
+    view.remove()
+
+
+def test_scale_of_uses() -> None:
+    ends = use_colours(np.array([stop for stop, _ in USE_STOPS]))
+    assert [tuple(row) for row in ends.tolist()] == [rgb(colour) for _, colour in USE_STOPS]
+    assert use_colours(np.array([-1.0])).tolist() == use_colours(np.array([0.0])).tolist()
+    assert not use_colours(np.array([1.001, np.inf, np.nan])).any()  # black: broken
+
+
+def test_palette_is_that_of_the_figures() -> None:
+    style = pytest.importorskip("nospill.plots.style")
+    assert SERIES == style.COLOURS
+    assert USE_STOPS[-1][1] == style.RED
+
+
+def test_two_plans_do_not_meet_and_are_seen_whole(tilting_film: Film, level_film: Film) -> None:
+    films = [level_film, tilting_film]
+    places = side_by_side(films)
+    boxes = [(low + place, high + place) for place, (low, high) in zip(places, map(swept_box, films), strict=True)]
+    assert boxes[0][1][1] < boxes[1][0][1]
+    for count in (1, 2):
+        view = camera(films[:count], places[:count])
+        back = view.position - view.look_at
+        distance = np.linalg.norm(back)
+        back /= distance
+        right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
+        up = np.cross(back, right)
+        for low, high in boxes[:count]:
+            for corner in np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T - view.look_at:
+                depth = distance - corner @ back
+                assert depth > 0
+                assert abs(corner @ up) <= depth * np.tan(view.angle / 2)
+                assert abs(corner @ right) <= depth * np.tan(view.angle / 2) * 1.2
+        assert view.position[2] > 1.0
+
+
+def test_scene_of_two_plans(tilting_film: Film, level_film: Film) -> None:
+    with running_server(port=0) as server:
+        shown = show_plans(server, [level_film, tilting_film])
+        assert [view.root for view in shown.views] == ["/plan_1", "/plan_2"]
+        for root in ("/plan_1", "/plan_2"):
+            assert server.scene.get_handle_by_name(f"{root}/path/line") is not None
+            assert server.scene.get_handle_by_name(f"{root}/title") is not None
+    assert short_titles([level_film, tilting_film]) == ["level", "tilting"]
+    assert short_titles([tilting_film, tilting_film]) == ["matrix-liquid-tilt (1)", "matrix-liquid-tilt (2)"]
+    assert title_of(level_film).startswith("matrix-liquid (level): ")
+
+
+def test_nothing_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    with running_server(port=0) as server:
+        prepare(server.scene)
+    assert capsys.readouterr().out == ""
