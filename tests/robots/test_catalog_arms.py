@@ -1,6 +1,7 @@
 """The catalogue walked arm by arm: limits sane, a source for every figure, geometry as the sources state it."""
 
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from nospill.robots.catalog import ROBOTS, load_robot, robot_table
 from nospill.robots.kinematics import kinematics
 from nospill.robots.urdf import read_arm
 from nospill.robots.urdf_tree import read_tree
+from nospill.scenario.robot_entry import LimitsTable, RobotTable
 
 FORWARD = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
 UR_SIDEWAYS = [[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]
@@ -134,3 +136,26 @@ def test_rows_are_json_ready():
     (row,) = [row for row in robot_table() if row["name"] == "franka-fr3"]
     assert row["max_jerk_rad_s3"] == [5000.0] * 7
     assert row["max_torque_nm"] == [87.0] * 4 + [12.0] * 3
+
+
+def test_page_shows_the_catalogue():
+    page = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
+    for row in robot_table():
+        stated = [key for key in ("acceleration_rad_s2", "jerk_rad_s3", "torque_nm") if row[f"max_{key}"] is not None]
+        limits = ", ".join(["position", "speed", *(key.split("_")[0] for key in stated)])
+        cells = (
+            f"`{row['name']}`",
+            row["title"],
+            row["joint_count"],
+            f"{row['reach_m']:g}",
+            f"{row['payload_kg']:g}",
+            limits,
+            "; ".join(row["not_known"]),
+        )
+        assert f"| {' | '.join(map(str, cells))} |\n" in page
+
+
+def test_page_names_every_key():
+    page = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
+    for key in (*RobotTable.model_fields, *LimitsTable.model_fields):
+        assert f"`{key}`" in page or f"[robot.{key}]" in page, key
