@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from nospill.certificate import certify
 from nospill.cli import app
 from nospill.errors import PlanFolderError
 from nospill.export import EXPORTERS
@@ -76,6 +78,22 @@ def test_a_file_that_is_not_certified_is_written_and_said_to_be_so(gentle_plan, 
     assert result.stderr.endswith(" would do.\n") and result.stderr.count("\n") == 1
     advised = result.stderr.split("--rate ")[1].split(" ")[0]
     assert nospill("export", "tea", "--format", "tray-csv", "--rate", advised, "-o", "coarse.csv").exit_code == 0
+
+
+def test_when_no_rate_would_do_the_scenario_is_named(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr("nospill.handover.rate_that_would_do.__defaults__", ((10.0,),))
+    result = nospill("export", str(folder), "--format", "tray-csv", "--rate", "10", "-o", str(tmp_path / "a.csv"))
+    assert result.exit_code == 1
+    assert 'none of the usual rates would do; plan with rate = "10 Hz" under [output].' in result.stderr
+
+
+def test_a_plan_that_is_not_certified_has_no_certified_file(gentle_plan, tmp_path):
+    plan = gentle_plan("matrix-rigid")
+    fast = replace(plan.trajectory, joint_position=plan.trajectory.joint_position + 0.01)
+    replace(plan, trajectory=fast, certificate=certify(fast, plan.scene)).save(tmp_path / "tea")
+    result = nospill("export", str(tmp_path / "tea"), "--format", "mat")
+    assert result.exit_code == 1
+    assert "not certified as mat: " in result.stderr and result.stderr.endswith("; nor is the plan itself.\n")
 
 
 @pytest.mark.parametrize(

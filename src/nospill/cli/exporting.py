@@ -88,8 +88,10 @@ def _say_why(plan: Plan, done: Handover) -> None:
 
     name = done.exporter.name
     would_do = rate_that_would_do(plan, done.exporter) if plan.certificate.ok else None
-    if would_do is not None:
+    if not plan.certificate.ok:
+        advice = "nor is the plan itself"
+    elif would_do is not None:
         advice = f"--rate {would_do:g} would do"
     else:
-        advice = f"plan with output_rate = {done.rate:.6g}, so that the planner reckons with it"
+        advice = f'none of the usual rates would do; plan with rate = "{done.rate:.6g} Hz" under [output]'
     say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; {advice}.")
