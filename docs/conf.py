@@ -40,11 +40,11 @@ nitpick_ignore_regex = [
     ("py:.*", r"(Path|FilePath|Callable|Collection|Mapping|Sequence|Literal|Any|Protocol|PathLike)"),
     # Records that only the inside of the package hands around are named in signatures and have no entry.
     ("py:class", r"nospill\..*"),
-    # The first words of a "Returns:" section are a sentence, and of "lower, upper: limits" the first is a name: no types.
+    # First words of "Returns:" sections, and first names in "lower, upper: limits": sentences and names, no types.
     ("py:class", r".* .*|[a-z_]+"),
 ]
 
-html_math_renderer = "mathml"
+html_math_renderer = "outlines"
 html_theme = "furo"
 html_title = f"nospill {release}"
 html_static_path = ["_static"]

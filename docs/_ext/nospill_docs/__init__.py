@@ -7,9 +7,9 @@ from typing import Any
 from sphinx.application import Sphinx
 
 from nospill_docs.extending import write_extending
+from nospill_docs.formulas import add_formulas
 from nospill_docs.gallery import write_gallery
 from nospill_docs.links import check_links
-from nospill_docs.mathml import add_mathml
 from nospill_docs.notebooks import write_notebooks
 from nospill_docs.places import Places
 from nospill_docs.tables import write_tables
@@ -19,7 +19,7 @@ from nospill_docs.transcripts import write_transcripts
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the generators, the mathematics and the check of the links."""
-    add_mathml(app)
+    add_formulas(app)
     app.connect("builder-inited", _generate)
     app.connect("autodoc-process-docstring", _plain_bars)
     app.connect("build-finished", check_links)

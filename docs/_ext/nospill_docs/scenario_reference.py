@@ -106,7 +106,7 @@ def _members(value: Schema, schema: Schema) -> Iterator[Schema]:
 
 def _section_text(section: Section, schema: Schema) -> str:
     head = "## The top level" if section.place == "top level" else f"## {section.place}"
-    about = re.sub(r"^`\[+\w+\]+`(?: with [^:]*)?: ?|^`type = [^`]*`: ?", "", section.description)
+    about = re.sub(r"^`\[+[\w.]+\]+`(?: with [^:]*)?: ?|^`type = [^`]*`: ?", "", section.description)
     intro = f"{about[:1].upper()}{about[1:]}\n\n" if about else ""
     lines = ["| key | meaning | type and units | bounds | default |", "|---|---|---|---|---|"]
     for name, value in section.rows.items():
@@ -146,6 +146,8 @@ def _kind(item: Schema, schema: Schema) -> str:
         least, most = item.get("minItems"), item.get("maxItems")
         count = f"{least} values" if least == most and least else f"at least {least}" if least else "any length"
         return f"list of {count}, each {type_text(item.get('items', {}), schema)}"
+    if isinstance(item.get("additionalProperties"), dict):
+        return f"table of names, each {type_text(item['additionalProperties'], schema)}"
     if item.get("properties"):
         return "table"
     words = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
