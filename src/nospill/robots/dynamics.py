@@ -140,40 +140,40 @@ class Dynamics:
         """Return the joint torques as `joint_torque` does."""
         spin, turn_up = cs.SX(3, 1), cs.SX(3, 1)
         push = cs.vertcat(0, 0, cs.SX(gravity))
+        carried = self._at_last_joint(load)
         rotations, forces, moments = [], [], []
         for joint, body in enumerate(self._chain.bodies):
             rotation = _constant(body.rotation) @ _about_z(q[joint])
-            lever = _constant(body.position)
-            push = rotation.T @ (push + _swing(turn_up, spin, lever))
+            push = rotation.T @ (push + _swing(turn_up, spin, _constant(body.position)))
             spin, turn_up = rotation.T @ spin, rotation.T @ turn_up
             rate = cs.vertcat(0, 0, qd[joint])
             turn_up = turn_up + cs.vertcat(0, 0, qdd[joint]) + cs.cross(spin, rate)
             spin = spin + rate
-            force, moment = _wrench(
-                body.mass, _constant(body.first_moment), _constant(body.inertia), spin, turn_up, push
-            )
+            own = Load(body.mass, _constant(body.first_moment), _constant(body.inertia))
+            force, moment = _wrench(own + carried if joint == self.n - 1 else own, spin, turn_up, push)
             rotations.append(rotation)
             forces.append(force)
             moments.append(moment)
 
-        rotation, lever = _constant(self._chain.flange_rotation), _constant(self._chain.flange_position)
-        flange_push = rotation.T @ (push + _swing(turn_up, spin, lever))
-        force, moment = _wrench(
-            load.mass,
-            cs.SX(load.first_moment),
-            cs.SX(load.inertia),
-            rotation.T @ spin,
-            rotation.T @ turn_up,
-            flange_push,
-        )
-        torque: list[cs.SX] = []
-        for joint in reversed(range(self.n)):
-            force = rotation @ force
-            moment = rotation @ moment + cs.cross(lever, force) + moments[joint]
+        force, moment = forces[-1], moments[-1]
+        torque = [moment[2]]
+        for joint in reversed(range(self.n - 1)):
+            force = rotations[joint + 1] @ force
+            lever = _constant(self._chain.bodies[joint + 1].position)
+            moment = rotations[joint + 1] @ moment + cs.cross(lever, force) + moments[joint]
             force = force + forces[joint]
             torque.append(moment[2])
-            rotation, lever = rotations[joint], _constant(self._chain.bodies[joint].position)
         return cs.vertcat(*reversed(torque))
+
+    def _at_last_joint(self, load: Load) -> Load:
+        """The load in the frame of the last joint."""
+        turn, lever = _constant(self._chain.flange_rotation), _constant(self._chain.flange_position)
+        moment = turn @ cs.SX(load.first_moment)
+        inertia = turn @ cs.SX(load.inertia) @ turn.T
+        cross = lever @ moment.T
+        inertia = inertia + (2.0 * cs.trace(cross)) * cs.SX.eye(3) - cross - cross.T
+        inertia = inertia + load.mass * _constant(about_point(self._chain.flange_position))
+        return Load(load.mass, moment + load.mass * lever, inertia)
 
     def torques(
         self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, load: Load, *, gravity: float, function: Any = None
@@ -262,11 +262,10 @@ def _swing(turn_up: cs.SX, spin: cs.SX, lever: cs.SX) -> cs.SX:
     return cs.cross(turn_up, lever) + cs.cross(spin, cs.cross(spin, lever))
 
 
-def _wrench(
-    mass: float | cs.SX, first_moment: cs.SX, inertia: cs.SX, spin: cs.SX, turn_up: cs.SX, push: cs.SX
-) -> tuple[cs.SX, cs.SX]:
+def _wrench(body: Load, spin: cs.SX, turn_up: cs.SX, push: cs.SX) -> tuple[cs.SX, cs.SX]:
     """Force and moment about the origin that move a body whose origin accelerates by `push` (gravity included)."""
-    force = mass * push + _swing(turn_up, spin, first_moment)
+    first_moment, inertia = cs.SX(body.first_moment), cs.SX(body.inertia)
+    force = body.mass * push + _swing(turn_up, spin, first_moment)
     moment = inertia @ turn_up + cs.cross(spin, inertia @ spin) + cs.cross(first_moment, push)
     return force, moment
 
