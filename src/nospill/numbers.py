@@ -72,7 +72,12 @@ class ObjectNumbers:
 
 @dataclass(frozen=True, slots=True)
 class SceneNumbers:
-    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots."""
+    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
+
+    Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
+    and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
+    origin, flange axes.
+    """
 
     gravity: Number
     path_breaks: Number
@@ -82,6 +87,12 @@ class SceneNumbers:
     joint_lower: Number
     joint_upper: Number
     joint_speed_limit: Number
+    joint_acceleration_limit: Number
+    joint_jerk_limit: Number
+    joint_torque_limit: Number
+    load_mass: Number
+    load_first_moment: Number
+    load_inertia: Number
     max_tilt: Number
     path_jerk_limit: Number
     tilt_jerk_limit: Number
@@ -106,7 +117,12 @@ class ObjectStructure:
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """What decides the shape of the expressions."""
+    """What decides the shape of the expressions.
+
+    Attributes:
+        joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        redundant: index of the joint that parametrises the freedom of a seven-joint arm, None for six joints.
+    """
 
     fidelity: Fidelity
     tilt_free: bool
@@ -117,6 +133,8 @@ class Structure:
     joints: tuple[str, ...]
     tip: str
     objects: tuple[ObjectStructure, ...]
+    joint_limits: tuple[str, ...] = ()
+    redundant: int | None = None
 
 
 def flatten(record: object) -> np.ndarray:

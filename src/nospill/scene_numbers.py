@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
 from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
+from nospill.robots.redundancy import redundant_joint
 from nospill.scene import Scene
 
 
@@ -34,11 +36,24 @@ def structure_of(scene: Scene) -> Structure:
         joints=scene.robot.joints,
         tip=scene.robot.tip,
         objects=tuple(objects),
+        joint_limits=tuple(name for name, limit in _further_limits(scene).items() if limit is not None),
+        redundant=redundant_joint(scene.robot),
     )
+
+
+def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
+    robot = scene.robot
+    torque = robot.max_torque if robot.inertias_known else None
+    return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
 def numbers_of(scene: Scene) -> SceneNumbers:
     """The numbers of a scene."""
+    further = {
+        name: np.zeros(len(scene.robot.joints)) if limit is None else limit
+        for name, limit in _further_limits(scene).items()
+    }
+    load = load_of(scene)
     return SceneNumbers(
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
@@ -48,6 +63,12 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         joint_speed_limit=scene.robot.max_speed,
+        joint_acceleration_limit=further["acceleration"],
+        joint_jerk_limit=further["jerk"],
+        joint_torque_limit=further["torque"],
+        load_mass=load.mass,
+        load_first_moment=load.mass * load.centre,
+        load_inertia=_about_bottom(load),
         max_tilt=scene.motion.max_tilt,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
@@ -56,6 +77,26 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
     )
+
+
+def load_of(scene: Scene) -> MassProperties:
+    """What the flange carries as one rigid body, in flange axes: the tray as an even plate, the liquids still."""
+    tray = scene.tray
+    cosine, sine = math.cos(tray.yaw_on_flange), math.sin(tray.yaw_on_flange)
+    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    x, y = tray.size
+    plate = MassProperties(tray.mass, np.zeros(3), tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y]))
+    parts = [(plate, np.zeros(3), 0.0)]
+    parts += [(cargo.total, np.append(cargo.position, 0.0), cargo.yaw) for cargo in scene.cargo]
+    mass, first_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
+    for body, place, yaw in parts:
+        own = Rotation.from_euler("z", yaw).as_matrix()
+        centre = tray.offset + turn @ (place + own @ body.centre)
+        mass += body.mass
+        first_moment += body.mass * centre
+        inertia += turn @ own @ body.inertia @ own.T @ turn.T + body.mass * _parallel_axis(centre)
+    centre = first_moment / mass
+    return MassProperties(mass, centre, inertia - mass * _parallel_axis(centre))
 
 
 def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:

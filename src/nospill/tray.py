@@ -15,8 +15,10 @@ class Tray:
         size: (2,) side lengths along x and y, m.
         offset: (3,) origin of the tray frame in the flange frame, m.
         yaw_on_flange: turn of the tray frame about the flange's z, rad.
+        mass: kg.
     """
 
     size: np.ndarray
     offset: np.ndarray
     yaw_on_flange: float
+    mass: float = 0.0

@@ -3,6 +3,8 @@
 from nospill.constraints.apparent_gravity import ApparentGravity
 from nospill.constraints.base import Constraint as Constraint
 from nospill.constraints.jerk import PathJerk, TiltJerk
+from nospill.constraints.joint_acceleration import JointAcceleration
+from nospill.constraints.joint_jerk import JointJerk
 from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.joint_speed import JointSpeed
 from nospill.constraints.lift import Lift
@@ -24,6 +26,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Twist(),
     JointPosition(),
     JointSpeed(),
+    JointAcceleration(),
+    JointJerk(),
     Tilt(),
     PathJerk(),
     TiltJerk(),

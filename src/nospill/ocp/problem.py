@@ -22,6 +22,9 @@ _SHORTEST = 0.05
 _LARGEST_SLOSH_SCALE = 0.02
 """Scale of a surface height when its limit is generous, m."""
 
+_REDUNDANT_JERK = 1000.0
+"""Bound on the third derivative of a seven-joint arm's redundant joint, rad/s^3."""
+
 DERIVING_SOLVERS = ("fatrop",)
 """Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
 
@@ -97,10 +100,12 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     scales = np.ones(layout.size)
     tilt = 0.3
     for chain in range(layout.chains):
-        value = 1.0 if chain == 0 else tilt
+        value = (1.0, *[tilt] * layout.tilts, *[1.0] * layout.redundant)[chain]
         scales[3 * chain : 3 * chain + 3] = value, 2 * value / duration, 10 * value / duration**2
     scales[layout.interval] = duration / intervals
     limits = [scene.motion.path_jerk_limit] + [scene.motion.tilt_jerk_limit] * (layout.chains - 1)
+    if layout.redundant:
+        limits[-1] = _REDUNDANT_JERK
     scales[layout.jerks] = [0.3 * limit for limit in limits]
     heights = []
     for cargo in scene.cargo:
@@ -114,7 +119,11 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     scales[layout.velocity] = displacement * frequency
     for point in range(2):
         scales[layout.acceleration(point)] = displacement * frequency**2
+    further = (scene.robot.max_acceleration, scene.robot.max_jerk)
     scales[layout.joint_speed] = scene.robot.max_speed
+    for order in range(2, layout.orders + 1):
+        limit, usual = further[order - 2], 2.0 * scene.robot.max_speed * (2.0 / duration) ** (order - 1)
+        scales[layout.joint_derivative(order)] = usual if limit is None else limit
     return scales
 
 
@@ -125,8 +134,15 @@ def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) ->
     lower[:, layout.interval] = _SHORTEST / intervals
     upper[:, layout.interval] = scene.motion.max_duration / intervals
     ends = (lower[0], upper[0], lower[-1], upper[-1])
+    if layout.redundant:
+        # No constraint of the table speaks of this jerk: it only keeps the redundant joint's motion smooth.
+        lower[:, layout.jerks.stop - 1], upper[:, layout.jerks.stop - 1] = -_REDUNDANT_JERK, _REDUNDANT_JERK
     for row in ends:
         row[: layout.interval] = 0.0
+    if layout.redundant:
+        free = 3 * (layout.chains - 1)
+        for row, bound in zip(ends, (-np.inf, np.inf, -np.inf, np.inf), strict=True):
+            row[free] = bound
     for row in ends[2:]:
         row[0] = 1.0
     for row in ends[:2]:

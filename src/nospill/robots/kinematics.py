@@ -17,6 +17,7 @@ import casadi as cs
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.robots.chain import chain_expressions, links
 
 ToolPosition = Sequence[float] | np.ndarray | cs.SX
 
@@ -68,16 +69,12 @@ class Kinematics:
         rate = cs.SX.sym("qd", self.n)
         rate_change = cs.SX.sym("qdd", self.n)
         tool = cs.SX.sym("tool", 4)
-        flange_position, flange_rotation, flange_jacobian = _flange(urdf, joints, tip, q)
-
-        lever = flange_rotation @ tool[:3]
-        position = flange_position + lever
-        rotation = flange_rotation @ _about_z(tool[3])
-        spin = flange_jacobian[3:, :]
-        jacobian = cs.vertcat(flange_jacobian[:3, :] - cs.skew(lever) @ spin, spin)
-        twist = jacobian @ rate
-        # d/dt (J qd) along the motion; the angular velocity in base axes differentiates to the angular acceleration
-        twist_change = jacobian @ rate_change + cs.jtimes(twist, q, rate)
+        motion = chain_expressions(
+            links(_tree(urdf), joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
+        )
+        position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
+        twist = cs.vertcat(motion.velocity, motion.angular_velocity)
+        twist_change = cs.vertcat(motion.acceleration, motion.angular_acceleration)
 
         self._pose = _function("pose", [q, tool], [position, rotation])
         self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
@@ -212,11 +209,7 @@ def kinematics(robot: Chain) -> Kinematics:
 _kinematics = lru_cache(maxsize=32)(Kinematics)
 
 
-def _flange(urdf: str, joints: tuple[str, ...], tip: str, q: cs.SX) -> tuple[cs.SX, cs.SX, cs.SX]:
-    """Return position (3,), rotation (3, 3) and geometric Jacobian (6, n) of the flange in base axes."""
-    # imported here: it pulls in scipy, which a listing of the catalogue does not need
-    from adam.casadi import KinDynComputations
-
+def _tree(urdf: str) -> ElementTree.Element:
     try:
         tree = ElementTree.fromstring(urdf)
     except ElementTree.ParseError as error:
@@ -225,28 +218,11 @@ def _flange(urdf: str, joints: tuple[str, ...], tip: str, q: cs.SX) -> tuple[cs.
         raise ScenarioError(
             f"robot description starts with <{tree.tag}>, expected <robot>; give the text of a URDF file"
         )
-    # defaults of the URDF format that adam expects to be written out
-    for joint in tree.findall("joint"):
-        for element, standard in (("origin", {"xyz": "0 0 0", "rpy": "0 0 0"}), ("axis", {"xyz": "1 0 0"})):
-            if joint.find(element) is None:
-                ElementTree.SubElement(joint, element, standard)
-    try:
-        chain = KinDynComputations(ElementTree.tostring(tree, encoding="unicode"), list(joints))
-        transform = chain.forward_kinematics(tip, cs.SX.eye(4), q)
-        # the first six columns belong to a floating base; the rest is for frame-origin velocity in base axes
-        jacobian = chain.jacobian(tip, cs.SX.eye(4), q)[:, 6:]
-    except Exception as error:  # the XML, the URDF reader and adam raise a dozen kinds
-        raise ScenarioError(f"robot description cannot be used (tip {tip!r}): {error}") from error
-    return transform[:3, 3], transform[:3, :3], jacobian
+    return tree
 
 
 def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
     return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
-
-
-def _about_z(angle: cs.SX) -> cs.SX:
-    c, s = cs.cos(angle), cs.sin(angle)
-    return cs.vertcat(cs.horzcat(c, -s, 0), cs.horzcat(s, c, 0), cs.horzcat(0, 0, 1))
 
 
 def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:
