@@ -76,7 +76,8 @@ class SceneNumbers:
 
     Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
     and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
-    origin, flange axes.
+    origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
+    zero where there is none or a motion has not been chosen yet.
     """
 
     gravity: Number
@@ -90,6 +91,7 @@ class SceneNumbers:
     joint_acceleration_limit: Number
     joint_jerk_limit: Number
     joint_torque_limit: Number
+    self_motion: Number
     load_mass: Number
     load_first_moment: Number
     load_inertia: Number
@@ -121,7 +123,7 @@ class Structure:
 
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
-        redundant: index of the joint that parametrises the freedom of a seven-joint arm, None for six joints.
+        redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
     """
 
     fidelity: Fidelity
@@ -134,7 +136,7 @@ class Structure:
     tip: str
     objects: tuple[ObjectStructure, ...]
     joint_limits: tuple[str, ...] = ()
-    redundant: int | None = None
+    redundant: bool = False
 
 
 def flatten(record: object) -> np.ndarray:

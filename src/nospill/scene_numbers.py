@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
 from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
-from nospill.robots.redundancy import redundant_joint
 from nospill.scene import Scene
 
 
@@ -37,7 +36,7 @@ def structure_of(scene: Scene) -> Structure:
         tip=scene.robot.tip,
         objects=tuple(objects),
         joint_limits=tuple(name for name, limit in _further_limits(scene).items() if limit is not None),
-        redundant=redundant_joint(scene.robot),
+        redundant=len(scene.robot.joints) > 6,
     )
 
 
@@ -66,6 +65,7 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         joint_acceleration_limit=further["acceleration"],
         joint_jerk_limit=further["jerk"],
         joint_torque_limit=further["torque"],
+        self_motion=np.zeros(len(scene.robot.joints)),
         load_mass=load.mass,
         load_first_moment=load.mass * load.centre,
         load_inertia=_about_bottom(load),

@@ -56,7 +56,7 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
     samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
     samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
     tray = _tray_samples(structure, numbers, layout, samples.chains)
-    position, speed, acceleration = _joint_samples(scene, structure, stages, layout, t, tray, samples.chains)
+    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
     tilt = [np.zeros((count, 2)) for _ in range(3)]
     if structure.tilt_free:
         tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
@@ -107,22 +107,20 @@ def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, c
 
 def _joint_samples(
     scene: Scene,
-    structure: Structure,
     stages: Stages,
     layout: Layout,
     t: np.ndarray,
     tray: TraySamples,
     chains: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Joint positions, speeds and accelerations (m, n) that carry the tray, the redundant joint as its chain says."""
+    """Joint positions, speeds and accelerations (m, n) that carry the tray, the self-motion as its chain says."""
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     grid = np.arange(stages.intervals) * stages.interval
     start = np.column_stack([np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T])
     arm = kinematics(scene.robot)
     held = None
-    if structure.redundant is not None:
-        held = Held(structure.redundant, chains[:, -3])
-        start[:, held.joint] = held.positions
+    if stages.self_motion is not None:
+        held = Held(stages.self_motion, chains[:, -3])
     position = solve_joints(scene.robot, tray.position, tray.rotation, start, held=held, **tool)
     jacobian, twist = arm.jacobians(position, **tool), tray.twist
     if held is not None:

@@ -10,6 +10,7 @@ from nospill.ocp.collocation import POINTS
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, sample_stages
 from nospill.robots.inverse import JointPath
+from nospill.robots.redundancy import self_motion
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.slosh.modes import STANDARD_GRAVITY
@@ -77,9 +78,10 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
     slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
     joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * chains[0][1][:, None]
-    if layout.redundant:
-        own = structure_of(scene).redundant
-        chains.append((joints[:, own], speeds[:, own], np.gradient(speeds[:, own], duration / intervals)))
+    direction = self_motion(scene.robot, joints) if layout.redundant else None
+    if direction is not None:
+        change = np.gradient(speeds @ direction, duration / intervals)
+        chains.append((joints @ direction, speeds @ direction, change))
     for index, chain in enumerate(chains):
         table[:, 3 * index : 3 * index + 3] = np.column_stack(chain)
         table[:-1, layout.jerks.start + index] = np.diff(chain[2]) * intervals / duration
@@ -89,7 +91,7 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         table[:, layout.joint_derivative(order)] = np.gradient(
             table[:, layout.joint_derivative(order - 1)], duration / intervals, axis=0
         )
-    return Stages(duration / intervals, table)
+    return Stages(duration / intervals, table, direction)
 
 
 def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
@@ -109,7 +111,7 @@ def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
     grid = np.arange(stages.intervals) * stages.interval
     for column in range(joints.start, joints.stop):
         table[:, column] = np.interp(times, grid, old[:-1, column])
-    return Stages(duration / intervals, table)
+    return Stages(duration / intervals, table, stages.self_motion)
 
 
 def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
@@ -131,9 +133,9 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
         tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
         chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
     joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
-    if layout.redundant:
-        own = structure_of(scene).redundant
-        chains.append(np.column_stack([part[:, own] for part in joints]))
+    direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
+    if direction is not None:
+        chains.append(np.column_stack([part @ direction for part in joints]))
     for index, chain in enumerate(chains):
         table[:, 3 * index : 3 * index + 3] = at(chain)
         table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
@@ -155,4 +157,4 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
     further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
-    return Stages(interval, table)
+    return Stages(interval, table, direction)

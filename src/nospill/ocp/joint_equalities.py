@@ -1,7 +1,7 @@
 """The joints carry the tray: pose and motion of the tray frame from the joints equal those from path and tilt.
 
 Joint positions and their derivatives are variables of the node. Each order has six equations, and with seven joints a
-seventh: the redundant joint moves as its chain does. Accelerations are variables only where acceleration, torque or
+seventh: the self-motion goes as its chain does. Accelerations are variables only where acceleration, torque or
 jerk is limited, jerks only where they are.
 """
 
@@ -51,9 +51,8 @@ def joint_equalities(
             _twist_jerk(structure)(*joints, flange) - _tray_jerk(structure, numbers, layout, chains, jerks)
         )
     if layout.redundant:
-        assert structure.redundant is not None
         own = (*chains[-1], stage[layout.jerks][-1])
-        equations += [joints[order][structure.redundant] - own[order] for order in range(layout.orders + 1)]
+        equations += [ca.dot(numbers.self_motion, joints[order]) - own[order] for order in range(layout.orders + 1)]
     return ca.vertcat(*equations)
 
 

@@ -18,12 +18,12 @@ Chain = tuple[SX, SX, SX]
 class Layout:
     """Sizes and slices of a stage's variables.
 
-    State: chains (s, then theta_x and theta_y where free, then the redundant joint of a seven-joint arm; each value,
+    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value,
         rate, acceleration), interval length, slosh displacements, slosh velocities. Control: jerks, slosh accelerations
         at both points, joint positions and their time derivatives at the node.
 
     Attributes:
-        tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with a redundant joint, 0 without.
+        tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with seven joints, 0 with six.
         coordinates: of the liquids. joints: number. orders: of the joints' derivatives that are variables: 1 for
             positions and speeds, 2 with accelerations, 3 with jerks.
     """
@@ -103,7 +103,7 @@ def layout_of(structure: Structure) -> Layout:
     lifted = {"acceleration": 2, "torque": 2, "jerk": 3}
     return Layout(
         tilts=2 if structure.tilt_free else 0,
-        redundant=0 if structure.redundant is None else 1,
+        redundant=int(structure.redundant),
         coordinates=coordinate_count(structure),
         joints=len(structure.joints),
         orders=max((lifted[name] for name in structure.joint_limits), default=1),

@@ -24,6 +24,8 @@ TURN = 2.0 * np.pi
 SAME = 1e-6
 """Solutions closer than this in every joint (rad, whole turns removed) are one."""
 
+_TRIALS = 8
+_ROUGHLY = 1e-3
 _RANDOM_STARTS = 256
 _RANDOM_ITERATIONS = 60
 
@@ -102,7 +104,9 @@ def solutions_anywhere(
     turn = np.array([[np.cos(tool_yaw), -np.sin(tool_yaw), 0], [np.sin(tool_yaw), np.cos(tool_yaw), 0], [0, 0, 1]])
     flange_rotation = np.asarray(rotation, dtype=float) @ turn.T
     flange_position = np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool_position, dtype=float)
-    solver = _solver(arm, None if held is None else held[0], None if held is None else held[1])
+    solver = None
+    if has_closed_form(arm, None if held is None else held[0]):
+        solver = _solver(arm, None if held is None else held[0], None if held is None else held[1])
     start = _random_starts(arm.n) if solver is None else solver.solutions(flange_position, flange_rotation)
     if held is not None:
         start[:, held[0]] = held[1]
@@ -111,7 +115,7 @@ def solutions_anywhere(
         np.broadcast_to(flange_position, (len(start), 3)),
         np.broadcast_to(flange_rotation, (len(start), 3, 3)),
         start,
-        held=None if held is None else Held(held[0], np.full(len(start), held[1])),
+        held=None if held is None else Held(np.eye(arm.n)[held[0]], np.full(len(start), held[1])),
         max_iterations=10 if solver is not None else _RANDOM_ITERATIONS,
     )
     found = _wrap(polished[error < RESIDUAL])
@@ -120,9 +124,21 @@ def solutions_anywhere(
     return _distinct(found)
 
 
-def has_closed_form(arm: Kinematics, held: int | None, value: float) -> bool:
-    """Whether EAIK knows a decomposition of the chain with a joint held at a position, rad (`held` None: none is)."""
-    return _solver(arm, held, value) is not None
+@lru_cache(maxsize=64)
+def has_closed_form(arm: Kinematics, held: int | None) -> bool:
+    """Whether EAIK solves the chain with a joint held (None: none is).
+
+    Its own word is not enough: of some chains it knows a decomposition that yields nothing. It has to find its way back
+    to random configurations.
+    """
+    wanted = np.random.default_rng(0).uniform(-2.0, 2.0, size=(_TRIALS, arm.n))
+    positions, rotations = arm.poses(wanted)
+    for q, position, rotation in zip(wanted, positions, rotations, strict=True):
+        solver = _solver(arm, held, None if held is None else float(q[held]))
+        found = np.zeros((0, arm.n)) if solver is None else solver.solutions(position, rotation)
+        if not len(found) or np.abs(_wrap(found - q)).max(axis=1).min() > _ROUGHLY:
+            return False
+    return True
 
 
 class _ClosedForm:
@@ -142,7 +158,7 @@ class _ClosedForm:
         points = position + np.cross(axes, jacobian[:3, moving].T)
         offsets = np.diff(np.vstack([np.zeros(3), points, position]), axis=0)
         self._solver = EAIK.Robot(axes.T, offsets.T, np.eye(3), [], True)
-        self._zero_rotation, self._moving, self._joints = rotation, moving, arm.n
+        self._zero_rotation, self._moving, self._at = rotation, moving, q[0]
         self.known = bool(self._solver.has_known_decomposition())
 
     def solutions(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
@@ -154,7 +170,7 @@ class _ClosedForm:
         rows = np.array(answer.Q, dtype=float).reshape(-1, len(self._moving))
         approximate = np.array(answer.is_LS, dtype=bool).reshape(-1)
         exact = rows[~approximate & np.isfinite(rows).all(axis=1)]
-        q = np.zeros((len(exact), self._joints))
+        q = np.tile(self._at, (len(exact), 1))
         q[:, self._moving] = exact
         return q
 

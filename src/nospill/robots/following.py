@@ -65,7 +65,7 @@ def follow(
     *,
     tool_position: np.ndarray,
     tool_yaw: float,
-    held: int | None = None,
+    held: np.ndarray | None = None,
 ) -> Followed:
     """Follow each start configuration along the path, joint limits ignored.
 
@@ -76,7 +76,8 @@ def follow(
         starts: (k, n) joint positions that put the tray at s[0], rad.
         tool_position: (3,) tray origin in flange axes, m.
         tool_yaw: turn of the tray about the flange's z, rad.
-        held: a joint that keeps its start position; without it, seven joints move as little as they can.
+        held: (n,) combination of the joints that keeps its start value; without it, seven joints move as little as
+            they can.
     """
     stepper = _Stepper(arm, path, tool_position, tool_yaw, held)
     branches = len(starts)
@@ -108,7 +109,7 @@ def follow(
             q[branch],
             tool_position=tool_position,
             tool_yaw=tool_yaw,
-            held=None if held is None else Held(held, np.full(len(s), starts[branch, held])),
+            held=None if held is None else Held(held, np.full(len(s), starts[branch] @ held)),
             max_iterations=5,
         )
         settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
@@ -123,7 +124,7 @@ class _Stepper:
     """Predictor along dq/ds and two Newton corrections, on several branches at once."""
 
     def __init__(
-        self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float, held: int | None
+        self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float, held: np.ndarray | None
     ) -> None:
         self._arm = arm
         self._path = path
@@ -137,7 +138,7 @@ class _Stepper:
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])
         rates = tray_rates(self._path, s[:-1])
-        kept = None if self._held is None else q[:, self._held].copy()
+        kept = None if self._held is None else q @ self._held
         for step, width in enumerate(np.diff(s)):
             rows = np.flatnonzero(good)
             if rows.size == 0:

@@ -92,13 +92,11 @@ def joint_paths(
     tool_position = np.asarray(tool_position, dtype=float)
     s = np.linspace(0.0, 1.0, samples)
     starts = _starts(robot, path, tool_position, tool_yaw)
-    held = redundant_joint(robot)
+    joint = redundant_joint(robot)
     followed: Followed | None = None
-    for joint in (None,) if held is None else (held, None):
-        followed = follow(
-            kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=joint
-        )
-        found = _within_limits(robot, path, followed, joint, tool_position=tool_position, tool_yaw=tool_yaw)
+    for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
+        followed = follow(kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
+        found = _within_limits(robot, path, followed, held, tool_position=tool_position, tool_yaw=tool_yaw)
         if found:
             return found
     assert followed is not None  # there is one turn of the loop at least
@@ -120,7 +118,7 @@ def _starts(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float
 
 
 def _within_limits(
-    robot: Robot, path: Path, followed: Followed, held: int | None, *, tool_position: np.ndarray, tool_yaw: float
+    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool_position: np.ndarray, tool_yaw: float
 ) -> list[JointPath]:
     """The joint paths among the followed branches, best first."""
     arm, s = kinematics(robot), followed.s
@@ -129,7 +127,7 @@ def _within_limits(
     for q in followed.q[followed.complete]:
         jacobian, rates = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw), tray_rates(path, s)
         if held is not None:
-            jacobian, rates = Held(held, q[:, held]).added(jacobian, rates, q)
+            jacobian, rates = Held(held, q @ held).added(jacobian, rates, q)
         dq_ds = least_norm_step(jacobian, rates)
         figure = float((np.abs(dq_ds) / robot.max_speed).max())
         for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):

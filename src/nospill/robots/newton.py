@@ -21,18 +21,22 @@ residual decides.
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """One joint with given positions: index, and positions (m,) in rad, one for each pose."""
+    """A combination of the joints with given values, which takes the freedom of a seventh joint.
 
-    joint: int
-    positions: np.ndarray
+    Attributes:
+        direction: (n,), for example a unit vector for a joint that is held.
+        values: (m,) of direction . q, rad, one for each pose.
+    """
+
+    direction: np.ndarray
+    values: np.ndarray
 
     def added(
         self, jacobian: np.ndarray, gap: np.ndarray, q: np.ndarray, samples: np.ndarray | slice = slice(None)
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Jacobians (k, 7, n) and gaps (k, 7) with the joint's own row, for the chosen samples at q (k, n)."""
-        row = np.zeros((len(q), 1, jacobian.shape[2]))
-        row[:, 0, self.joint] = 1.0
-        missing = self.positions[samples] - q[:, self.joint]
+        """Jacobians (k, 7, n) and gaps (k, 7) with the further row, for the chosen samples at q (k, n)."""
+        row = np.broadcast_to(self.direction, (len(q), 1, jacobian.shape[2]))
+        missing = self.values[samples] - q @ self.direction
         return np.concatenate([jacobian, row], axis=1), np.concatenate([gap, missing[:, None]], axis=1)
 
 
@@ -50,7 +54,8 @@ def solve_joints(
     """Solve the tool pose for the joint positions at m samples, each from its own guess.
 
     Newton's method with the least-norm step J^T (J J^T)^-1 e; joint limits are not looked at. Where the arm has more
-    joints than the pose has numbers, `held` says what one of them shall be; without it the nearest solution is taken.
+    joints than the pose has numbers, `held` says what a combination of them shall be; without it the nearest solution
+    is taken.
 
     Args:
         robot: the arm.
@@ -59,7 +64,7 @@ def solve_joints(
         q_start: (m, n) guesses, rad.
         tool_position: (3,) tool origin in flange axes, m.
         tool_yaw: turn of the tool about the flange's z, rad.
-        held: a joint whose positions are given.
+        held: a combination of the joints whose values are given.
         max_iterations: Newton steps before it gives up.
 
     Returns:
@@ -110,7 +115,7 @@ def newton(
         q_start: (m, n), rad.
         tool_position: (3,), m.
         tool_yaw: rad.
-        held: a joint whose positions are given; what it is off counts as pose error.
+        held: a combination of the joints whose values are given; what it is off counts as pose error.
         max_iterations: Newton steps.
         max_step: largest change of one joint in one step, rad.
 
