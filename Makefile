@@ -9,12 +9,13 @@ PINS := pyproject.toml constraints.txt
 DEMO := out/matrix-liquid
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench clean
+.PHONY: help demo test check docs bench clean
 
 help:
 	@echo "make demo    plan the example matrix-liquid and write its folder to $(DEMO)"
 	@echo "make test    run the whole test suite"
 	@echo "make check   linter, formatting, types, import rules"
+	@echo "make docs    build the documentation, plans and pictures included, to docs/_build/html"
 	@echo "make bench   measure planning times against the published transcription (half an hour)"
 	@echo "make clean   remove the virtual environment and everything generated"
 
@@ -30,6 +31,10 @@ check: $(VENV)/.ready-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 	$(BIN)/lint-imports --no-logo
+
+docs: $(VENV)/.ready-docs
+	$(BIN)/python -m sphinx -q -b html -W --keep-going -n -d docs/_build/doctrees docs docs/_build/html
+	@echo "documentation: $(CURDIR)/docs/_build/html/index.html"
 
 bench: $(VENV)/.ready-test
 	$(BIN)/python benchmarks/run.py
@@ -47,6 +52,12 @@ $(VENV)/.ready-dev: $(VENV)/.ready-test
 	@$(PIP) -e ".[test,dev]"
 	@touch $@
 
+$(VENV)/.ready-docs: $(VENV)/.ready-test
+	@$(PIP) -e ".[test,docs]"
+	@touch $@
+
 clean:
+	rm -rf docs/_build docs/_generated docs/gallery/[0-9]* docs/notebooks/pictures
+	find docs/notebooks -name '*.md' ! -name index.md -delete
 	rm -rf $(VENV) build dist out src/nospill.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

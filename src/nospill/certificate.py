@@ -16,6 +16,7 @@ from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
 from nospill.errors import PlanFolderError
 from nospill.frames import SX, FrameMotion
+from nospill.interpolation import JointMotion
 from nospill.numbers import Shapes, Structure, flatten, symbolic
 from nospill.replay import Replay, body_motion, replay, slosh_accelerations
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
@@ -145,25 +146,30 @@ class Judgement:
     replay: Replay
 
 
-def certify(trajectory: Trajectory, scene: Scene) -> Certificate:
+def certify(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Certificate:
     """Judge an exported trajectory.
 
     The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
     re-integrated from rest; every constraint of the scene is evaluated at every instant.
+
+    Args:
+        trajectory: the record.
+        scene: what it must keep to.
+        motion: what the receiver's joints do; the quintic spline through the recorded positions when left out.
 
     Raises:
         ModelError: the liquids cannot be integrated.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
-    return judge(trajectory, scene).certificate
+    return judge(trajectory, scene, motion=motion).certificate
 
 
-def judge(trajectory: Trajectory, scene: Scene) -> Judgement:
-    """`certify` with its evidence; raises the same."""
+def judge(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Judgement:
+    """`certify` with its evidence; the same arguments and errors."""
     _require_fit(trajectory, scene)
     _require_motion(trajectory)
-    played = replay(trajectory, scene)
+    played = replay(trajectory, scene, motion=motion)
     traces = constraint_traces(trajectory, scene, played)
     rows = [_row(trace) for trace in traces] + _record_rows(trajectory, scene, played)
     return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played)

@@ -14,7 +14,7 @@ import numpy as np
 
 from nospill.certificate import Certificate, Judgement, Row
 from nospill.errors import PlanFolderError
-from nospill.export import EXPORTERS
+from nospill.export.plan_files import write_plan_files
 from nospill.files import atomic_folder
 from nospill.numbers import flatten
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
@@ -194,9 +194,7 @@ class Plan:
             _write(partial / SCENARIO_FILE, scenario_text(self.scene))
             _write(partial / TRAJECTORY_FILE, trajectory_text(self.trajectory))
             _write(partial / CERTIFICATE_FILE, _json(self.certificate.to_dict()))
-            for exporter in EXPORTERS.values():
-                if exporter.reason_against(self.scene) is None:
-                    exporter.write(self.trajectory, self.scene, partial / exporter.file_name)
+            write_plan_files(self.trajectory, self.scene, partial)
             if extra is not None:
                 extra(partial)
             written = self.timed("write", time.perf_counter() - began) if time_writing else self

@@ -2,7 +2,7 @@
 
 Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees
 joint positions, so speeds and accelerations are the derivatives of the quintic spline through the position samples,
-with the arm at rest before and after.
+with the arm at rest before and after; a receiver that moves otherwise between its samples brings its own motion.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from nospill import compiled
 from nospill.frames import SX, FrameMotion
+from nospill.interpolation import JointMotion, planned_motion
 from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
 from nospill.sample import coordinate_count, object_motion
@@ -27,8 +28,6 @@ from nospill.trajectory import Trajectory
 
 MINIMUM_RATE = 2000.0
 """Hz; the grid on which a trajectory is judged is at least this fine."""
-
-_HOLD_SAMPLES = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +55,13 @@ class Replay:
     slosh_error: float
 
 
-def replay(trajectory: Trajectory, scene: Scene) -> Replay:
+def replay(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Replay:
     """Play an exported trajectory again.
+
+    Args:
+        trajectory: its times set the grid.
+        scene: the scene it belongs to.
+        motion: what the joints do; the quintic spline through the trajectory's positions when left out.
 
     Raises:
         ModelError: the slosh integration does not converge (the liquid would leave its cup).
@@ -65,7 +69,7 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
     structure, numbers = structure_of(scene), numbers_of(scene)
     # The slosh integration compares two grids, so the coarser one starts at half the rate that is wanted.
     per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
-    spline = _joint_spline(trajectory)
+    spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
     made = _functions(structure, Shapes(numbers))
     grid, tray, body, finest = np.empty(0), None, np.empty((9, 0)), 0
@@ -108,16 +112,6 @@ def replay(trajectory: Trajectory, scene: Scene) -> Replay:
     )
 
 
-def _joint_spline(trajectory: Trajectory) -> Any:
-    from scipy.interpolate import make_interp_spline
-
-    q, period = trajectory.joint_position, 1.0 / trajectory.rate
-    hold = np.arange(1, _HOLD_SAMPLES + 1) * period
-    t = np.concatenate([trajectory.t[0] - hold[::-1], trajectory.t, trajectory.t[-1] + hold])
-    padded = np.concatenate([np.repeat(q[:1], len(hold), axis=0), q, np.repeat(q[-1:], len(hold), axis=0)])
-    return make_interp_spline(t, padded, k=5)
-
-
 def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
     count = (len(trajectory.t) - 1) * per_sample + 1
     return np.linspace(trajectory.t[0], trajectory.t[-1], count)
@@ -136,7 +130,7 @@ def _functions(structure: Structure, shapes: Shapes) -> compiled.Functions:
     return compiled.functions("replay", structure, build)[0]
 
 
-def _tray(scene: Scene, spline: Any, grid: np.ndarray, function: Any) -> tuple[ToolMotions, np.ndarray]:
+def _tray(scene: Scene, spline: JointMotion, grid: np.ndarray, function: Any) -> tuple[ToolMotions, np.ndarray]:
     motions = kinematics(scene.robot).motions(
         spline(grid),
         spline(grid, 1),

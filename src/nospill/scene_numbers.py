@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
 from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
+from nospill.robots.dynamics import Load, load_of
 from nospill.scene import Scene
 
 
@@ -52,7 +53,7 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         name: np.zeros(len(scene.robot.joints)) if limit is None else limit
         for name, limit in _further_limits(scene).items()
     }
-    load = load_of(scene)
+    load = flange_load(scene)
     return SceneNumbers(
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
@@ -67,8 +68,8 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         joint_torque_limit=further["torque"],
         self_motion=np.zeros(len(scene.robot.joints)),
         load_mass=load.mass,
-        load_first_moment=load.mass * load.centre,
-        load_inertia=_about_bottom(load),
+        load_first_moment=load.first_moment,
+        load_inertia=load.inertia,
         max_tilt=scene.motion.max_tilt,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
@@ -79,24 +80,18 @@ def numbers_of(scene: Scene) -> SceneNumbers:
     )
 
 
-def load_of(scene: Scene) -> MassProperties:
-    """What the flange carries as one rigid body, in flange axes: the tray as an even plate, the liquids still."""
+def flange_load(scene: Scene) -> Load:
+    """What the flange carries as one rigid body, flange axes: tray as an even plate, liquids at rest."""
     tray = scene.tray
-    cosine, sine = math.cos(tray.yaw_on_flange), math.sin(tray.yaw_on_flange)
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    turn = Rotation.from_euler("z", tray.yaw_on_flange).as_matrix()
     x, y = tray.size
-    plate = MassProperties(tray.mass, np.zeros(3), tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y]))
-    parts = [(plate, np.zeros(3), 0.0)]
-    parts += [(cargo.total, np.append(cargo.position, 0.0), cargo.yaw) for cargo in scene.cargo]
-    mass, first_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
-    for body, place, yaw in parts:
-        own = Rotation.from_euler("z", yaw).as_matrix()
-        centre = tray.offset + turn @ (place + own @ body.centre)
-        mass += body.mass
-        first_moment += body.mass * centre
-        inertia += turn @ own @ body.inertia @ own.T @ turn.T + body.mass * _parallel_axis(centre)
-    centre = first_moment / mass
-    return MassProperties(mass, centre, inertia - mass * _parallel_axis(centre))
+    plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
+    load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
+    for cargo in scene.cargo:
+        own = turn @ Rotation.from_euler("z", cargo.yaw).as_matrix()
+        centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+        load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
+    return load
 
 
 def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:

@@ -15,7 +15,7 @@ class Tray:
         size: (2,) side lengths along x and y, m.
         offset: (3,) origin of the tray frame in the flange frame, m.
         yaw_on_flange: turn of the tray frame about the flange's z, rad.
-        mass: kg.
+        mass: of the board itself, without its load, kg; spread evenly, at the height of the surface.
     """
 
     size: np.ndarray

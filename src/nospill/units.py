@@ -51,6 +51,7 @@ DIMENSIONS: dict[str, Dimension] = {
     ),
     "angular_jerk": Dimension("an angular jerk", {"rad/s^3": _ONE, "deg/s^3": _DEGREE}, "rad/s^3", "1000 rad/s^3"),
     "path_jerk": Dimension("a jerk of the path parameter", {"1/s^3": _ONE}, "1/s^3", "1000 1/s^3"),
+    "torque": Dimension("a torque", {"N m": _ONE, "Nm": _ONE, "mN m": _MILLI, "kN m": Decimal(1000)}, "N m", "150 N m"),
     "mass": Dimension("a mass", {"kg": _ONE, "g": _MILLI}, "kg", "0.2 kg"),
     "frequency": Dimension("a frequency", {"Hz": _ONE, "kHz": Decimal(1000)}, "Hz", "500 Hz"),
     "density": Dimension(

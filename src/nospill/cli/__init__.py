@@ -11,12 +11,25 @@ from typing import Annotated
 
 import typer
 
+from nospill.cli.exporting import export
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.slosh import compare, simulate
+from nospill.cli.viewing import view
 
-COMMANDS: tuple[Callable[..., int], ...] = (plan, check, plot, simulate, compare, examples, robots, schema)
+COMMANDS: tuple[Callable[..., int], ...] = (
+    plan,
+    check,
+    plot,
+    view,
+    export,
+    simulate,
+    compare,
+    examples,
+    robots,
+    schema,
+)
 """Every command, in the order of the help text: a new one is a function in a file here and an entry in this table."""
 
 app = typer.Typer(

@@ -72,8 +72,12 @@ def plan(
 def check(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
 ) -> int:
-    """Judge a plan folder again, from its trajectory and scenario alone; nothing is optimised or written."""
+    """Judge a plan folder again, from its trajectory and scenario alone, and compare its controller files with that.
+
+    Nothing is optimised or written.
+    """
     from nospill.certificate import certify
+    from nospill.export.plan_files import compare_plan_files
     from nospill.plans import describe, load_plan
 
     saved = load_plan(folder)
@@ -81,7 +85,13 @@ def check(
     _print_certificate(certificate)
     if not certificate.ok:
         say(f"Not certified: {describe(certificate.worst)}.")
-    return 0 if certificate.ok else 1
+    differences = compare_plan_files(saved.trajectory, saved.scene, folder)
+    for name, difference in differences.items():
+        if difference is None:
+            print(f"{name}: holds the motion of the trajectory")
+        else:
+            say(f"{folder / name} {difference}; write the plan again before it goes to a robot.")
+    return 0 if certificate.ok and not any(differences.values()) else 1
 
 
 def plot(

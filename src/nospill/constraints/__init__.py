@@ -7,6 +7,7 @@ from nospill.constraints.joint_acceleration import JointAcceleration
 from nospill.constraints.joint_jerk import JointJerk
 from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.joint_speed import JointSpeed
+from nospill.constraints.joint_torque import JointTorque
 from nospill.constraints.lift import Lift
 from nospill.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.constraints.slip import Slip
@@ -28,6 +29,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointSpeed(),
     JointAcceleration(),
     JointJerk(),
+    JointTorque(),
     Tilt(),
     PathJerk(),
     TiltJerk(),

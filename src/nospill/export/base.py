@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import secrets
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from nospill.errors import PlanFolderError
+from nospill.interpolation import Interpolation, JointSamples
 from nospill.scene import Scene
-from nospill.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,17 +22,128 @@ class Exporter:
 
     Attributes:
         name: key in the table of exporters.
-        file_name: name of the file in a plan folder.
+        suffixes: ends of the file names that `write` takes, the usual one first; each has its own spelling of the
+            format where there are several.
         title: what the format is, in one line.
-        reason_against: the sentence that says why a scene cannot be written in this format, or None when it can.
-        write: (trajectory, scene, path) -> file; raises ScenarioError with that sentence, PlanFolderError for the disk.
-        read: (path, scene) -> time (samples,) in s from 0 and joint positions (samples, joints) in rad; raises
-            PlanFolderError for a file that is missing or not in this format.
+        receiver: what plays the file, and how it moves between the samples, in one line.
+        interpolation: the same as the judge plays it.
+        reason_against: the sentence that says why a scene cannot be written in this format at a rate in Hz, or None
+            when it can.
+        write: (samples, scene, path) -> file; raises ScenarioError with that sentence, PlanFolderError for the disk.
+        read: (path, scene) -> samples from t = 0 as the receiver takes them from the file; raises PlanFolderError for
+            a file that is missing, not in this format or not for this scene's robot.
+        plan_file: name under which every plan folder holds this file as well, or None.
     """
 
     name: str
-    file_name: str
+    suffixes: tuple[str, ...]
     title: str
-    reason_against: Callable[[Scene], str | None]
-    write: Callable[[Trajectory, Scene, Path], None]
-    read: Callable[[Path, Scene], tuple[np.ndarray, np.ndarray]]
+    receiver: str
+    interpolation: Interpolation
+    reason_against: Callable[[Scene, float], str | None]
+    write: Callable[[JointSamples, Scene, Path], None]
+    read: Callable[[Path, Scene], JointSamples]
+    plan_file: str | None = None
+
+
+def full_columns(samples: JointSamples) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds and accelerations of samples that have both.
+
+    Raises:
+        PlanFolderError: they have not.
+    """
+    if samples.speed is None or samples.acceleration is None:
+        raise PlanFolderError("this format needs speeds and accelerations; these samples have positions only")
+    return samples.speed, samples.acceleration
+
+
+def number(value: float) -> str:
+    """Shortest text that reads back as exactly this number, a number to JSON and to YAML 1.1 (1.0e-05, not 1e-05)."""
+    text = repr(float(value) + 0.0)  # turns -0.0 into 0.0
+    mantissa, exponent, power = text.partition("e")
+    return f"{mantissa}.0e{power}" if exponent and "." not in mantissa else text
+
+
+def numbers(values: np.ndarray, separator: str = ", ") -> str:
+    """A row of numbers (n,) as `number` writes them."""
+    return separator.join(number(value) for value in values)
+
+
+def finite_row(cells: object, count: int, where: str) -> list[float]:
+    """A row of finite numbers from a file, as text or as numbers.
+
+    Args:
+        cells: a list of `count` numbers or texts of numbers; anything else is an error.
+        count: how many there must be.
+        where: file and place, for the message.
+
+    Raises:
+        PlanFolderError: it is not such a row.
+    """
+    try:
+        values = [float(cell) for cell in cells] if isinstance(cells, list) else []
+    except (TypeError, ValueError):
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise PlanFolderError(f"{where}: {str(cells)[:80]} is not a row of {count} finite numbers")
+    return values
+
+
+def checked_samples(samples: JointSamples, where: str | Path) -> JointSamples:
+    """The samples as they are.
+
+    Raises:
+        PlanFolderError: fewer than two, or time does not start at 0 or does not increase.
+    """
+    if len(samples.t) < 2:
+        raise PlanFolderError(f"{where}: holds {len(samples.t)} samples, at least 2 make a motion")
+    if samples.t[0] != 0.0:
+        raise PlanFolderError(f"{where}: time starts at {samples.t[0]:g} s, 0 is expected")
+    backwards = np.flatnonzero(np.diff(samples.t) <= 0.0)
+    if len(backwards):
+        row = int(backwards[0])
+        raise PlanFolderError(f"{where}: time does not increase after sample {row + 1} ({samples.t[row]:g} s)")
+    return samples
+
+
+def require_joints(found: object, scene: Scene, where: str | Path) -> None:
+    """Refuse a file whose joints are not the robot's, in its order.
+
+    Raises:
+        PlanFolderError: they are not.
+    """
+    wanted = list(scene.robot.joints)
+    if found != wanted:
+        shown = ", ".join(map(str, found)) if isinstance(found, list) else repr(found)
+        raise PlanFolderError(f"{where}: its joints are {shown[:200]}; those of the robot are {', '.join(wanted)}")
+
+
+def text_of(path: Path) -> str:
+    """The content of a text file (UTF-8).
+
+    Raises:
+        PlanFolderError: it cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a text file"
+        raise PlanFolderError(f"cannot read {path}: {reason}; write it again with nospill export") from error
+
+
+def atomic_bytes(path: Path, content: bytes) -> None:
+    """Write a file so that readers see the old or the new content.
+
+    Raises:
+        PlanFolderError: the disk refuses, or `path` is a folder.
+    """
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.partial")
+    try:
+        partial.write_bytes(content)
+        partial.replace(path)
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise PlanFolderError(f"cannot write {path}: {reason}; make room or name another place") from error
+    finally:
+        with suppress(OSError):
+            partial.unlink()

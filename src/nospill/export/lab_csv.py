@@ -16,8 +16,8 @@ import numpy as np
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter
 from nospill.files import atomic_text
+from nospill.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.scene import Scene
-from nospill.trajectory import Trajectory
 
 LAB_RATE = 500.0
 """Rows the laboratory's controller plays per second, Hz."""
@@ -106,28 +106,32 @@ def _reason_against(rate: float, joints: int) -> str | None:
     if joints != JOINTS:
         return f"the lab's joint file has {JOINTS} columns; this motion has {joints} joints"
     if rate != LAB_RATE:
-        return f"output_rate is {rate:g} Hz; the lab's controller plays {LAB_RATE:g} rows a second; set it to 500"
+        return f"rate is {rate:g} Hz; the lab's controller plays {LAB_RATE:g} rows a second; plan or export at 500"
     return None
 
 
-def _scene_reason(scene: Scene) -> str | None:
-    return _reason_against(scene.output_rate, len(scene.robot.joints))
+def _scene_reason(scene: Scene, rate: float) -> str | None:
+    return _reason_against(rate, len(scene.robot.joints))
 
 
-def _write(trajectory: Trajectory, scene: Scene, path: Path) -> None:
-    write_lab_csv(trajectory.joint_position, path, rate=scene.output_rate)
+def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+    write_lab_csv(samples.position, path, rate=round(samples.rate, 3))
 
 
-def _read(path: Path, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    return read_lab_csv(path, rate=scene.output_rate)
+def _read(path: Path, scene: Scene) -> JointSamples:
+    t, joints = read_lab_csv(path, rate=LAB_RATE)
+    return JointSamples(t, joints)
 
 
 LAB_CSV = Exporter(
     name="lab-csv",
-    file_name="robot.csv",
+    suffixes=(".robot.csv",),
     title="six joints in rad, ';', 500 Hz, 1 s of rest first (LAR-IRMA, Smart SiX)",
+    receiver="the laboratory's controller: a row every 2 ms under position control (quintic spline)",
+    interpolation=QUINTIC_SPLINE,
     reason_against=_scene_reason,
     write=_write,
     read=_read,
+    plan_file="robot.csv",
 )
 """The laboratory's joint file as an exporter."""

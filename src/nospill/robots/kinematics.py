@@ -11,13 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
-from xml.etree import ElementTree
 
 import casadi as cs
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.robots.chain import chain_expressions, links
+from nospill.robots.bodies import Chain as BodyChain
+from nospill.robots.bodies import chain_bodies
+from nospill.robots.chain import chain_expressions
+from nospill.robots.urdf_tree import read_tree
 
 ToolPosition = Sequence[float] | np.ndarray | cs.SX
 
@@ -70,7 +72,7 @@ class Kinematics:
         rate_change = cs.SX.sym("qdd", self.n)
         tool = cs.SX.sym("tool", 4)
         motion = chain_expressions(
-            links(_tree(urdf), joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
+            _chain(urdf, joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
         )
         position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
         twist = cs.vertcat(motion.velocity, motion.angular_velocity)
@@ -209,16 +211,19 @@ def kinematics(robot: Chain) -> Kinematics:
 _kinematics = lru_cache(maxsize=32)(Kinematics)
 
 
-def _tree(urdf: str) -> ElementTree.Element:
-    try:
-        tree = ElementTree.fromstring(urdf)
-    except ElementTree.ParseError as error:
-        raise ScenarioError(f"robot description is no XML: {error}; give the text of a URDF file") from error
-    if tree.tag != "robot":
+def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
+    tree = read_tree(urdf)
+    if tip not in tree.links:
         raise ScenarioError(
-            f"robot description starts with <{tree.tag}>, expected <robot>; give the text of a URDF file"
+            f"robot description: tip {tip!r} is no link; there are {', '.join(sorted(tree.links)[:12])}"
         )
-    return tree
+    chain = chain_bodies(tree, joints, tip)
+    if len(chain.bodies) != len(joints):
+        known = ", ".join(joint.name for joint in tree.joints)
+        raise ScenarioError(
+            f"robot description: not all of the joints {', '.join(joints)} lead to {tip!r}; there are {known}"
+        )
+    return chain
 
 
 def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:

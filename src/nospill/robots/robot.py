@@ -21,10 +21,12 @@ class Robot:
         max_speed: rad/s. max_acceleration: rad/s^2, max_jerk: rad/s^3, max_torque: N m; each None where it is not set,
             and then not limited.
         inertias_known: whether the URDF's masses and inertias are real, so that joint torques can be computed.
-        home: (n,) configuration the arm stands in before and after, rad, or None.
+        home: (n,) configuration the arm stands in before and after, rad, or None. The scenario's if it gives one, else
+            the catalogue's.
         payload: kg or None. reach: m or None.
         sources: quantity -> where the figure comes from.
         not_known: quantities nobody states for this arm, in words.
+        notes: what was assumed when its description was read, one sentence each, for people.
     """
 
     name: str
@@ -44,3 +46,4 @@ class Robot:
     max_torque: np.ndarray | None = None
     inertias_known: bool = False
     home: np.ndarray | None = None
+    notes: tuple[str, ...] = ()

@@ -119,6 +119,26 @@ class Vector:
         return {"anyOf": [entry, vector]} if self.scalar_is_last else vector
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointValues:
+    """One quantity for all joints, or a list with one for each. Metadata for `Annotated[float | tuple | None, ...]`."""
+
+    entry: Measured
+
+    def read(self, value: object) -> float | tuple[float, ...]:
+        """Return the value or the values in SI units, or raise the pydantic error that says what is allowed."""
+        if isinstance(value, list | tuple):
+            return tuple(self.entry.read(entry) for entry in value)
+        return self.entry.read(value)
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        entry = self.entry.__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [entry, {"type": "array", "items": entry, "minItems": 1}]}
+
+
 @dataclass(frozen=True, slots=True)
 class SafeName:
     """A name that can be a file name and a column name everywhere."""

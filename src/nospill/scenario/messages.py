@@ -98,6 +98,7 @@ _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "int_type": lambda shown, context: f"{shown} is not a whole number; write one without quotes or decimal point",
     "greater_than_equal": lambda shown, context: f"{shown} is out of range: it must be at least {context['ge']}",
     "less_than_equal": lambda shown, context: f"{shown} is out of range: it must be at most {context['le']}",
+    "dict_type": lambda shown, context: f"{shown} is not a table; write {{ name = value }}",
     "list_type": lambda shown, context: f"{shown} is not a list; put the values in brackets",
     "too_short": lambda shown, context: _entries(context),
     "model_type": lambda shown, context: f"is not a table but {shown}; write its keys under their own heading",
@@ -125,11 +126,20 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         return ("[path]", location[2:], model) if len(location) > 1 else ("", location, Scenario)
     if len(location) == 1:
         return "", location, Scenario
-    return f"[{head}]", location[1:], _table_model(str(head))
+    model = _table_model(str(head))
+    if model is not None and len(location) > 2:
+        inner = _model_of(model, str(location[1]))
+        if inner is not None:
+            return f"[{head}.{location[1]}]", location[2:], inner
+    return f"[{head}]", location[1:], model
 
 
 def _table_model(key: str) -> type[BaseModel] | None:
-    annotation = Scenario.model_fields[key].annotation if key in Scenario.model_fields else None
+    return _model_of(Scenario, key)
+
+
+def _model_of(model: type[BaseModel], key: str) -> type[BaseModel] | None:
+    annotation = model.model_fields[key].annotation if key in model.model_fields else None
     return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
 
 

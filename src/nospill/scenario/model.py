@@ -10,13 +10,8 @@ from pydantic import Field
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.fields import SIDE, Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
 from nospill.scenario.path_entries import PathEntry
+from nospill.scenario.robot_entry import RobotTable
 from nospill.scene import EndCondition, Fidelity
-
-
-class RobotTable(Table):
-    """`[robot]`: the arm."""
-
-    model: Annotated[str, Field(strict=True, description="name of an arm in the catalogue (`nospill robots`)")]
 
 
 class TrayTable(Table):
@@ -37,6 +32,11 @@ class TrayTable(Table):
         Field(description="centre of the surface in the flange frame, or just its height along the flange's axis"),
     ] = (0.0, 0.0, 0.0)
     yaw_on_flange: Annotated[Angle, Field(description="turn of the tray about the flange's axis")] = 0.0
+    mass: Annotated[
+        float,
+        Measured(dimension="mass", at_least=0.0, at_most=1000.0),
+        Field(description="mass of the board without its load"),
+    ] = 0.0
 
 
 class MotionTable(Table):
@@ -122,7 +122,7 @@ class Scenario(Table):
     ] = "full"
     name: Annotated[Name | None, Field(description="short name of the task; the file's name when not given")] = None
     description: Annotated[str, Field(strict=True, description="one line about the task")] = ""
-    robot: Annotated[RobotTable, Field(description="the arm, with the key model")]
+    robot: Annotated[RobotTable, Field(description="the arm, with the key model or urdf")]
     tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
     cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
     path: Annotated[PathEntry, Field(description="the way the tray goes, with the key type")]

@@ -19,7 +19,7 @@ from nospill.cargo import Cargo
 from nospill.errors import ModelError, ScenarioError
 from nospill.examples import EXAMPLES, example_path
 from nospill.files import atomic_text
-from nospill.robots.catalog import load_robot
+from nospill.robots.robot import Robot
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
@@ -27,7 +27,7 @@ from nospill.scenario.model import Scenario
 from nospill.scene import MotionRules, PlanningOptions, Scene
 from nospill.slosh.modes import STANDARD_GRAVITY
 from nospill.tray import Tray
-from nospill.units import as_written
+from nospill.units import as_written, format_quantity
 
 _LARGEST_FILE = 10_000_000
 _KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
@@ -65,7 +65,7 @@ def scene_from_table(table: Mapping[str, Any], *, name: str, folder: str | os.Pa
 
 def scenario_text(scene: Scene) -> str:
     """The scenario of a scene as TOML that needs no other file; reading it gives an equal scene."""
-    return tomli_w.dumps(scene.source)
+    return tomli_w.dumps(scene.source, multiline_strings=True)
 
 
 def write_scenario(scene: Scene, path: str | FilePath) -> None:
@@ -144,7 +144,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     except ValidationError as error:
         raise report(label, faults_of(error, table)) from None
     with _at(label, "[robot]"):
-        robot = load_robot(scenario.robot.model)
+        described = scenario.robot.standalone(folder)
+        robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[path]"):
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
@@ -152,13 +153,20 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         size=_constant(scenario.tray.size),
         offset=_constant(scenario.tray.offset),
         yaw_on_flange=scenario.tray.yaw_on_flange,
+        mass=scenario.tray.mass,
     )
     cargo = _cargo(scenario, label)
+    _check_payload(robot, tray, cargo, label)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
-    source = {**table, "name": scene_name, "path": {**table["path"], **read_in}}
+    source = {
+        **table,
+        "name": scene_name,
+        "robot": {**table["robot"], **described},
+        "path": {**table["path"], **read_in},
+    }
     return Scene(
         name=scene_name,
         fidelity=scenario.fidelity,
@@ -201,6 +209,24 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
     if faults:
         raise report(label, faults)
     return tuple(cargo)
+
+
+def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], label: str) -> None:
+    load = sum(item.total.mass for item in cargo)
+    if robot.payload is not None and tray.mass + load > robot.payload * (1.0 + 1e-9):  # rounding of the sum
+        raise report(
+            label,
+            [
+                (
+                    "[tray]",
+                    f"tray and cargo weigh {format_quantity(tray.mass + load, 'mass', digits=4)} (tray "
+                    f"{format_quantity(tray.mass, 'mass', digits=4)}, cargo with its liquid "
+                    f"{format_quantity(load, 'mass', digits=4)}), more than the "
+                    f"{format_quantity(robot.payload, 'mass', digits=4)} that robot {robot.name!r} may carry; "
+                    "take something off or choose a stronger arm",
+                )
+            ],
+        )
 
 
 def _motion(scenario: Scenario) -> MotionRules:

@@ -1,10 +1,11 @@
-"""Export formats: what is written is what is read, and nothing else is accepted."""
+"""The laboratory's file: what is written is what is read, and nothing else is accepted."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,20 +14,16 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
-from nospill.export import EXPORTERS
-from nospill.export.lab_csv import read_lab_csv, write_lab_csv
+from nospill.export.lab_csv import LAB_CSV, read_lab_csv, write_lab_csv
+from nospill.interpolation import JointSamples
 
-DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[2] / "shared" / "data"))
+DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[3] / "shared" / "data"))
 
 
 def motion(samples: int = 40, joints: int = 6, rate: float = 500.0) -> np.ndarray:
     """A rest-to-rest quintic in every joint, with different ends."""
     u = np.linspace(0.0, 1.0, samples)[:, None]
     return np.linspace(-1.3, 2.1, joints) + np.linspace(0.5, -3.0, joints) * (10 * u**3 - 15 * u**4 + 6 * u**5)
-
-
-def scene(*, rate: float = 500.0, joints: int = 6) -> SimpleNamespace:
-    return SimpleNamespace(output_rate=rate, robot=SimpleNamespace(joints=tuple(f"j{i}" for i in range(joints))))
 
 
 def test_format_to_the_letter(tmp_path: Path) -> None:
@@ -79,8 +76,8 @@ def test_no_negative_zero(tmp_path: Path) -> None:
     [
         (motion(joints=7), {"rate": 500.0}, r"6 columns; this motion has 7 joints"),
         (motion()[:, 0], {"rate": 500.0}, r"6 columns; this motion has 0 joints"),
-        (motion(), {"rate": 250.0}, r"output_rate is 250 Hz; the lab's controller plays 500 rows"),
-        (motion(), {"rate": float("nan")}, r"output_rate is nan Hz"),
+        (motion(), {"rate": 250.0}, r"rate is 250 Hz; the lab's controller plays 500 rows"),
+        (motion(), {"rate": float("nan")}, r"rate is nan Hz"),
         (motion() * np.nan, {"rate": 500.0}, r"at least 2 samples, all finite"),
         (motion()[:1], {"rate": 500.0}, r"at least 2 samples, all finite; this motion has 1"),
         (motion(), {"rate": 500.0, "hold": 0.9}, r"hold is 0\.9 s; the lab's controller wants 1 s"),
@@ -145,27 +142,13 @@ def test_unreadable(tmp_path: Path) -> None:
             read_lab_csv(path, rate=500.0)
 
 
-@pytest.mark.parametrize("name", sorted(EXPORTERS))
-def test_every_exporter_keeps_the_contract(tmp_path: Path, name: str) -> None:
-    exporter = EXPORTERS[name]
-    assert exporter.name == name
-    assert exporter.title
-    assert "\n" not in exporter.title
-    good, path, q = scene(), tmp_path / exporter.file_name, motion()
-    assert exporter.reason_against(good) is None  # type: ignore[arg-type]
-    exporter.write(SimpleNamespace(joint_position=q), good, path)  # type: ignore[arg-type]
-    t, back = exporter.read(path, good)  # type: ignore[arg-type]
-    assert np.allclose(t, np.arange(len(q)) / good.output_rate, atol=1e-12)
-    assert np.allclose(back, q, atol=1e-9, rtol=0.0)
-
-
-@pytest.mark.parametrize("bad", [scene(rate=1000.0), scene(joints=7)])
-def test_a_scene_that_does_not_fit_is_told_before(tmp_path: Path, bad: SimpleNamespace) -> None:
-    exporter = EXPORTERS["lab-csv"]
-    reason = exporter.reason_against(bad)  # type: ignore[arg-type]
+@pytest.mark.parametrize(("rate", "joints"), [(1000.0, 6), (500.0, 7)])
+def test_a_scene_that_does_not_fit_is_told_before(tmp_path: Path, rate: float, joints: int) -> None:
+    scene: Any = SimpleNamespace(robot=SimpleNamespace(joints=tuple(f"j{i}" for i in range(joints))))
+    reason = LAB_CSV.reason_against(scene, rate)
     assert reason
     with pytest.raises(NospillError) as caught:
-        exporter.write(SimpleNamespace(joint_position=motion(joints=len(bad.robot.joints))), bad, tmp_path / "a.csv")  # type: ignore[arg-type]
+        LAB_CSV.write(JointSamples(np.arange(40) / rate, motion(joints=joints)), scene, tmp_path / "a.csv")
     assert str(caught.value) == reason
 
 

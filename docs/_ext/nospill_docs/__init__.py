@@ -1,0 +1,37 @@
+"""What the documentation makes of the package when the build starts: a Sphinx extension."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sphinx.application import Sphinx
+
+from nospill_docs.extending import write_extending
+from nospill_docs.gallery import write_gallery
+from nospill_docs.links import check_links
+from nospill_docs.mathml import add_mathml
+from nospill_docs.notebooks import write_notebooks
+from nospill_docs.places import Places
+from nospill_docs.tables import write_tables
+from nospill_docs.topics import write_topics
+from nospill_docs.transcripts import write_transcripts
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the generators, the mathematics and the check of the links."""
+    add_mathml(app)
+    app.connect("builder-inited", _generate)
+    app.connect("autodoc-process-docstring", _plain_bars)
+    app.connect("build-finished", check_links)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def _generate(app: Sphinx) -> None:
+    places = Places.of(app.srcdir)
+    for write in (write_topics, write_tables, write_extending, write_transcripts, write_gallery, write_notebooks):
+        write(places)
+
+
+def _plain_bars(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """Docstrings write absolute values as |x|, which reStructuredText would take for substitutions."""
+    lines[:] = [line.replace("|", r"\|") for line in lines]

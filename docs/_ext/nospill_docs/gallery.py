@@ -1,0 +1,119 @@
+"""The gallery: every bundled example planned, drawn and, where the viewer is installed, put into a page that plays."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from nospill.examples import EXAMPLES, example_path
+from nospill_docs.places import Places, copy_if_changed, write_if_changed
+from nospill_docs.tables import markdown_table
+
+CAPTIONS: dict[str, str] = {
+    "summary": "Summary sheet: path, certificate, heights, joint speeds.",
+    "slosh-heights": "Height of each liquid at the wall, over its limit.",
+    "margins": "How much of each limit is used.",
+    "joints": "Joint positions, speeds and accelerations.",
+    "tilt": "Tilt of the tray.",
+}
+"""Figure -> its caption; figures that a plan has and this table has not are shown with their name."""
+
+
+def write_gallery(places: Places) -> None:
+    """One page an example; plans are kept until the package or the scenario changes."""
+    for number, (name, about) in enumerate(EXAMPLES.items(), 1):
+        scenario = example_path(name).read_text(encoding="utf-8")
+        folder = (
+            places.cached(f"plan-{name}", scenario, lambda target, name=name: _plan(name, target / "plan")) / "plan"
+        )
+        pictures = sorted((folder / "figures").glob("*.png"), key=_order)
+        for picture in pictures:
+            copy_if_changed(picture, places.docs / "gallery" / f"{number:02d}-{name}" / picture.name)
+        scene = _scene(places, name, folder)
+        page = _page(number, name, about, scenario, folder, [picture.stem for picture in pictures], scene is not None)
+        write_if_changed(places.docs / "gallery" / f"{number:02d}-{name}.md", page)
+    cards = "".join(_card(number, name, about) for number, (name, about) in enumerate(EXAMPLES.items(), 1))
+    write_if_changed(places.generated / "gallery.md", cards)
+
+
+def _plan(name: str, folder: Path) -> None:
+    _nospill("plan", name, "-o", str(folder))
+
+
+def _nospill(*arguments: str) -> None:
+    """Run the command line in a process of its own; what it prints is shown only if it fails.
+
+    Raises:
+        RuntimeError: the command failed.
+    """
+    program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
+    environment = {**os.environ, "NOSPILL_COMPILE": "off"}
+    done = subprocess.run(program, env=environment, text=True, capture_output=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"nospill {' '.join(arguments)} failed ({done.returncode}): {done.stderr.strip()[-400:]}")
+
+
+def viewer_is_there() -> bool:
+    """Whether `nospill view` exists and its library is installed."""
+    with contextlib.suppress(ModuleNotFoundError):
+        from nospill.cli import COMMANDS
+
+        named = any(command.__name__ == "view" for command in COMMANDS)
+        return named and importlib.util.find_spec("viser") is not None
+    return False
+
+
+def _scene(places: Places, name: str, folder: Path) -> Path | None:
+    """The page that plays the motion, beside the site's pages; None without the viewer."""
+    if not viewer_is_there():
+        return None
+    viewer = Path(str(importlib.util.find_spec("nospill").origin)).parent / "viewer"  # type: ignore[union-attr]
+    key = "".join(path.read_text(encoding="utf-8") for path in sorted(viewer.rglob("*.py")))
+
+    def make(target: Path) -> None:
+        _nospill("view", str(folder), "--html", str(target / "scene.html"))
+
+    made = places.cached(f"scene-{name}", f"{folder.parent.name} {key}", make) / "scene.html"
+    copy_if_changed(made, places.generated / "extra" / "scenes" / f"{name}.html")
+    return made
+
+
+def _order(picture: Path) -> int:
+    return list(CAPTIONS).index(picture.stem) if picture.stem in CAPTIONS else len(CAPTIONS)
+
+
+def _card(number: int, name: str, about: str) -> str:
+    page = f"{number:02d}-{name}"
+    return (
+        f"## {number}. [{name}]({page}.md)\n\n{about[:1].upper()}{about[1:]}.\n\n"
+        f"```{{image}} {page}/summary.png\n:alt: summary sheet of {name}\n:width: 70%\n:target: {page}.html\n```\n\n"
+    )
+
+
+def _page(number: int, name: str, about: str, scenario: str, folder: Path, pictures: list[str], scene: bool) -> str:
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    heights = summary["max_slosh_height_m"]
+    facts = [
+        ("status", summary["status"]),
+        ("duration", f"{summary['duration_s']:.3f} s"),
+        ("greatest acceleration of the tray", f"{summary['max_tray_acceleration_m_s2']:.2f} m/s^2"),
+        ("greatest tilt", f"{summary['max_tilt_deg']:.1f} deg"),
+        ("greatest use of a joint speed", f"{100 * summary['max_joint_speed_use']:.0f} %"),
+        *((f"liquid in {cup}, greatest height", f"{1e3 * height:.2f} mm") for cup, height in heights.items()),
+    ]
+    play = f'<p><a href="../scenes/{name}.html">Play the motion</a> (one file, works without a network).</p>\n\n'
+    figures = "".join(
+        f"```{{figure}} {number:02d}-{name}/{stem}.png\n:alt: {stem} of {name}\n\n{CAPTIONS.get(stem, stem)}\n```\n\n"
+        for stem in pictures
+    )
+    return (
+        f"# {number}. {name}\n\n{about[:1].upper()}{about[1:]}.\n\n{summary['message']}\n\n"
+        f"{play if scene else ''}{markdown_table(('result', ''), facts)}\n"
+        f"```console\n$ nospill plan {name} -o out/{name}\n```\n\n## Figures\n\n{figures}"
+        f"## Scenario\n\n```toml\n{scenario.rstrip()}\n```\n"
+    )

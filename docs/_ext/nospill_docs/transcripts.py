@@ -1,0 +1,55 @@
+"""Sessions with the command line, run by the build, so that what the pages print is what the program prints."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from nospill_docs.places import Places, copy_if_changed
+
+TRANSCRIPTS: dict[str, tuple[str, ...]] = {
+    "two-cups": ("nospill plan two-cups.toml -o out/two-cups", "nospill check out/two-cups"),
+    "misspelt": ("nospill plan misspelt.toml",),
+    "out-of-reach": ("nospill plan out-of-reach.toml",),
+    "impossible": ("nospill plan impossible.toml",),
+    "bad-value": ("nospill plan overfull.toml",),
+}
+"""Name -> what is typed in a folder that holds the files of docs/examples."""
+
+
+def write_transcripts(places: Places) -> None:
+    """Run every session and write it as text, with the exit code where it is not 0."""
+    examples = sorted((places.docs / "examples").glob("*.toml"))
+    key = "".join(path.read_text(encoding="utf-8") for path in examples)
+    for name, commands in TRANSCRIPTS.items():
+
+        def run(folder: Path, commands: tuple[str, ...] = commands) -> None:
+            work = folder / "work"
+            work.mkdir()
+            for path in examples:
+                shutil.copy(path, work)
+            (folder / "session.txt").write_text(session(commands, work), encoding="utf-8")
+
+        made = places.cached(f"session-{name}", f"{commands} {key}", run)
+        copy_if_changed(made / "session.txt", places.generated / "sessions" / f"{name}.txt")
+
+
+def session(commands: tuple[str, ...], folder: Path) -> str:
+    """What a terminal would show: each command, its output, and its exit code unless it is 0."""
+    text = ""
+    environment = {**os.environ, "NOSPILL_COMPILE": "off", "COLUMNS": "120"}
+    for command in commands:
+        _, *arguments = shlex.split(command)
+        program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
+        done = subprocess.run(program, cwd=folder, env=environment, text=True, capture_output=True, check=False)
+        said = [line for line in done.stderr.splitlines() if not line.endswith(" ...")]
+        lines = [line.rstrip() for line in [*done.stdout.splitlines(), *said]]
+        while lines and not lines[0]:
+            lines.pop(0)
+        text += f"$ {command}\n" + "".join(f"{line}\n" for line in lines)
+        text += f"(exit code {done.returncode})\n" if done.returncode else ""
+    return text

@@ -1,0 +1,95 @@
+"""export: from a plan folder to a file for a controller, judged as that controller will play it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.reporting import print_table, say
+from nospill.errors import ScenarioError
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.export import Exporter
+    from nospill.handover import Handover
+    from nospill.plans import Plan
+
+
+def export(
+    folder: Annotated[Path | None, typer.Argument(metavar="DIR", help="A plan folder.", show_default=False)] = None,
+    format_name: Annotated[
+        str | None, typer.Option("--format", metavar="NAME", help="One of the formats of --list.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Write here, not next to the plan.", show_default=False),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", help="Samples per second; the plan's when left out.", show_default=False),
+    ] = None,
+    only_list: Annotated[bool, typer.Option("--list", help="List the formats and stop.")] = False,
+) -> int:
+    """Write a plan as a controller's file, read it back and certify it as its receiver plays it.
+
+    Exit code 0 only if what was read back is certified; a file that is not is written all the same, and said to be so.
+    """
+    if only_list:
+        _print_formats()
+        return 0
+    if folder is None or format_name is None:
+        raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
+    from nospill.handover import exporter_named, hand_over
+    from nospill.plans import load_plan
+
+    exporter = exporter_named(format_name)
+    plan = load_plan(folder)
+    target = _target(folder, output, exporter)
+    done = hand_over(plan, exporter, target, rate=rate)
+    _report(done)
+    if not done.certificate.ok:
+        _say_why(plan, done)
+    return 0 if done.certificate.ok else 1
+
+
+def _print_formats() -> None:
+    from nospill.export import EXPORTERS
+
+    rows = [(item.name, " ".join(item.suffixes), item.title, item.receiver) for item in EXPORTERS.values()]
+    print_table(("format", "file", "what it is", "who plays it, and how"), rows)
+
+
+def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
+    """The file to write: the one named, or the plan folder's name with the format's suffix, beside it."""
+    place = folder.resolve()
+    target = place.with_name(place.name + exporter.suffixes[0]) if output is None else output
+    if place == target.resolve() or place in target.resolve().parents:
+        raise ScenarioError(f"{target}: a plan folder holds nothing but the plan; name a file outside of {folder}")
+    return target
+
+
+def _report(done: Handover) -> None:
+    certificate = done.certificate
+    print(f"written to {done.path}: {done.samples} samples at {done.rate:.6g} Hz ({done.exporter.name})")
+    print(f"played by {done.exporter.receiver}")
+    print(f"read back: joints within {done.joint_deviation:.2g} rad of the plan at all times")
+    grid = f"on a grid of {certificate.grid_hz:g} Hz"
+    failed = sum(not row.ok for row in certificate.rows)
+    if certificate.ok:
+        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
+    else:
+        print(f"not certified: {failed} of {len(certificate.rows)} rows fail {grid}")
+
+
+def _say_why(plan: Plan, done: Handover) -> None:
+    from nospill.handover import rate_that_would_do
+    from nospill.plans import describe
+
+    name = done.exporter.name
+    would_do = rate_that_would_do(plan, done.exporter) if plan.certificate.ok else None
+    if would_do is not None:
+        advice = f"--rate {would_do:g} would do"
+    else:
+        advice = f"plan with output_rate = {done.rate:.6g}, so that the planner reckons with it"
+    say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; {advice}.")

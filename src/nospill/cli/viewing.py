@@ -1,0 +1,82 @@
+"""view: a plan folder in the browser, or as one file."""
+
+from __future__ import annotations
+
+import threading
+import webbrowser
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.reporting import say
+
+if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
+    from nospill.viewer.film import Film
+    from nospill.viewer.meshes import Visuals
+
+_AFTER_END = 0.5
+
+
+def view(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    other: Annotated[
+        Path | None, typer.Argument(metavar="[DIR2]", help="Another one, to stand beside it.", show_default=False)
+    ] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option("--html", metavar="FILE", help="Write one self-contained file instead.", show_default=False),
+    ] = None,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the live viewer.")] = 8080,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
+    urdf: Annotated[
+        Path | None,
+        typer.Option("--urdf", metavar="FILE", help="A URDF of the same arm with meshes.", show_default=False),
+    ] = None,
+) -> int:
+    """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
+    from nospill.viewer import require_viser
+
+    require_viser()
+    folders = [folder] if other is None else [folder, other]
+    if html is not None:
+        from nospill.viewer.html import HTML_RATE, LARGEST_FILE, save_html
+
+        films = _films(folders, HTML_RATE)
+        size = save_html(films, html, visuals=_visuals(urdf, films))
+        print(f"written to {html} ({size / 1e6:.1f} MB)")
+        if size > LARGEST_FILE:
+            say(f"{html} is larger than {LARGEST_FILE / 1e6:.0f} MB because of the meshes; leave --urdf out")
+        return 0
+    from nospill.viewer.live import LIVE_RATE, live_viewer
+
+    films = _films(folders, LIVE_RATE)
+    with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=_visuals(urdf, films)) as (address, _):
+        print(f"{address}  (stop with Ctrl-C)", flush=True)
+        if not no_browser:
+            webbrowser.open(address)
+        threading.Event().wait()
+    return 0
+
+
+def _films(folders: list[Path], rate: float) -> list[Film]:
+    """Load and judge plans, and cut them into pictures of one common length."""
+    from nospill.certificate import judge
+    from nospill.plans import load_plan
+    from nospill.viewer.film import make_film
+
+    plans = [load_plan(folder) for folder in folders]
+    length = max(plan.duration for plan in plans) + _AFTER_END
+    return [make_film(plan, judge(plan.trajectory, plan.scene), rate=rate, length=length) for plan in plans]
+
+
+def _visuals(urdf: Path | None, films: list[Film]) -> Visuals | None:
+    if urdf is None:
+        return None
+    from nospill.viewer.meshes import load_visuals
+
+    found = [load_visuals(urdf, film.plan.scene.robot) for film in films].pop()
+    if found.missing:
+        say(f"{urdf}: {len(found.missing)} meshes are missing ({found.missing[0]}, ...); links are drawn instead")
+    return found

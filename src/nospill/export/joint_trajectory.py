@@ -1,0 +1,113 @@
+"""trajectory_msgs/JointTrajectory as a text file: YAML, as `ros2 topic pub` takes it, or JSON.
+
+The YAML file is the bare message; joint names are in it, units in the comment above it (a message has no place for
+them). It holds one key or point a line and what is behind it in JSON, which YAML includes: so it is read back with the
+standard library alone. In JSON the message is under "msg", its type and units beside it.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nospill.errors import PlanFolderError, ScenarioError
+from nospill.export.base import Exporter, number, numbers, text_of
+from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
+from nospill.files import atomic_text
+from nospill.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.scene import Scene
+
+YAML_SUFFIXES, JSON_SUFFIXES = (".yaml", ".yml"), (".json",)
+
+
+def _point(point: dict[str, Any]) -> str:
+    """One point as JSON whose numbers are numbers to YAML 1.1 too."""
+    columns = [f'"{name}": [{numbers(np.array(point[name]))}]' for name in POINT_COLUMNS]
+    stamp = point["time_from_start"]
+    return "{" + ", ".join(columns) + f', "time_from_start": {json.dumps(stamp)}' + "}"
+
+
+def yaml_text(samples: JointSamples, scene: Scene) -> str:
+    """The message as YAML."""
+    table = message_table(samples, scene)
+    units = ", ".join(f"{name} in {unit}" for name, unit in UNITS.items())
+    return "\n".join(
+        [
+            f"# {MESSAGE_TYPE}, written by nospill for {scene.robot.name}",
+            f"# {units}; {number(round(samples.rate, 3))} samples per second",
+            f"header: {json.dumps(table['header'])}",
+            f"joint_names: {json.dumps(table['joint_names'])}",
+            "points:",
+            *(f"- {_point(point)}" for point in table["points"]),
+            "",
+        ]
+    )
+
+
+def json_text(samples: JointSamples, scene: Scene) -> str:
+    """The message as JSON, under "msg"."""
+    table = message_table(samples, scene)
+    points = ",\n".join(_point(point) for point in table["points"])
+    return (
+        f'{{"type": {json.dumps(MESSAGE_TYPE)},\n"robot": {json.dumps(scene.robot.name)},\n'
+        f'"units": {json.dumps(UNITS)},\n"msg": {{"header": {json.dumps(table["header"])},\n'
+        f'"joint_names": {json.dumps(table["joint_names"])},\n"points": [\n{points}\n]}}}}\n'
+    )
+
+
+def _yaml_table(text: str, path: Path) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    for count, line in enumerate(text.splitlines(), 1):
+        content = line.strip()
+        if not content or content.startswith("#"):
+            continue
+        try:
+            if content.startswith("- "):
+                table["points"].append(json.loads(content[2:]))
+            else:
+                key, _, value = content.partition(":")
+                table[key] = json.loads(value) if value.strip() else []
+        except (ValueError, KeyError, AttributeError):
+            raise PlanFolderError(
+                f"{path}, line {count}: {content[:60]!r} is not a line of a trajectory that nospill wrote"
+            ) from None
+    return table
+
+
+def _json_table(text: str, path: Path) -> Any:
+    try:
+        table = json.loads(text)
+    except ValueError as error:
+        raise PlanFolderError(f"{path}: not a JSON file ({error})") from error
+    return table.get("msg") if isinstance(table, dict) else None
+
+
+def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+    atomic_text(path, json_text(samples, scene) if _is_json(path) else yaml_text(samples, scene))
+
+
+def _read(path: Path, scene: Scene) -> JointSamples:
+    read = _json_table if _is_json(path) else _yaml_table
+    return message_samples(read(text_of(path), path), scene, path)
+
+
+def _is_json(path: Path) -> bool:
+    if not path.name.endswith(YAML_SUFFIXES + JSON_SUFFIXES):
+        raise ScenarioError(f"{path}: a joint trajectory is written as .yaml, .yml or .json; name the file so")
+    return path.name.endswith(JSON_SUFFIXES)
+
+
+JOINT_TRAJECTORY = Exporter(
+    name="joint-trajectory",
+    suffixes=YAML_SUFFIXES + JSON_SUFFIXES,
+    title="trajectory_msgs/JointTrajectory as YAML or JSON: positions, velocities, accelerations",
+    receiver=RECEIVER,
+    interpolation=QUINTIC_HERMITE,
+    reason_against=lambda scene, rate: None,
+    write=_write,
+    read=_read,
+)
+"""The message of ROS in a text file."""

@@ -1,0 +1,109 @@
+"""A ROS 2 bag (a folder with metadata.yaml and an MCAP file) that holds one trajectory_msgs/JointTrajectory.
+
+`ros2 bag play` publishes it on the topic the controller listens to. Units are kept in the bag's custom data. The
+library rosbags writes and reads it, without a ROS installation; it comes with the extra `ros`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nospill.errors import MissingExtraError, PlanFolderError
+from nospill.export.base import Exporter
+from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
+from nospill.files import atomic_folder
+from nospill.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.scene import Scene
+
+TOPIC = "/joint_trajectory_controller/joint_trajectory"
+_BAG_VERSION = 9
+_METADATA = "metadata.yaml"
+
+
+def _typestore() -> Any:
+    try:
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise MissingExtraError(
+            "a ROS 2 bag needs the library rosbags; install it with pip install 'nospill[ros]'"
+        ) from error
+    return get_typestore(Stores.ROS2_HUMBLE)
+
+
+def _is_bag(names: set[str]) -> bool:
+    return _METADATA in names and all(name == _METADATA or name.endswith(".mcap") for name in names)
+
+
+def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+    store = _typestore()
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    types, table = store.types, message_table(samples, scene)
+    duration = types["builtin_interfaces/msg/Duration"]
+    points = [
+        types["trajectory_msgs/msg/JointTrajectoryPoint"](
+            **{name: np.array(point[name]) for name in POINT_COLUMNS},
+            effort=np.empty(0),
+            time_from_start=duration(**point["time_from_start"]),
+        )
+        for point in table["points"]
+    ]
+    stamp = types["builtin_interfaces/msg/Time"](**table["header"]["stamp"])
+    header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=table["header"]["frame_id"])
+    message = types[MESSAGE_TYPE](header=header, joint_names=table["joint_names"], points=points)
+    with atomic_folder(path, replaceable=_is_bag) as partial:
+        inner = partial / path.name  # the library wants to make the folder, and names the MCAP file after it
+        with Writer(inner, version=_BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as bag:
+            bag.set_custom_data("nospill", json.dumps({"robot": scene.robot.name, "units": UNITS}))
+            connection = bag.add_connection(TOPIC, MESSAGE_TYPE, typestore=store)
+            bag.write(connection, 0, store.serialize_cdr(message, MESSAGE_TYPE))
+        for file in list(inner.iterdir()):
+            file.rename(partial / file.name)
+        inner.rmdir()
+
+
+def _read(path: Path, scene: Scene) -> JointSamples:
+    store = _typestore()
+    from rosbags.rosbag2 import Reader
+
+    if not (path / _METADATA).is_file():
+        raise PlanFolderError(f"{path}: not a ROS 2 bag: {_METADATA} is missing; write it again with nospill export")
+    try:
+        with Reader(path) as bag:
+            messages = [
+                store.deserialize_cdr(data, MESSAGE_TYPE)
+                for connection, _, data in bag.messages()
+                if connection.msgtype == MESSAGE_TYPE
+            ]
+    except Exception as error:  # the library lets whatever a damaged file provokes through
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise PlanFolderError(f"{path}: damaged, or not a ROS 2 bag ({reason[:120]})") from error
+    if len(messages) != 1:
+        raise PlanFolderError(f"{path}: holds {len(messages)} messages {MESSAGE_TYPE}, one is expected")
+    return message_samples(_plain(messages[0]), scene, path)
+
+
+def _plain(message: Any) -> dict[str, Any]:
+    points = [
+        {name: getattr(point, name).tolist() for name in POINT_COLUMNS}
+        | {"time_from_start": {"sec": point.time_from_start.sec, "nanosec": point.time_from_start.nanosec}}
+        for point in message.points
+    ]
+    return {"joint_names": list(message.joint_names), "points": points}
+
+
+ROSBAG2 = Exporter(
+    name="rosbag2",
+    suffixes=(".rosbag2",),
+    title="ROS 2 bag (MCAP) with one trajectory_msgs/JointTrajectory; needs the extra ros",
+    receiver=RECEIVER,
+    interpolation=QUINTIC_HERMITE,
+    reason_against=lambda scene, rate: None,
+    write=_write,
+    read=_read,
+)
+"""The message of ROS in a bag."""

@@ -1,0 +1,131 @@
+"""Poses of the tray for a receiver that solves the arm's inverse kinematics itself.
+
+Columns t;x;y;z;qx;qy;qz;qw: s, m, and the quaternion that turns tray axes into base axes. Comments above them state the
+frame and the joint positions of the first row, which say on which branch the receiver has to be. Reading solves the
+inverse kinematics from there, row by row: the joints, not the poses alone, are what is judged, so that joint limits are
+among the rows of the certificate. Arms with more than six joints are refused, because poses leave their joints open.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from nospill.errors import ModelError, PlanFolderError, ScenarioError
+from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
+from nospill.files import atomic_text
+from nospill.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.robots.inverse import solve_joints
+from nospill.robots.kinematics import kinematics
+from nospill.scene import Scene
+
+HEADER = "t;x;y;z;qx;qy;qz;qw"
+MOST_JOINTS = 6
+LARGEST_STEP = 0.5
+"""rad; between two rows, no joint of a motion moves as far: the inverse kinematics has left its branch."""
+LENGTH_TOLERANCE = 1e-9
+"""By how much the length of a quaternion may differ from 1."""
+
+_START = "# joints at the first row, rad: "
+
+
+def _reason_against(scene: Scene, rate: float) -> str | None:
+    joints = len(scene.robot.joints)
+    if joints > MOST_JOINTS:
+        return f"poses of the tray do not say how an arm of {joints} joints reaches them; use a format of joints"
+    return None
+
+
+def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+    reason = _reason_against(scene, samples.rate)
+    if reason is not None:
+        raise ScenarioError(reason)
+    tray, robot = scene.tray, scene.robot
+    position, rotation = kinematics(robot).poses(
+        samples.position, tool_position=tray.offset, tool_yaw=tray.yaw_on_flange
+    )
+    quaternion = Rotation.from_matrix(rotation).as_quat()
+    # q and -q are one attitude: a receiver that interpolates wants neighbours on the same side.
+    turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
+    quaternion[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    start = "; ".join(
+        f"{name} = {numbers(value)}" for name, value in zip(robot.joints, samples.position[:1].T, strict=True)
+    )
+    lines = [
+        f"# tray of {scene.name}, written by nospill for {robot.name}: t in s; origin x, y, z in m and",
+        "# quaternion x, y, z, w of the tray in the base frame of the robot",
+        f"{_START}{start}",
+        HEADER,
+        *(numbers(row, ";") for row in np.column_stack([samples.t, position, quaternion])),
+    ]
+    atomic_text(path, "\n".join([*lines, ""]))
+
+
+def _read(path: Path, scene: Scene) -> JointSamples:
+    reason = _reason_against(scene, 0.0)
+    if reason is not None:
+        raise PlanFolderError(f"{path}: {reason}")
+    lines = text_of(path).rstrip().splitlines()
+    start = _start(lines, scene, path)
+    if HEADER not in lines:
+        raise PlanFolderError(f"{path}: not a file of tray poses: the line {HEADER} is missing")
+    first = lines.index(HEADER) + 1
+    columns = HEADER.count(";") + 1
+    body = enumerate(lines[first:], first + 1)
+    rows = [finite_row(line.split(";"), columns, f"{path}, line {number}") for number, line in body]
+    table = np.array(rows).reshape(-1, columns)
+    lengths = np.linalg.norm(table[:, 4:], axis=1)
+    wrong = np.flatnonzero(np.abs(lengths - 1.0) > LENGTH_TOLERANCE)
+    if len(wrong):
+        row = int(wrong[0])
+        raise PlanFolderError(
+            f"{path}, line {first + row + 1}: the quaternion has length {lengths[row]:.9g}, 1 is needed"
+        )
+    joints = _solved(table[:, 1:4], Rotation.from_quat(table[:, 4:]).as_matrix(), start, scene, path)
+    return checked_samples(JointSamples(table[:, 0], joints), path)
+
+
+def _start(lines: list[str], scene: Scene, path: Path) -> np.ndarray:
+    """Joint positions that the comment states, (n,)."""
+    stated = [line.removeprefix(_START).split("; ") for line in lines if line.startswith(_START)]
+    pairs = [part.partition(" = ") for part in stated[0]] if stated else []
+    require_joints([name for name, _, _ in pairs] or None, scene, path)
+    return np.array(finite_row([value for _, _, value in pairs], len(pairs), f"{path}, joints at the first row"))
+
+
+def _solved(positions: np.ndarray, rotations: np.ndarray, start: np.ndarray, scene: Scene, path: Path) -> np.ndarray:
+    """Joints (m, n) that carry the tray through the poses, each solved from the one before."""
+    tray = scene.tray
+    joints = np.empty((len(positions), len(start)))
+    guess, before = start, start
+    for row in range(len(positions)):
+        try:
+            joints[row] = solve_joints(
+                scene.robot,
+                positions[row : row + 1],
+                rotations[row : row + 1],
+                guess[None],
+                tool_position=tray.offset,
+                tool_yaw=tray.yaw_on_flange,
+            )
+        except ModelError as error:
+            raise PlanFolderError(f"{path}, row {row + 1}: the arm does not reach this pose of the tray") from error
+        if np.max(np.abs(joints[row] - before)) > LARGEST_STEP:
+            raise PlanFolderError(f"{path}, row {row + 1}: the arm would have to jump to this pose of the tray")
+        guess, before = 2.0 * joints[row] - before, joints[row]
+    return joints
+
+
+TRAY_CSV = Exporter(
+    name="tray-csv",
+    suffixes=(".tray.csv",),
+    title="poses of the tray: t;x;y;z;qx;qy;qz;qw in s and m, in the base frame",
+    receiver="a controller with inverse kinematics: joints for each pose, then under position control (quintic spline)",
+    interpolation=QUINTIC_SPLINE,
+    reason_against=_reason_against,
+    write=_write,
+    read=_read,
+)
+"""Poses of the tray."""

@@ -1,0 +1,155 @@
+"""A URScript program of `servoj` targets for Universal Robots, one each control period.
+
+`servoj` is called with the controller's own period (2 ms on e-Series, 8 ms on CB3), so the controller never moves
+between two targets on its own account: each is the reference of exactly one of its cycles, and what happens inside a
+cycle is the joint drives' doing. Certified is the quintic spline through the targets, as for any position controller. A
+straight line between targets would be a worse model: it has an infinite acceleration at each target, which no drive
+follows. How `servoj` filters the targets (`lookahead_time`, `gain`) is not published; it makes the arm lag and rounds
+the motion, and no certificate of a file can speak about it. The program therefore asks for the shortest look-ahead.
+
+A program that finds the arm away from the first target stops with a message instead of jumping there.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from nospill.errors import PlanFolderError, ScenarioError
+from nospill.export.base import Exporter, checked_samples, finite_row, require_joints, text_of
+from nospill.files import atomic_text
+from nospill.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.scene import Scene
+
+RATES = (500.0, 125.0)
+"""Control rates of e-Series and CB3 controllers, Hz."""
+JOINTS = 6
+LOOKAHEAD_TIME, LOOKAHEAD_RANGE = 0.03, (0.03, 0.2)
+"""s; the shortest that the controller takes: the least lag."""
+GAIN, GAIN_RANGE = 300, (100, 2000)
+"""Gain of the position error; the controller's own default."""
+DECIMALS = 12
+"""Of a target in rad: rounding alone shows as less than 1e-6 rad/s^2 at 500 Hz."""
+START_TOLERANCE = 0.002
+"""rad; farther from the first target, the program does not start."""
+
+_TARGET = re.compile(r"servoj\(\[([^\]]*)\], 0, 0, ([0-9.eE+-]+), ([0-9.eE+-]+), ([0-9.eE+-]+)\)")
+_JOINT_COMMENT = "# joints: "
+
+
+def _comments(scene: Scene, rate: float) -> list[str]:
+    return [
+        f"# written by nospill for {scene.robot.name}",
+        f"{_JOINT_COMMENT}{', '.join(scene.robot.joints)}",
+        f"# targets in rad, one every {period_text(rate)} s ({rate:g} Hz)",
+        "# move the arm to the first target before; run with the speed slider at 100 %: scaling stretches the motion",
+    ]
+
+
+def _frame(first: np.ndarray) -> tuple[list[str], list[str]]:
+    """The program's lines before and after the targets."""
+    before = [
+        "def nospill_motion():",
+        f"  start = [{_row(first)}]",
+        "  now = get_actual_joint_positions()",
+        "  i = 0",
+        f"  while i < {JOINTS}:",
+        f"    if norm(now[i] - start[i]) > {START_TOLERANCE}:",
+        '      popup("The arm is not at the start of the motion.", "nospill", error=True, blocking=True)',
+        "      halt",
+        "    end",
+        "    i = i + 1",
+        "  end",
+    ]
+    return before, ["  stopj(2.0)", "end", "nospill_motion()"]
+
+
+def _row(values: np.ndarray) -> str:
+    """Fixed decimals: nowhere is it said that URScript reads exponents."""
+    return ", ".join(f"{value:.{DECIMALS}f}" for value in np.round(values, DECIMALS) + 0.0)  # turns -0.0 into 0.0
+
+
+def period_text(rate: float) -> str:
+    """The period of a rate (Hz) as the program states it, s."""
+    return f"{1.0 / rate:.6g}"
+
+
+def _reason_against(scene: Scene, rate: float) -> str | None:
+    joints = len(scene.robot.joints)
+    if joints != JOINTS:
+        return f"URScript moves arms of {JOINTS} joints; this one has {joints} joints"
+    if rate not in RATES:
+        return f"rate is {rate:g} Hz; a URScript program runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500"
+    return None
+
+
+def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+    rate = round(samples.rate, 3)
+    reason = _reason_against(scene, rate)
+    if reason is not None:
+        raise ScenarioError(reason)
+    arguments = f"0, 0, {period_text(rate)}, {LOOKAHEAD_TIME}, {GAIN}"
+    targets = [f"  servoj([{_row(row)}], {arguments})" for row in samples.position]
+    before, after = _frame(samples.position[0])
+    atomic_text(path, "\n".join([*_comments(scene, rate), *before, *targets, *after, ""]))
+
+
+def _read(path: Path, scene: Scene) -> JointSamples:
+    """The targets; besides them a program may hold nothing but what `_write` put there."""
+    lines = [line.strip() for line in text_of(path).splitlines()]
+    named = [line.removeprefix(_JOINT_COMMENT).split(", ") for line in lines if line.startswith(_JOINT_COMMENT)]
+    require_joints(named[0] if named else None, scene, path)
+    rows, periods, others = [], [], []
+    for number, line in enumerate(lines, 1):
+        if not line or line.startswith("#"):
+            continue
+        where = f"{path}, line {number}"
+        found = _TARGET.fullmatch(line)
+        if found is None:
+            others.append((number, line, len(rows)))
+            continue
+        rows.append(finite_row(found[1].split(","), JOINTS, where))
+        period, lookahead, gain = finite_row([found[2], found[3], found[4]], 3, where)
+        for name, value, (low, high) in (
+            ("lookahead_time", lookahead, LOOKAHEAD_RANGE),
+            ("gain", gain, GAIN_RANGE),
+        ):
+            if not low <= value <= high:
+                raise PlanFolderError(f"{where}: {name} is {value:g}; the controller takes {low:g} to {high:g}")
+        periods.append(period)
+    if not rows:
+        raise PlanFolderError(f"{path}: holds no servoj target; write it again with nospill export")
+    rate = 1.0 / periods[0] if periods[0] > 0.0 else 0.0
+    if len(set(periods)) > 1 or round(rate, 3) not in RATES:
+        raise PlanFolderError(
+            f"{path}: the period of servoj is {periods[0]:g} s or changes; 0.002 or 0.008 is expected"
+        )
+    _require_frame(others, np.array(rows), path)
+    t = np.round(np.arange(len(rows)) * periods[0] * 1e9) / 1e9
+    return checked_samples(JointSamples(t, np.array(rows)), path)
+
+
+def _require_frame(others: list[tuple[int, str, int]], rows: np.ndarray, path: Path) -> None:
+    """Refuse a program in which anything else moves the arm: its other lines are those of `_frame`, in their places."""
+    before, after = _frame(rows[0])
+    wanted = [(line.strip(), 0) for line in before] + [(line.strip(), len(rows)) for line in after]
+    for (number, line, place), expected in zip(others, wanted, strict=False):
+        if (line, place) != expected:
+            raise PlanFolderError(f"{path}, line {number}: {line[:60]!r} is not what nospill wrote there")
+    if len(others) != len(wanted):
+        raise PlanFolderError(f"{path}: the program has {len(others)} lines besides its targets, not {len(wanted)}")
+
+
+URSCRIPT = Exporter(
+    name="urscript",
+    suffixes=(".script",),
+    title="URScript program of servoj targets, 500 Hz (e-Series) or 125 Hz (CB3), six joints",
+    receiver="Universal Robots controller: a target each control period, its drives follow (quintic spline)",
+    interpolation=QUINTIC_SPLINE,
+    reason_against=_reason_against,
+    write=_write,
+    read=_read,
+)
+"""A program for Universal Robots."""

@@ -1,0 +1,195 @@
+"""The keys of `[robot]`, and the arm they describe: one of the catalogue or any URDF, mounted, locked and limited."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path as FilePath
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from nospill.errors import ScenarioError
+from nospill.robots.catalog import load_robot, moved_robot
+from nospill.robots.limits import LimitChanges, changed_limits, position_and_speed_only, with_home
+from nospill.robots.robot import Robot
+from nospill.robots.urdf import BasePose, read_arm, standalone_urdf
+from nospill.scenario.fields import Angle, JointValues, Measured, Point, Table
+from nospill.units import as_written
+
+_LARGEST_URDF = 10_000_000
+_SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"
+
+_Scale = Annotated[
+    float | None,
+    Measured(dimension="ratio", above=0.0, at_most=1.0),
+    Field(description="factor on this limit, for example 0.8 or 80 %"),
+]
+_Positions = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
+
+
+def _limit(dimension: str, at_most: float) -> JointValues:
+    return JointValues(entry=Measured(dimension=dimension, above=0.0, at_most=at_most))
+
+
+class LimitsTable(Table):
+    """`[robot.limits]`: joint limits in place of the robot's data; a list with one value a joint, or one for all."""
+
+    lower: Annotated[
+        float | tuple[float, ...] | None, JointValues(entry=_Positions), Field(description="lower ends of the joints")
+    ] = None
+    upper: Annotated[
+        float | tuple[float, ...] | None, JointValues(entry=_Positions), Field(description="upper ends of the joints")
+    ] = None
+    speed: Annotated[
+        float | tuple[float, ...] | None, _limit("angular_speed", 100.0), Field(description="joint speed")
+    ] = None
+    acceleration: Annotated[
+        float | tuple[float, ...] | None, _limit("angular_acceleration", 1e4), Field(description="joint acceleration")
+    ] = None
+    jerk: Annotated[float | tuple[float, ...] | None, _limit("angular_jerk", 1e7), Field(description="joint jerk")] = (
+        None
+    )
+    torque: Annotated[
+        float | tuple[float, ...] | None, _limit("torque", 1e6), Field(description="joint torque at the joint's axis")
+    ] = None
+    speed_scale: _Scale = None
+    acceleration_scale: _Scale = None
+    jerk_scale: _Scale = None
+    torque_scale: _Scale = None
+
+    def changes(self) -> LimitChanges:
+        """The same as a record."""
+        return LimitChanges(**{key: getattr(self, key) for key in type(self).model_fields})
+
+
+class RobotTable(Table):
+    """`[robot]`: the arm."""
+
+    model: Annotated[
+        str | None, Field(strict=True, description="name of an arm in the catalogue (`nospill robots`)")
+    ] = None
+    urdf: Annotated[
+        str | None,
+        Field(strict=True, description="URDF file beside the scenario file; no xacro, meshes are not needed"),
+    ] = None
+    urdf_text: Annotated[
+        str | None, Field(strict=True, description="the text of a URDF file, as in the copy kept with a plan")
+    ] = None
+    tip: Annotated[
+        str | None, Field(strict=True, description="frame of the flange; tool0, flange or the only end if not given")
+    ] = None
+    base_position: Annotated[Point, Field(description="origin of the arm's root in the world of path and gravity")] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    base_yaw: Annotated[Angle, Field(description="turn of the root about the world's z")] = 0.0
+    base_pitch: Annotated[Angle, Field(description="turn of the root about y, before the yaw")] = 0.0
+    base_roll: Annotated[Angle, Field(description="turn of the root about x, before pitch and yaw")] = 0.0
+    locked: Annotated[
+        dict[str, Any], Field(description='joints that stand still, for example { joint_3 = "30 deg" }')
+    ] = {}  # noqa: RUF012 # pydantic copies it and the table is frozen
+    home: Annotated[
+        list[Angle] | None, Field(description="configuration the arm starts from, one angle for each moving joint")
+    ] = None
+    limits_applied: Annotated[
+        Literal["all", "position and speed"],
+        Field(description="all limits that are known, or only those of position and speed, as published"),
+    ] = "all"
+    limits: Annotated[LimitsTable, Field(description="the table [robot.limits]")] = LimitsTable()
+
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
+
+        Raises:
+            ScenarioError: not exactly one robot is named, or its file cannot be read.
+        """
+        given = [key for key in ("model", "urdf", "urdf_text") if getattr(self, key) is not None]
+        if not given:
+            raise ScenarioError(f"model is missing; name {_SOURCES}")
+        if len(given) > 1:
+            raise ScenarioError(f"{' and '.join(given)} are both given; keep one of {_SOURCES}")
+        if self.urdf is not None:
+            file = folder / self.urdf
+            return {"urdf": None, "urdf_text": _from_file(file, self.urdf)}
+        if self.urdf_text is not None:
+            return {"urdf_text": standalone_urdf(self.urdf_text, name="robot")}
+        return {}
+
+    def build(self) -> Robot:
+        """The arm; the text of its URDF is at hand, `standalone` comes first.
+
+        Raises:
+            ScenarioError: it cannot be read, or its limits contradict each other or the keys; starts with the key.
+        """
+        base = BasePose(self.base_position, (self.base_roll, self.base_pitch, self.base_yaw))
+        fault = None
+        if self.model is not None:
+            robot = moved_robot(load_robot(self.model), tip=self.tip, base=base, locked=self.locked)
+        else:
+            robot, fault = _from_urdf(self.urdf_text or "", self.tip, base, self.locked)
+        changes = self.limits.changes()
+        if self.limits_applied != "all":
+            stray = [
+                key
+                for key in ("acceleration", "jerk", "torque", "acceleration_scale", "jerk_scale", "torque_scale")
+                if getattr(changes, key) is not None
+            ]
+            if stray:
+                raise ScenarioError(
+                    f'limits.{stray[0]} is given, but limits_applied = "{self.limits_applied}" leaves it out; '
+                    "drop one of the two"
+                )
+        robot = with_home(changed_limits(robot, changes, inertia_fault=fault), self.home)
+        return robot if self.limits_applied == "all" else position_and_speed_only(robot)
+
+
+def _from_file(file: FilePath, shown: str) -> str:
+    try:
+        if not file.is_file():
+            reason = "is a folder" if file.is_dir() else "does not exist"
+            raise ScenarioError(f"urdf {as_written(shown)} {reason}; the path counts from the scenario file's folder")
+        size = file.stat().st_size
+        if size > _LARGEST_URDF:
+            raise ScenarioError(f"urdf {as_written(shown)} is too large ({size} bytes; at most {_LARGEST_URDF})")
+        text = file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"urdf {as_written(shown)} is not UTF-8 text (byte {error.start + 1})") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        raise ScenarioError(f"urdf {as_written(shown)} cannot be read: {error}") from None
+    try:
+        return standalone_urdf(text, name=file.stem)
+    except ScenarioError as error:
+        raise ScenarioError(f"urdf {as_written(shown)}: {error}") from None
+
+
+def _from_urdf(text: str, tip: str | None, base: BasePose, locked: Mapping[str, object]) -> tuple[Robot, str | None]:
+    arm = read_arm(text, tip=tip, base=base, locked=locked)
+    real = arm.inertia_fault is None
+    torque_set = bool((arm.torque > 0.0).all())
+    not_known = ["payload", "reach", "joint acceleration", "joint jerk"]
+    if not (real and torque_set):
+        not_known.append("joint torque")
+    if not real:
+        not_known.append("link masses and inertias")
+    robot = Robot(
+        name=arm.name,
+        title=f"{arm.name} (own URDF)",
+        urdf=arm.urdf,
+        joints=arm.joints,
+        tip=arm.tip,
+        lower=arm.lower,
+        upper=arm.upper,
+        max_speed=arm.speed,
+        max_acceleration=None,
+        payload=None,
+        reach=None,
+        sources=dict.fromkeys(
+            ("chain", "position", "speed", *(("torque",) if torque_set and real else ())), "the URDF"
+        ),
+        not_known=tuple(not_known),
+        max_torque=arm.torque if torque_set and real else None,
+        inertias_known=real,
+        notes=arm.notes,
+    )
+    return robot, arm.inertia_fault

@@ -1,0 +1,167 @@
+"""A judged motion cut into pictures: everything that changes, at a fixed rate, read from the judge's replay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from nospill.certificate import Judgement
+from nospill.constraints import CONSTRAINTS
+from nospill.constraints.apparent_gravity import ApparentGravity
+from nospill.constraints.base import Place
+from nospill.constraints.slosh_height import SloshHeight
+from nospill.frames import SX
+from nospill.numbers import constants
+from nospill.plans import Plan
+from nospill.replay import Replay, body_motion
+from nospill.sample import object_motion
+from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
+from nospill.viewer.surfaces import liquid_surface
+
+_ABOUT_THE_LIQUID = (SloshHeight.name, ApparentGravity.name)
+
+
+@dataclass(frozen=True, slots=True)
+class LiquidTrack:
+    """One liquid over the pictures.
+
+    Attributes:
+        coordinates: (m, k + 2) slosh coordinates in m and leans of the apparent gravity, for `LiquidSurface`.
+        height: (m,) greatest rise round the wall, m. limit: m.
+    """
+
+    coordinates: np.ndarray
+    height: np.ndarray
+    limit: float
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """A motion as pictures.
+
+    Attributes:
+        plan: what is shown. judgement: where it was read from. rate: pictures per second.
+        t: (m,) s, from 0, also past the end of the motion. end_time: s.
+        joint_position: (m, n), rad. joint_speed_use: (m, n), speed over its limit, with its sign.
+        tray_position: (m, 3) origin of the tray in the base frame, m.
+        liquids: per object with liquid.
+        contact_use: per object, (m,): the largest use of any limit of its contact (slip, tip, lift, twist).
+    """
+
+    plan: Plan
+    judgement: Judgement
+    rate: float
+    t: np.ndarray
+    end_time: float
+    joint_position: np.ndarray
+    joint_speed_use: np.ndarray
+    tray_position: np.ndarray
+    liquids: dict[str, LiquidTrack]
+    contact_use: dict[str, np.ndarray]
+
+    @property
+    def length(self) -> float:
+        """Time of the last picture, s."""
+        return float(self.t[-1])
+
+    def index(self, t: float) -> int:
+        """The picture at time t in s; the first or last one outside."""
+        return int(np.clip(round((t - float(self.t[0])) * self.rate), 0, len(self.t) - 1))
+
+    def at_rate(self, rate: float) -> Film:
+        """The same motion, as long, at another rate."""
+        return make_film(self.plan, self.judgement, rate=rate, length=self.length)
+
+
+def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | None = None) -> Film:
+    """Cut a judged motion into pictures.
+
+    Args:
+        plan: the plan.
+        judgement: of its trajectory.
+        rate: pictures per second.
+        length: s, at least that of the motion; after its end the arm stands and the liquids swing freely.
+    """
+    played, scene = judgement.replay, plan.scene
+    start, end = float(played.t[0]), float(played.t[-1])
+    t = start + np.arange(int(np.ceil(max(length or 0.0, end - start) * rate - 1e-9)) + 1) / rate
+    picked = np.clip(np.rint((t - start) * played.rate).astype(int), 0, len(played.t) - 1)
+    after = np.maximum(t - end, 0.0)
+    leans = _leans(scene, played.body[:, picked])
+    return Film(
+        plan=plan,
+        judgement=judgement,
+        rate=rate,
+        t=t - start,
+        end_time=plan.duration - start,
+        joint_position=played.joint_position[picked],
+        joint_speed_use=played.joint_speed[picked] / scene.robot.max_speed,
+        tray_position=played.tray.position[picked],
+        liquids=_liquids(scene, _coordinates(scene, played, picked, after), leans),
+        contact_use=_contact_use(judgement, scene, picked),
+    )
+
+
+def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[str, LiquidTrack]:
+    tracks, start = {}, 0
+    for number, (cargo, item) in enumerate(zip(scene.cargo, structure_of(scene).objects, strict=True)):
+        if cargo.filling is None:
+            continue
+        own = coordinates[:, start : start + item.coordinates]
+        start += item.coordinates
+        lean = leans[:, 2 * number : 2 * number + 2]
+        together = np.column_stack([own, lean if scene.fidelity == "full" else np.zeros_like(lean)])
+        height = liquid_surface(cargo).crest(together)
+        tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
+    return tracks
+
+
+def _coordinates(scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Slosh coordinates (m, k), m: the judge's, and after the end each oscillator's own decay.
+
+    q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t), s = zeta omega, A = q and B = (q' + s A)/omega_d at the end.
+    """
+    found = played.slosh_displacement[picked].copy()
+    later = after > 0.0
+    if found.shape[1] == 0 or not np.any(later):
+        return found
+    modes = [
+        (mode.frequency, mode.damping)
+        for cargo in scene.cargo
+        for mode in (cargo.filling.modes.oscillators if cargo.filling else ())
+        for _ in mode.directions
+    ]
+    omega, zeta = np.array(modes).T
+    decay, damped = zeta * omega, omega * np.sqrt(1 - zeta**2)
+    displacement = played.slosh_displacement[-1]
+    quadrature = (played.slosh_velocity[-1] + decay * displacement) / damped
+    t = after[later][:, None]
+    found[later] = np.exp(-decay * t) * (displacement * np.cos(damped * t) + quadrature * np.sin(damped * t))
+    return found
+
+
+def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
+    """Lean a_xy/a_z of the apparent gravity at every object's rest surface, (m, 2 per object), object axes."""
+    numbers = constants(numbers_of(scene))
+    motion = SX.sym("body", 9)
+    rows = []
+    for own in numbers.objects:
+        surface = object_motion(own, body_motion(motion)).at(ca.vertcat(0, 0, own.liquid_height)).specific_force
+        rows.append(surface[:2] / surface[2])
+    if not rows:
+        return np.zeros((body.shape[1], 0))
+    function = ca.Function("leans", [motion], [ca.densify(ca.vertcat(*rows))])
+    return np.array(function(ca.DM(body)).full()).T
+
+
+def _contact_use(judgement: Judgement, scene: Scene, picked: np.ndarray) -> dict[str, np.ndarray]:
+    """The largest use over every constraint on an object that does not speak of its liquid."""
+    wanted = {item.name for item in CONSTRAINTS if item.place is Place.OBJECT} - set(_ABOUT_THE_LIQUID)
+    found = {cargo.name: np.zeros(len(picked)) for cargo in scene.cargo}
+    for trace in judgement.traces:
+        if trace.constraint in wanted and trace.subject in found:
+            found[trace.subject] = np.maximum(found[trace.subject], trace.use[picked])
+    return found

@@ -1,0 +1,137 @@
+"""Triangle meshes of plain bodies: prisms, open shells, tapered tubes. Numbers in, vertices out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.containers.base import Container
+
+TUBE_SIDES = 32
+"""Corners round a tube."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """Triangles: vertices (n, 3) in m, faces (k, 3) indices, counter-clockwise seen from outside."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+
+
+def joined(meshes: Sequence[Mesh]) -> Mesh:
+    """Several meshes as one."""
+    starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+    )
+
+
+def shrunk(outline: np.ndarray, gap: float) -> np.ndarray:
+    """An outline (n, 2) drawn in by `gap` m on every side of its bounding box (a circle by `gap` everywhere)."""
+    half = np.max(np.abs(outline), axis=0)
+    return outline * np.maximum(1.0 - gap / half, 0.0)
+
+
+def prism(outline: np.ndarray, bottom: float, top: float) -> Mesh:
+    """Closed prism over a convex outline (n, 2), counter-clockwise, m, between two heights in m."""
+    low, high = _at_height(outline, bottom), _at_height(outline, top)
+    return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
+
+
+def open_shell(outline: np.ndarray, height: float, *, wall: float, floor: float) -> Mesh:
+    """A container without lid: outer and inner wall, rim, floor inside and bottom outside.
+
+    Args:
+        outline: (n, 2) outer outline of the bottom, counter-clockwise, m.
+        height: of the rim, m.
+        wall: thickness, m.
+        floor: height of the floor inside, m.
+    """
+    inner = shrunk(outline, wall)
+    low, high = _at_height(outline, 0.0), _at_height(outline, height)
+    inside_high, inside_low = _at_height(inner, height), _at_height(inner, floor)
+    return joined(
+        [
+            _strip(low, high),
+            _strip(high, inside_high),
+            _strip(inside_high, inside_low),
+            _cap(inside_low),
+            _cap(low, downwards=True),
+        ]
+    )
+
+
+def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, sides: int = TUBE_SIDES) -> Mesh:
+    """Closed tapered tube between two points (3,), m, with its radius at each, m.
+
+    Raises:
+        ValueError: both points are the same.
+    """
+    along = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
+    length = float(np.linalg.norm(along))
+    if length == 0.0:
+        raise ValueError("a tube from a point to itself has no direction")
+    along = along / length
+    helper = np.eye(3)[int(np.argmin(np.abs(along)))]
+    across = np.cross(along, helper)
+    across /= np.linalg.norm(across)
+    other = np.cross(along, across)
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), other)
+    low, high = start + radii[0] * ring, end + radii[1] * ring
+    return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
+
+
+def container_body(container: Container, *, hollow: bool) -> Mesh:
+    """A container as it is seen, container frame: a cup or box with its wall, or a solid.
+
+    The wall stands inside the outline; real walls are thin, so its thickness is only for the eye.
+    """
+    if not hollow:
+        return prism(container.outline, 0.0, container.height)
+    wall = wall_thickness(container)
+    return open_shell(container.outline, container.height, wall=wall, floor=wall)
+
+
+def wall_thickness(container: Container) -> float:
+    """Thickness a container's wall is drawn with, m: a twenty-fifth of its narrower half width."""
+    return 0.04 * float(np.min(np.max(np.abs(container.outline), axis=0)))
+
+
+def contact_collar(container: Container, *, height: float = 0.006, overhang: float = 0.003) -> Mesh:
+    """A low band round the foot of an object, container frame, m: what carries the colour of its contact."""
+    return prism(shrunk(container.outline, -overhang), 0.0, height)
+
+
+def board(size: np.ndarray, thickness: float) -> Mesh:
+    """The tray, tray frame: sides (2,) in m, upper surface at z = 0."""
+    corners = np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * np.asarray(size) / 2
+    return prism(corners, -thickness, 0.0)
+
+
+def _at_height(outline: np.ndarray, z: float) -> np.ndarray:
+    return np.column_stack([outline, np.full(len(outline), z)])
+
+
+def _strip(low: np.ndarray, high: np.ndarray) -> Mesh:
+    """Band between two rings (n, 3); its vertices are its own, so that light breaks at its edges."""
+    count = len(low)
+    here = np.arange(count)
+    after = (here + 1) % count
+    faces = np.concatenate(
+        [np.column_stack([here, after, after + count]), np.column_stack([here, after + count, here + count])]
+    )
+    return Mesh(np.concatenate([low, high]), faces)
+
+
+def _cap(ring: np.ndarray, *, downwards: bool = False) -> Mesh:
+    """Fan over a ring (n, 3) from its mean."""
+    count = len(ring)
+    here = np.arange(count)
+    after = (here + 1) % count
+    fan = np.column_stack([here, after, np.full(count, count)])
+    return Mesh(np.vstack([ring, ring.mean(axis=0)]), fan[:, ::-1] if downwards else fan)

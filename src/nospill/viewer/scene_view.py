@@ -1,0 +1,290 @@
+"""The scene in the browser: an arm, a tray with what stands on it, a path; built once, then only moved.
+
+Everything works on a `viser.SceneApi`, which may belong to a server (all tabs see the same) or to one client (a tab of
+its own). Nodes hang below one root, so that several plans stand side by side and one can be taken away whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nospill.cargo import Cargo
+from nospill.robots.robot import Robot
+from nospill.tray import Tray
+from nospill.viewer.colours import BLACK, GREEN, PURPLE, rgb, use_colours
+from nospill.viewer.film import Film
+from nospill.viewer.geometry import Mesh, board, contact_collar, container_body
+from nospill.viewer.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
+from nospill.viewer.surfaces import LiquidSurface, liquid_surface
+
+if TYPE_CHECKING:
+    import trimesh
+    import viser
+
+_ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
+_CUP_OPACITY = 0.22
+_PATH_POINTS = 120
+
+
+class TrayView:
+    """A tray and the objects on it, below a node that is the tray frame.
+
+    Attributes:
+        surfaces: the liquids' surfaces, by the name of the object.
+    """
+
+    def __init__(self, scene: viser.SceneApi, tray: Tray, *, cargo: Sequence[Cargo], root: str) -> None:
+        """Add the nodes.
+
+        Args:
+            scene: where to.
+            tray: its board.
+            cargo: what stands on it.
+            root: name of the tray frame's node, which must exist.
+        """
+        self.surfaces: dict[str, LiquidSurface] = {}
+        self._liquids: dict[str, viser.MeshHandle] = {}
+        self._collars: dict[str, viser.MeshHandle] = {}
+        self._labels: list[viser.LabelHandle] = []
+        _add(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
+        for item in cargo:
+            self._add_object(scene, item, f"{root}/{item.name}")
+
+    def _add_object(self, scene: viser.SceneApi, cargo: Cargo, root: str) -> None:
+        half = cargo.yaw / 2
+        scene.add_frame(
+            root, show_axes=False, position=(*cargo.position, 0.0), wxyz=(np.cos(half), 0.0, 0.0, np.sin(half))
+        )
+        hollow = cargo.filling is not None
+        look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
+        body = container_body(cargo.container, hollow=hollow)
+        _add(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
+        self._collars[cargo.name] = _add(
+            scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
+        )
+        if hollow:
+            surface = liquid_surface(cargo)
+            self.surfaces[cargo.name] = surface
+            self._liquids[cargo.name] = _add(
+                scene, f"{root}/liquid", surface.rest, color=_colour(0.0), cast_shadow=False, receive_shadow=False
+            )
+        self._labels.append(
+            scene.add_label(
+                f"{root}/name",
+                cargo.name,
+                position=(0.0, 0.0, cargo.container.height + 0.012),
+                anchor="bottom-center",
+                font_screen_scale=1.0,
+            )
+        )
+
+    def set_liquid(self, name: str, coordinates: np.ndarray, *, use: float) -> None:
+        """Move a liquid's surface and colour it by the use of its height limit.
+
+        Args:
+            name: of the object.
+            coordinates: (k + 2,) slosh coordinates, m, and leans.
+            use: height over limit, 1 at the limit.
+        """
+        handle = self._liquids[name]
+        handle.vertices = self.surfaces[name].vertices(coordinates).astype(np.float32)
+        handle.color = _colour(use)
+
+    def set_contact(self, name: str, use: float) -> None:
+        """Colour the collar at the foot of an object by the largest use of its contact's limits."""
+        self._collars[name].color = _colour(use)
+
+    def show_names(self, wanted: bool) -> None:
+        """Show or hide the names above the objects."""
+        for label in self._labels:
+            label.visible = wanted
+
+
+class ArmView:
+    """An arm below a node; `flange` is the name of the node that is its flange frame."""
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        robot: Robot,
+        *,
+        root: str,
+        tray: Tray | None = None,
+        chain: Chain | None = None,
+        meshes: Mapping[str, trimesh.Trimesh] | None = None,
+    ) -> None:
+        """Add the nodes.
+
+        Args:
+            scene: where to.
+            robot: the arm.
+            root: name of the base frame's node, which must exist.
+            tray: what the flange carries, for the holder between them.
+            chain: joints to draw by, where not those of the robot's own URDF.
+            meshes: by the name of the link, in its frame, m; links are drawn from the chain without.
+
+        Raises:
+            ScenarioError: the robot's URDF cannot be read.
+        """
+        self.chain = chain or read_chain(robot.urdf, robot.joints, robot.tip)
+        self._moving: list[viser.FrameHandle] = []
+        bodies = drawn_links(self.chain, tray, only_holder=meshes is not None)
+        nodes = {self.chain.base: root}
+        node = root
+        for joint in self.chain.joints:
+            node = f"{node}/{joint.name}"
+            frame = scene.add_frame(
+                node,
+                show_axes=False,
+                position=tuple(joint.position),
+                wxyz=joint.wxyz(np.zeros((1, len(robot.joints))))[0],
+            )
+            nodes[joint.child] = node
+            if joint.index is not None:
+                self._moving.append(frame)
+        self.flange = node
+        for link, body in bodies.items():
+            _add(scene, f"{nodes[link]}/body", body, color=_ARM, receive_shadow=False)
+        for link, mesh in (meshes or {}).items():
+            if link in nodes:
+                scene.add_mesh_trimesh(f"{nodes[link]}/mesh", mesh)
+
+    def attitudes(self, q: np.ndarray) -> np.ndarray:
+        """Attitude of every moving joint's node for joint positions (m, n), rad: (m, n, 4), (w, x, y, z)."""
+        return np.stack([joint.wxyz(q) for joint in self.chain.joints if joint.index is not None], axis=1)
+
+    def set_attitudes(self, attitudes: np.ndarray) -> None:
+        """Turn the joints to one row of `attitudes`, (n, 4)."""
+        for frame, wxyz in zip(self._moving, attitudes, strict=True):
+            frame.wxyz = wxyz
+
+    def set_joints(self, q: np.ndarray) -> None:
+        """Turn the joints to positions (n,), rad."""
+        self.set_attitudes(self.attitudes(np.asarray(q)[None])[0])
+
+
+class PlanView:
+    """A whole plan: arm, tray, objects, path; `show` moves it to a time.
+
+    Attributes:
+        film: what is shown. root: name of the node everything hangs below.
+        arm, tray: the parts.
+    """
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        film: Film,
+        *,
+        root: str = "/plan",
+        title: str = "",
+        position: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        chain: Chain | None = None,
+        meshes: Mapping[str, trimesh.Trimesh] | None = None,
+    ) -> None:
+        """Add the nodes and show the first picture.
+
+        Args:
+            scene: where to.
+            film: the plan's pictures.
+            root: name of a node that does not exist yet.
+            title: written in front of the arm's foot; empty for none.
+            position: of the robot's base in the world, m.
+            chain: as in `ArmView`, likewise `meshes`.
+            meshes: see there.
+
+        Raises:
+            ScenarioError: the robot's URDF cannot be read.
+        """
+        whole, planned = film.plan.scene, film.plan.trajectory
+        self.film, self.root = film, root
+        self._base = scene.add_frame(root, show_axes=False, position=position)
+        scene.add_frame(f"{root}/arm", show_axes=False)
+        self.arm = ArmView(scene, whole.robot, root=f"{root}/arm", tray=whole.tray, chain=chain, meshes=meshes)
+        half = whole.tray.yaw_on_flange / 2
+        tray_node = f"{self.arm.flange}/tray"
+        scene.add_frame(
+            tray_node,
+            show_axes=False,
+            position=tuple(whole.tray.offset),
+            wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)),
+        )
+        self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node)
+        self._paths = _add_path(scene, f"{root}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
+        if title:
+            scene.add_label(
+                f"{root}/title", title, position=(0.0, 0.0, -0.05), anchor="top-center", font_screen_scale=1.1
+            )
+        assert planned.joints == whole.robot.joints
+        self._attitudes = self.arm.attitudes(film.joint_position)
+        self._shown = -1
+        self.show(0.0)
+
+    def show(self, t: float) -> None:
+        """Move everything to the picture at time t in s; nothing is sent where that is the one shown already."""
+        index = self.film.index(t)
+        if index == self._shown:
+            return
+        self._shown = index
+        self.arm.set_attitudes(self._attitudes[index])
+        for name, track in self.film.liquids.items():
+            self.tray.set_liquid(name, track.coordinates[index], use=float(track.height[index] / track.limit))
+        for name, use in self.film.contact_use.items():
+            self.tray.set_contact(name, float(use[index]))
+
+    def show_path(self, wanted: bool) -> None:
+        """Show or hide the path."""
+        for handle in self._paths:
+            handle.visible = wanted
+
+    def remove(self) -> None:
+        """Take everything away."""
+        self._base.remove()
+
+
+def prepare(scene: viser.SceneApi) -> None:
+    """Ground, light and axes of an empty scene."""
+    scene.set_up_direction("+z")
+    scene.world_axes.visible = False
+    scene.configure_default_lights(True, cast_shadow=True)
+    scene.add_grid(
+        "/ground",
+        width=12.0,
+        height=12.0,
+        cell_size=0.25,
+        section_size=1.0,
+        cell_color=(228, 228, 228),
+        section_color=(200, 200, 200),
+        plane_color=(250, 250, 250),
+        plane_opacity=1.0,
+        shadow_opacity=0.18,
+        position=(0.0, 0.0, -0.001),
+    )
+
+
+def _add_path(scene: viser.SceneApi, root: str, points: np.ndarray) -> list[viser.SceneNodeHandle]:
+    """The path as a line, with its start (green) and end (purple)."""
+    segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
+    ends = [("start", points[0], GREEN), ("end", points[-1], PURPLE)]
+    scene.add_frame(root, show_axes=False)
+    return [
+        scene.add_line_segments(
+            f"{root}/line", segments, np.array(rgb(BLACK)), thickness=2.0, thickness_units="screen"
+        ),
+        *[
+            scene.add_icosphere(f"{root}/{name}", radius=0.012, color=rgb(colour), subdivisions=2, position=tuple(at))
+            for name, at, colour in ends
+        ],
+    ]
+
+
+def _add(scene: viser.SceneApi, name: str, mesh: Mesh, **look: object) -> viser.MeshHandle:
+    return scene.add_mesh_simple(name, mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32), **look)  # type: ignore[arg-type]
+
+
+def _colour(use: float) -> tuple[int, int, int]:
+    red, green, blue = (int(channel) for channel in use_colours(np.array([use]))[0])
+    return red, green, blue

@@ -1,0 +1,161 @@
+"""The commands export and check on real plan folders: what they print, write and return."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from nospill.cli import app
+from nospill.errors import PlanFolderError
+from nospill.export import EXPORTERS
+from nospill.export.plan_files import compare_plan_files
+
+
+@pytest.fixture
+def folder(gentle_plan, tmp_path: Path) -> Path:
+    """A saved plan, alone in its parent folder."""
+    place = tmp_path / "plans" / "tea"
+    gentle_plan("matrix-rigid").save(place)
+    return place
+
+
+def nospill(*arguments: str) -> Any:
+    return CliRunner().invoke(app, list(arguments), catch_exceptions=False, prog_name="nospill")
+
+
+def joints_changed(path: Path, row: int, column: int, change: float) -> None:
+    rows = [line.split(";") for line in path.read_text().splitlines()]
+    rows[row][column] = f"{float(rows[row][column]) + change:.12f}"
+    path.write_text("\n".join(";".join(cells) for cells in rows) + "\n")
+
+
+def test_list_names_every_format():
+    result = nospill("export", "--list")
+    assert result.exit_code == 0
+    for exporter in EXPORTERS.values():
+        assert exporter.name in result.stdout
+        assert exporter.suffixes[0] in result.stdout
+
+
+@pytest.mark.parametrize("name", sorted(EXPORTERS))
+def test_a_file_beside_the_plan_with_its_verdict(folder, name):
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    result = nospill("export", str(folder), "--format", name)
+    assert result.exit_code == 0, result.output
+    target = folder.parent / f"tea{EXPORTERS[name].suffixes[0]}"
+    assert target.exists()
+    assert sorted(folder.parent.iterdir()) == sorted([folder, target])
+    assert result.stdout.startswith(f"written to {target}: ")
+    assert "certified: all" in result.stdout and result.stderr == ""
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before, "the plan folder is left as it is"
+
+
+def test_rate_and_place_as_asked(folder, tmp_path):
+    result = nospill(
+        "export", str(folder), "--format", "joint-trajectory", "--rate", "125", "-o", str(tmp_path / "a.json")
+    )
+    assert result.exit_code == 0
+    points = json.loads((tmp_path / "a.json").read_text())["msg"]["points"]
+    assert points[1]["time_from_start"] == {"sec": 0, "nanosec": 8_000_000}
+    assert "at 125 Hz (joint-trajectory)" in result.stdout
+
+
+def test_a_file_that_is_not_certified_is_written_and_said_to_be_so(gentle_plan, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    gentle_plan("matrix-rigid").save("tea")
+    result = nospill("export", "tea", "--format", "tray-csv", "--rate", "10", "-o", "coarse.csv")
+    assert result.exit_code == 1
+    assert Path("coarse.csv").exists()
+    assert "not certified: " in result.stdout
+    assert result.stderr.startswith("coarse.csv is not certified as tray-csv: ")
+    assert result.stderr.endswith(" would do.\n") and result.stderr.count("\n") == 1
+    advised = result.stderr.split("--rate ")[1].split(" ")[0]
+    assert nospill("export", "tea", "--format", "tray-csv", "--rate", advised, "-o", "coarse.csv").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "wants a plan folder and --format NAME"),
+        (["DIR"], "wants a plan folder and --format NAME"),
+        (["DIR", "--format", "dxf"], "no format 'dxf'; there are lab-csv"),
+        (["DIR", "--format", "mat", "--rate", "0"], "rate is 0 Hz; allowed are 10 to 1000 Hz"),
+        (["DIR", "--format", "mat", "--rate", "nan"], "rate is nan Hz"),
+        (["DIR", "--format", "lab-csv", "--rate", "250"], "the lab's controller plays 500 rows a second"),
+        (
+            ["DIR", "--format", "urscript", "--rate", "250"],
+            r"runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500",
+        ),
+        (["DIR", "--format", "mat", "-o", "DIR/a.mat"], "a plan folder holds nothing but the plan"),
+        (["DIR", "--format", "mat", "-o", "DIR"], "a plan folder holds nothing but the plan"),
+        (["DIR", "--format", "joint-trajectory", "-o", "a.csv"], "written as .yaml, .yml or .json"),
+        (["missing", "--format", "mat"], "no such folder"),
+    ],
+)
+def test_what_does_not_go_is_one_line(folder, monkeypatch, arguments, message):
+    monkeypatch.chdir(folder.parent)
+    result = nospill("export", *(argument.replace("DIR", str(folder)) for argument in arguments))
+    assert result.exit_code == 2
+    assert message in result.stderr and result.stderr.count("\n") == 1
+    assert result.stdout == ""
+    assert [path.name for path in folder.parent.iterdir()] == ["tea"]
+
+
+# --- check ------------------------------------------------------------------------------------------------------------
+
+
+def test_check_reads_the_robots_file(folder):
+    result = nospill("check", str(folder))
+    assert result.exit_code == 0
+    assert "robot.csv: holds the motion of the trajectory" in result.stdout
+
+
+def test_check_notices_a_changed_joint_and_names_it(folder):
+    joints_changed(folder / "robot.csv", row=900, column=2, change=0.01)
+    result = nospill("check", str(folder))
+    assert result.exit_code == 1
+    assert "certified: all" in result.stdout, "the trajectory itself is as it was"
+    # Row 901 of the file is instant 401: 500 rows of rest, then the first sample.
+    assert "robot.csv is not the motion of the trajectory: joint_3 differs by 0.01 rad at t = 0.80" in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_check_notices_rows_that_are_missing(folder):
+    lines = (folder / "robot.csv").read_text().splitlines()
+    (folder / "robot.csv").write_text("\n".join(lines[:-5]))
+    result = nospill("check", str(folder))
+    assert result.exit_code == 1
+    assert "robot.csv holds " in result.stderr and "samples of the motion, the trajectory" in result.stderr
+
+
+def test_check_refuses_a_file_in_no_format(folder):
+    (folder / "robot.csv").write_text("hello\n")
+    result = nospill("check", str(folder))
+    assert result.exit_code == 2
+    assert 'robot.csv, line 1: "hello" is not six finite numbers' in result.stderr
+
+
+def test_every_single_joint_of_the_file_is_compared(gentle_plan, folder):
+    plan, path = gentle_plan("matrix-rigid"), folder / "robot.csv"
+    whole = path.read_text()
+    random = np.random.default_rng(3)
+    for column in range(6):
+        path.write_text(whole)
+        joints_changed(path, row=int(random.integers(550, 1500)), column=column, change=-2e-9)
+        difference = compare_plan_files(plan.trajectory, plan.scene, folder)["robot.csv"]
+        assert difference is not None and f"joint_{column + 1} differs by 2e-09 rad" in difference
+    path.write_text(whole)
+    assert compare_plan_files(plan.trajectory, plan.scene, folder) == {"robot.csv": None}
+    path.unlink()
+    assert compare_plan_files(plan.trajectory, plan.scene, folder) == {}
+    path.mkdir()
+    assert compare_plan_files(plan.trajectory, plan.scene, folder) == {}
+    path.rmdir()
+    path.write_bytes(b"\xff")
+    with pytest.raises(PlanFolderError, match="not a text file"):
+        compare_plan_files(plan.trajectory, plan.scene, folder)

@@ -1,0 +1,168 @@
+"""The drawn surface against the law of the height, volume and the room inside the container."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nospill.cargo import Cargo
+from nospill.certificate import Trace
+from nospill.viewer.film import Film, make_film
+from nospill.viewer.geometry import wall_thickness
+from nospill.viewer.surfaces import liquid_surface
+
+FILMS = ("tilting_film", "level_film", "mixed_film")
+
+
+def height_traces(film: Film) -> dict[str, Trace]:
+    return {trace.subject: trace for trace in film.judgement.traces if trace.constraint == "slosh height"}
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.FixtureRequest) -> None:
+    """At every instant the highest point of the drawn rim is the judge's height, but for the corners of the polygon."""
+    film: Film = request.getfixturevalue(name)
+    film = film.at_rate(film.judgement.replay.rate)
+    traces = height_traces(film)
+    assert set(traces) == set(film.liquids)
+    moving = slice(0, len(film.judgement.replay.t))
+    for cargo in film.plan.scene.cargo:
+        if cargo.filling is None:
+            continue
+        surface, track, trace = liquid_surface(cargo), film.liquids[cargo.name], traces[cargo.name]
+        recorded = trace.value
+        at_wall = np.isclose(_to_wall(cargo, surface.points), 0.0, atol=1e-9)
+        if cargo.shape == "box":  # its height is bounded in the corners
+            at_wall &= np.all(np.isclose(np.abs(surface.points), np.max(np.abs(surface.points), axis=0)), axis=1)
+        drawn = np.max(np.abs(track.coordinates[moving] @ surface.basis[at_wall].T), axis=1)
+        least = np.cos(np.pi / 32) if cargo.shape == "cylinder" else 1.0
+        assert np.all(drawn <= recorded + 1e-9)
+        assert np.all(drawn >= least * recorded - 1e-9)
+        assert np.max(recorded) > 2e-3
+        assert np.max(np.abs(track.height[moving] - recorded)) < 1e-9  # what colours the liquid
+        assert track.limit == float(trace.limit[0])
+
+
+def _to_wall(cargo: Cargo, points: np.ndarray) -> np.ndarray:
+    """Distance from the true wall, (u,), m."""
+    half = np.max(np.abs(cargo.container.outline), axis=0)
+    if cargo.shape == "cylinder":
+        return half[0] - np.hypot(*points.T)
+    return np.min(half - np.abs(points), axis=1)
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_liquid_stays_inside_its_container(name: str, request: pytest.FixtureRequest) -> None:
+    film: Film = request.getfixturevalue(name)
+    for cargo in film.plan.scene.cargo:
+        if cargo.filling is None:
+            continue
+        surface = liquid_surface(cargo)
+        for coordinates in film.liquids[cargo.name].coordinates:
+            vertices = surface.vertices(coordinates)
+            assert np.all(_to_wall(cargo, vertices[:, :2]) > wall_thickness(cargo.container))
+            assert vertices[:, 2].min() >= surface.floor > 0.0
+            assert vertices[:, 2].max() < cargo.container.height
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.floats(-0.02, 0.02), min_size=12, max_size=12))
+def test_no_motion_of_the_liquid_changes_its_volume(mixed_film: Film, values: list[float]) -> None:
+    """Modes and lean are antisymmetric, so the rise at a point and at the opposite point cancel."""
+    for cargo in mixed_film.plan.scene.cargo:
+        if cargo.filling is None:
+            continue
+        surface = liquid_surface(cargo)
+        rise = surface.rise(np.array(values[: surface.basis.shape[1]]))
+        for index in range(0, len(surface.points), 7):
+            opposite = np.argmin(np.linalg.norm(surface.points + surface.points[index], axis=1))
+            assert np.allclose(surface.points[opposite], -surface.points[index], atol=1e-12)
+            assert rise[opposite] == pytest.approx(-rise[index], abs=1e-12)
+
+
+def test_steady_lean_is_a_plane(mixed_film: Film) -> None:
+    """Under a steady lateral acceleration every carried mode stands at -a/(P g) and the surface is the plane -a x/g."""
+    for cargo in mixed_film.plan.scene.cargo:
+        if cargo.filling is None:
+            continue
+        surface = liquid_surface(cargo)
+        for axis, lean in ((0, 0.2), (1, -0.1)):
+            steady = [
+                -lean / mode.curvature if "xy".index(direction) == axis else 0.0
+                for mode in cargo.filling.modes.oscillators
+                for direction in mode.directions
+            ]
+            leans = np.eye(2)[axis] * lean
+            found = surface.rise(np.concatenate([steady, leans]))
+            assert found == pytest.approx(-lean * surface.points[:, axis], abs=1e-12)
+
+
+def test_rest_is_flat_and_closed_round_the_side(tilting_film: Film) -> None:
+    cargo = tilting_film.plan.scene.cargo[0]
+    assert cargo.filling is not None
+    surface = liquid_surface(cargo)
+    rest = surface.vertices(np.zeros(surface.basis.shape[1]))
+    assert np.array_equal(rest, surface.rest.vertices)
+    assert np.all(rest[surface.upper, 2] == cargo.filling.liquid_height)
+    corners = surface.rest.vertices[surface.rest.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1) - [0, 0, cargo.filling.liquid_height / 2]
+    assert np.all(np.einsum("ij,ij->i", normals, middle) > 0)  # every face looks outwards
+
+
+def test_a_solid_has_no_surface(mixed_film: Film) -> None:
+    with pytest.raises(ValueError, match="no liquid"):
+        liquid_surface(mixed_film.plan.scene.cargo[2])
+
+
+def test_pictures_are_the_judges_instants(tilting_film: Film) -> None:
+    played = tilting_film.judgement.replay
+    fine = make_film(tilting_film.plan, tilting_film.judgement, rate=played.rate)
+    assert np.array_equal(fine.joint_position, played.joint_position)
+    assert np.array_equal(fine.liquids["c1"].coordinates[:, :2], played.slosh_displacement[:, :2])
+    picked = tilting_film.index(0.5)
+    assert tilting_film.t[picked] == pytest.approx(0.5, abs=0.5 / tilting_film.rate)
+    assert tilting_film.index(-1.0) == 0
+    assert tilting_film.index(99.0) == len(tilting_film.t) - 1
+
+
+def test_contact_is_the_worst_limit_but_those_of_the_liquid(tilting_film: Film) -> None:
+    fine = make_film(tilting_film.plan, tilting_film.judgement, rate=tilting_film.judgement.replay.rate)
+    names = ("slip", "tip", "lift", "twist")
+    for cargo in tilting_film.plan.scene.cargo:
+        uses = [
+            trace.use
+            for trace in tilting_film.judgement.traces
+            if trace.subject == cargo.name and trace.constraint in names
+        ]
+        assert len(uses) == len(names)
+        assert np.array_equal(fine.contact_use[cargo.name], np.maximum(np.max(uses, axis=0), 0.0))
+
+
+def test_liquids_swing_on_after_the_end_and_the_arm_stands(level_film: Film) -> None:
+    played = level_film.judgement.replay
+    film = make_film(level_film.plan, level_film.judgement, rate=500.0, length=level_film.length)
+    after = film.t > played.t[-1]
+    assert np.count_nonzero(after) > 100
+    assert np.all(film.joint_position[after] == played.joint_position[-1])
+    coordinates = film.liquids["c1"].coordinates
+    step = np.linalg.norm(np.diff(coordinates, axis=0), axis=1)
+    last = np.flatnonzero(after)[0]
+    speed = np.linalg.norm(played.slosh_velocity[-1, :2]) / 500.0
+    assert step[last - 1] < 1.3 * speed + 1e-6  # no jump where the motion ends
+    assert np.ptp(coordinates[after, 0]) > 1e-4
+
+
+def test_film_without_liquids(tilting_film: Film) -> None:
+    scene = dataclasses.replace(tilting_film.plan.scene, cargo=())
+    plan = dataclasses.replace(
+        tilting_film.plan, scene=scene, trajectory=dataclasses.replace(tilting_film.plan.trajectory, slosh={})
+    )
+    from nospill.certificate import judge
+
+    film = make_film(plan, judge(plan.trajectory, scene), rate=20.0)
+    assert film.liquids == {} == film.contact_use
