@@ -20,7 +20,6 @@ import numpy as np
 from nospill.frames import SX
 from nospill.robots.bodies import Chain
 
-
 _RIGHT_ANGLE = 1e-10
 
 
