@@ -239,17 +239,18 @@ def _inputs(trajectory: Trajectory, played: Replay) -> dict[Place, tuple[np.ndar
     slosh = [played.slosh_displacement.T, played.slosh_velocity.T]
     end = trajectory.end_time
     t, jerks, tilt = _jerks(trajectory)
+    joints = (played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T)
     return {
         Place.OBJECT: (played.t, [played.body, *slosh]),
-        Place.JOINT: (played.t, [played.joint_position.T, played.joint_speed.T]),
-        Place.CONTROL: (t, [tilt.T, jerks.T]),
+        Place.JOINT: (played.t, list(joints)),
+        Place.CONTROL: (t, [tilt.T, jerks[:, :3].T, jerks[:, 3:].T]),
         Place.END: (np.array([end]), list(_state_at(played, end))),
     }
 
 
 def _jerks(trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Third divided differences of s and tilt, the arm at rest outside: means of the jerk over three periods."""
-    values = np.column_stack([trajectory.s, trajectory.tilt])
+    """Third divided differences of s, tilt and joints, at rest outside: means of the jerk over three periods."""
+    values = np.column_stack([trajectory.s, trajectory.tilt, trajectory.joint_position])
     padded = np.concatenate([values[:1], values[:1], values, values[-1:], values[-1:]])
     jerks = np.diff(padded, n=3, axis=0) * trajectory.rate**3
     extended = np.concatenate([trajectory.tilt, trajectory.tilt[-1:]])
@@ -303,13 +304,13 @@ def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any
         sample = Sample(structure, numbers, objects=sample_objects(structure, numbers, rest, slosh))
         inputs = [q, qd]
     elif place is Place.JOINT:
-        position, speed = SX.sym("q", len(structure.joints)), SX.sym("qd", len(structure.joints))
-        sample = Sample(structure, numbers, joint_position=position, joint_speed=speed)
-        inputs = [position, speed]
+        inputs = [SX.sym(name, len(structure.joints)) for name in ("q", "qd", "qdd")]
+        sample = Sample(
+            structure, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
+        )
     else:
-        tilt, jerks = SX.sym("tilt", 2), SX.sym("jerks", 3)
-        sample = Sample(structure, numbers, tilt=tilt, jerks=jerks)
-        inputs = [tilt, jerks]
+        inputs = [SX.sym("tilt", 2), SX.sym("jerks", 3), SX.sym("joint_jerk", len(structure.joints))]
+        sample = Sample(structure, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
     stacked = []
     for constraint in CONSTRAINTS:
         if constraint.place is place:

@@ -72,7 +72,13 @@ class ObjectNumbers:
 
 @dataclass(frozen=True, slots=True)
 class SceneNumbers:
-    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots."""
+    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
+
+    Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
+    and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
+    origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
+    zero where there is none or a motion has not been chosen yet.
+    """
 
     gravity: Number
     path_breaks: Number
@@ -82,6 +88,13 @@ class SceneNumbers:
     joint_lower: Number
     joint_upper: Number
     joint_speed_limit: Number
+    joint_acceleration_limit: Number
+    joint_jerk_limit: Number
+    joint_torque_limit: Number
+    self_motion: Number
+    load_mass: Number
+    load_first_moment: Number
+    load_inertia: Number
     max_tilt: Number
     path_jerk_limit: Number
     tilt_jerk_limit: Number
@@ -106,7 +119,12 @@ class ObjectStructure:
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """What decides the shape of the expressions."""
+    """What decides the shape of the expressions.
+
+    Attributes:
+        joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
+    """
 
     fidelity: Fidelity
     tilt_free: bool
@@ -117,6 +135,8 @@ class Structure:
     joints: tuple[str, ...]
     tip: str
     objects: tuple[ObjectStructure, ...]
+    joint_limits: tuple[str, ...] = ()
+    redundant: bool = False
 
 
 def flatten(record: object) -> np.ndarray:

@@ -178,6 +178,7 @@ class _Run:
                 nominal_duration=start.duration,
                 reserves=self.reserves,
                 kept=frozenset(self.kept),
+                self_motion=start.self_motion,
             )
         with self.phase("solve"):
             solution = solve(

@@ -34,7 +34,9 @@ class Sample:
     Attributes:
         structure, numbers: of the scene.
         objects: one per cargo.
-        joint_position, joint_speed: (n, 1), rad and rad/s.
+        joint_position, joint_speed, joint_acceleration: (n, 1), rad, rad/s, rad/s^2; the last one only where
+            acceleration or torque is limited.
+        joint_jerk: (n, 1), rad/s^3, only where it is limited.
         tilt: (2, 1), theta_x and theta_y, rad.
         jerks: third derivative of s (1/s^3), then of theta_x and theta_y (rad/s^3) where the tilt is free.
     """
@@ -44,6 +46,8 @@ class Sample:
     objects: tuple[ObjectSample, ...] = ()
     joint_position: SX | None = None
     joint_speed: SX | None = None
+    joint_acceleration: SX | None = None
+    joint_jerk: SX | None = None
     tilt: SX | None = None
     jerks: SX | None = None
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
 from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
+from nospill.robots.dynamics import Load, load_of
 from nospill.scene import Scene
 
 
@@ -34,11 +36,24 @@ def structure_of(scene: Scene) -> Structure:
         joints=scene.robot.joints,
         tip=scene.robot.tip,
         objects=tuple(objects),
+        joint_limits=tuple(name for name, limit in _further_limits(scene).items() if limit is not None),
+        redundant=len(scene.robot.joints) > 6,
     )
+
+
+def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
+    robot = scene.robot
+    torque = robot.max_torque if robot.inertias_known else None
+    return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
 def numbers_of(scene: Scene) -> SceneNumbers:
     """The numbers of a scene."""
+    further = {
+        name: np.zeros(len(scene.robot.joints)) if limit is None else limit
+        for name, limit in _further_limits(scene).items()
+    }
+    load = flange_load(scene)
     return SceneNumbers(
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
@@ -48,6 +63,13 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         joint_speed_limit=scene.robot.max_speed,
+        joint_acceleration_limit=further["acceleration"],
+        joint_jerk_limit=further["jerk"],
+        joint_torque_limit=further["torque"],
+        self_motion=np.zeros(len(scene.robot.joints)),
+        load_mass=load.mass,
+        load_first_moment=load.first_moment,
+        load_inertia=load.inertia,
         max_tilt=scene.motion.max_tilt,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
@@ -56,6 +78,20 @@ def numbers_of(scene: Scene) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
     )
+
+
+def flange_load(scene: Scene) -> Load:
+    """What the flange carries as one rigid body, flange axes: tray as an even plate, liquids at rest."""
+    tray = scene.tray
+    turn = Rotation.from_euler("z", tray.yaw_on_flange).as_matrix()
+    x, y = tray.size
+    plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
+    load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
+    for cargo in scene.cargo:
+        own = turn @ Rotation.from_euler("z", cargo.yaw).as_matrix()
+        centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+        load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
+    return load
 
 
 def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:

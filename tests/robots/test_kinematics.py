@@ -155,7 +155,7 @@ def test_one_build_per_chain_and_empty_batches():
     [
         ({"tip": "tool0"}, "tip 'tool0'"),
         ({"urdf": "robots/arm.urdf"}, "no XML"),
-        ({"urdf": "<mujoco/>"}, "starts with <mujoco>, expected <robot>"),
+        ({"urdf": "<mujoco/>"}, "starts with <mujoco> where <robot> is expected"),
         ({"joints": ("joint_1", "elbow")}, "elbow"),
     ],
 )

@@ -3,8 +3,11 @@
 from nospill.constraints.apparent_gravity import ApparentGravity
 from nospill.constraints.base import Constraint as Constraint
 from nospill.constraints.jerk import PathJerk, TiltJerk
+from nospill.constraints.joint_acceleration import JointAcceleration
+from nospill.constraints.joint_jerk import JointJerk
 from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.joint_speed import JointSpeed
+from nospill.constraints.joint_torque import JointTorque
 from nospill.constraints.lift import Lift
 from nospill.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.constraints.slip import Slip
@@ -24,6 +27,9 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Twist(),
     JointPosition(),
     JointSpeed(),
+    JointAcceleration(),
+    JointJerk(),
+    JointTorque(),
     Tilt(),
     PathJerk(),
     TiltJerk(),

@@ -21,9 +21,9 @@ class Place(Enum):
     OBJECT = "object"
     """objects: at every collocation point."""
     JOINT = "joint"
-    """joint_position, joint_speed: at every node."""
+    """joint_position, joint_speed, joint_acceleration: at every node."""
     CONTROL = "control"
-    """tilt, jerks: at every node."""
+    """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
     END = "end"
     """objects at the end of the motion, the tray at rest and level."""
 

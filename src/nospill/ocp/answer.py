@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Structure, constants
 from nospill.ocp.layout import Layout, layout_of
-from nospill.ocp.stage import tray_state
 from nospill.ocp.stages import Stages, StageSamples, sample_stages
+from nospill.ocp.tray_state import tray_state
 from nospill.robots.kinematics import kinematics
-from nospill.robots.newton import solve_joints
+from nospill.robots.newton import Held, solve_joints
 from nospill.sample import sample_objects, split_states
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
@@ -56,7 +56,7 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
     samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
     samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
     tray = _tray_samples(structure, numbers, layout, samples.chains)
-    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray)
+    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
     tilt = [np.zeros((count, 2)) for _ in range(3)]
     if structure.tilt_free:
         tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
@@ -82,14 +82,14 @@ def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, c
     symbol = SX.sym("chains", 3 * layout.chains)
     state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
     motion, rotation = state.motion, state.rotation
-    acceleration = rotation @ motion.specific_force - ca.vertcat(0, 0, numbers.gravity)
+    acceleration, angular_acceleration = state.acceleration(numbers.gravity)
     parts = [
         state.position,
         ca.vec(rotation.T),
         state.velocity,
         rotation @ motion.angular_velocity,
         acceleration,
-        rotation @ motion.angular_acceleration,
+        angular_acceleration,
         motion.angular_velocity,
         motion.angular_acceleration,
         motion.specific_force,
@@ -106,18 +106,32 @@ def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, c
 
 
 def _joint_samples(
-    scene: Scene, stages: Stages, layout: Layout, t: np.ndarray, tray: TraySamples
+    scene: Scene,
+    stages: Stages,
+    layout: Layout,
+    t: np.ndarray,
+    tray: TraySamples,
+    chains: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Joint positions, speeds and accelerations (m, n) that carry the tray, the self-motion as its chain says."""
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     grid = np.arange(stages.intervals) * stages.interval
     start = np.column_stack([np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T])
     arm = kinematics(scene.robot)
-    position = solve_joints(scene.robot, tray.position, tray.rotation, start, **tool)
-    inverse = np.linalg.pinv(arm.jacobians(position, **tool))
-    speed = (inverse @ tray.twist[:, :, None])[:, :, 0]
+    held = None
+    if stages.self_motion is not None:
+        held = Held(stages.self_motion, chains[:, -3])
+    position = solve_joints(scene.robot, tray.position, tray.rotation, start, held=held, **tool)
+    jacobian, twist = arm.jacobians(position, **tool), tray.twist
+    if held is not None:
+        jacobian, _ = held.added(jacobian, twist, position)
+        twist = np.hstack([twist, chains[:, -2:-1]])
+    speed = np.linalg.solve(jacobian, twist[:, :, None])[:, :, 0]
     bias = arm.motions(position, speed, np.zeros_like(speed), **tool)
-    drift = np.hstack([bias.acceleration, bias.angular_acceleration])
-    acceleration = (inverse @ (tray.twist_change - drift)[:, :, None])[:, :, 0]
+    change = tray.twist_change - np.hstack([bias.acceleration, bias.angular_acceleration])
+    if held is not None:
+        change = np.hstack([change, chains[:, -1:]])
+    acceleration = np.linalg.solve(jacobian, change[:, :, None])[:, :, 0]
     return position, speed, acceleration
 
 

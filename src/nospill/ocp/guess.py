@@ -10,6 +10,7 @@ from nospill.ocp.collocation import POINTS
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, sample_stages
 from nospill.robots.inverse import JointPath
+from nospill.robots.redundancy import self_motion
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.slosh.modes import STANDARD_GRAVITY
@@ -69,20 +70,28 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
     s, rate, change = quintic(warp)
     table = np.zeros((intervals + 1, layout.size))
     chains = [(s, rate * warp_rate / duration, (change * warp_rate**2 - 2 * start.skew * rate) / duration**2)]
-    for index in range(layout.chains - 1):
+    for index in range(layout.tilts):
         amplitude = start.tilt[index]
         bump = 64 * tau**3 * (1 - tau) ** 3
         slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
         bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
+    slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
+    joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * chains[0][1][:, None]
+    direction = self_motion(scene.robot, joints) if layout.redundant else None
+    if direction is not None:
+        change = np.gradient(speeds @ direction, duration / intervals)
+        chains.append((joints @ direction, speeds @ direction, change))
     for index, chain in enumerate(chains):
         table[:, 3 * index : 3 * index + 3] = np.column_stack(chain)
         table[:-1, layout.jerks.start + index] = np.diff(chain[2]) * intervals / duration
     table[:, layout.interval] = duration / intervals
-    slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
-    table[:, layout.joint_position] = joint_path.at(np.clip(s, 0.0, 1.0))
-    table[:, layout.joint_speed] = slopes * chains[0][1][:, None]
-    return Stages(duration / intervals, table)
+    table[:, layout.joint_position], table[:, layout.joint_speed] = joints, speeds
+    for order in range(2, layout.orders + 1):
+        table[:, layout.joint_derivative(order)] = np.gradient(
+            table[:, layout.joint_derivative(order - 1)], duration / intervals, axis=0
+        )
+    return Stages(duration / intervals, table, direction)
 
 
 def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
@@ -98,11 +107,11 @@ def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
     table[:, layout.displacement], table[:, layout.velocity] = samples.displacement, samples.velocity
     for point in range(2):
         table[:, layout.acceleration(point)] = samples.accelerations[point]
-    joints = slice(layout.joint_position.start, layout.joint_speed.stop)
+    joints = slice(layout.joint_position.start, layout.size)
     grid = np.arange(stages.intervals) * stages.interval
     for column in range(joints.start, joints.stop):
         table[:, column] = np.interp(times, grid, old[:-1, column])
-    return Stages(duration / intervals, table)
+    return Stages(duration / intervals, table, stages.self_motion)
 
 
 def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
@@ -120,9 +129,13 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
 
     table = np.zeros((intervals + 1, layout.size))
     chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
-    if layout.chains > 1:
+    if layout.tilts:
         tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
         chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
+    joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
+    direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
+    if direction is not None:
+        chains.append(np.column_stack([part @ direction for part in joints]))
     for index, chain in enumerate(chains):
         table[:, 3 * index : 3 * index + 3] = at(chain)
         table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
@@ -141,6 +154,7 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
                 inside = np.minimum(times + POINTS[point] * interval, duration)
                 table[:, layout.acceleration(point)][:, columns] = at(change, inside)
         first += count
-    table[:, layout.joint_position] = at(trajectory.joint_position)
-    table[:, layout.joint_speed] = at(trajectory.joint_speed)
-    return Stages(interval, table)
+    further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
+    for order, part in enumerate((joints + further)[: layout.orders + 1]):
+        table[:, layout.joint_derivative(order)] = at(part)
+    return Stages(interval, table, direction)

@@ -18,14 +18,26 @@ Chain = tuple[SX, SX, SX]
 class Layout:
     """Sizes and slices of a stage's variables.
 
-    State: chains (s, then theta_x and theta_y where free; each value, rate, acceleration), interval length, slosh
-        displacements, slosh velocities. Control: jerks, slosh accelerations at both points, joint positions and
-        speeds at the node.
+    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value,
+        rate, acceleration), interval length, slosh displacements, slosh velocities. Control: jerks, slosh accelerations
+        at both points, joint positions and their time derivatives at the node.
+
+    Attributes:
+        tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with seven joints, 0 with six.
+        coordinates: of the liquids. joints: number. orders: of the joints' derivatives that are variables: 1 for
+            positions and speeds, 2 with accelerations, 3 with jerks.
     """
 
-    chains: int
+    tilts: int
+    redundant: int
     coordinates: int
     joints: int
+    orders: int
+
+    @property
+    def chains(self) -> int:
+        """How many jerk-driven chains there are."""
+        return 1 + self.tilts + self.redundant
 
     @property
     def interval(self) -> int:
@@ -68,13 +80,17 @@ class Layout:
     @property
     def joint_speed(self) -> slice:
         """Joint speeds in the stage vector."""
-        start = self.joint_position.stop
+        return self.joint_derivative(1)
+
+    def joint_derivative(self, order: int) -> slice:
+        """The joints' time derivative of order 0 to `orders` in the stage vector."""
+        start = self.joint_position.start + order * self.joints
         return slice(start, start + self.joints)
 
     @property
     def size(self) -> int:
         """Size of the stage vector."""
-        return self.joint_speed.stop
+        return self.joint_derivative(self.orders).stop
 
     def chain(self, stage: SX, index: int) -> Chain:
         """One chain of a stage vector."""
@@ -84,8 +100,11 @@ class Layout:
 
 def layout_of(structure: Structure) -> Layout:
     """The layout of a structure."""
+    lifted = {"acceleration": 2, "torque": 2, "jerk": 3}
     return Layout(
-        chains=3 if structure.tilt_free else 1,
+        tilts=2 if structure.tilt_free else 0,
+        redundant=int(structure.redundant),
         coordinates=coordinate_count(structure),
         joints=len(structure.joints),
+        orders=max((lifted[name] for name in structure.joint_limits), default=1),
     )

@@ -5,7 +5,7 @@ Parameters, scales, bounds, and the way in and out of its variables.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,9 @@ _SHORTEST = 0.05
 
 _LARGEST_SLOSH_SCALE = 0.02
 """Scale of a surface height when its limit is generous, m."""
+
+_SELF_MOTION_JERK = 1000.0
+"""Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
 
 DERIVING_SOLVERS = ("fatrop",)
 """Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
@@ -39,6 +42,7 @@ class Problem:
         parameters: of the functions.
         scales: (layout.size,) physical size of a scaled one.
         lower, upper: bounds of the scaled variables.
+        self_motion: as in `Stages`.
     """
 
     scene: Scene
@@ -49,6 +53,7 @@ class Problem:
     scales: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
+    self_motion: np.ndarray | None
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
@@ -60,11 +65,17 @@ class Problem:
         padded = np.zeros((self.transcription.intervals + 1) * size)
         padded[: len(variables)] = variables
         table = padded.reshape(-1, size) * self.scales
-        return Stages(float(table[0, self.transcription.layout.interval]), table)
+        return Stages(float(table[0, self.transcription.layout.interval]), table, self.self_motion)
 
 
 def build_problem(
-    scene: Scene, intervals: int, *, nominal_duration: float, reserves: Reserves, kept: Kept | None = None
+    scene: Scene,
+    intervals: int,
+    *,
+    nominal_duration: float,
+    reserves: Reserves,
+    kept: Kept | None = None,
+    self_motion: np.ndarray | None = None,
 ) -> Problem:
     """The problem of a scene on a grid.
 
@@ -74,8 +85,11 @@ def build_problem(
         nominal_duration: expected end time, s, for the scales only.
         reserves: fraction of each budget kept back from the optimiser.
         kept: which (constraint, subject) rows take part; None for all.
+        self_motion: of a seven-joint arm, as in `Stages`.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
+    if self_motion is not None:
+        numbers = replace(numbers, self_motion=self_motion)
     transcription = transcribe(
         structure, numbers, intervals, kept=kept, derivable=scene.planning.solver in DERIVING_SOLVERS
     )
@@ -90,6 +104,7 @@ def build_problem(
         scales=scales,
         lower=lower,
         upper=upper,
+        self_motion=self_motion,
     )
 
 
@@ -97,10 +112,12 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     scales = np.ones(layout.size)
     tilt = 0.3
     for chain in range(layout.chains):
-        value = 1.0 if chain == 0 else tilt
+        value = (1.0, *[tilt] * layout.tilts, *[1.0] * layout.redundant)[chain]
         scales[3 * chain : 3 * chain + 3] = value, 2 * value / duration, 10 * value / duration**2
     scales[layout.interval] = duration / intervals
     limits = [scene.motion.path_jerk_limit] + [scene.motion.tilt_jerk_limit] * (layout.chains - 1)
+    if layout.redundant:
+        limits[-1] = _SELF_MOTION_JERK
     scales[layout.jerks] = [0.3 * limit for limit in limits]
     heights = []
     for cargo in scene.cargo:
@@ -114,7 +131,11 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     scales[layout.velocity] = displacement * frequency
     for point in range(2):
         scales[layout.acceleration(point)] = displacement * frequency**2
+    further = (scene.robot.max_acceleration, scene.robot.max_jerk)
     scales[layout.joint_speed] = scene.robot.max_speed
+    for order in range(2, layout.orders + 1):
+        limit, usual = further[order - 2], 2.0 * scene.robot.max_speed * (2.0 / duration) ** (order - 1)
+        scales[layout.joint_derivative(order)] = usual if limit is None else limit
     return scales
 
 
@@ -125,8 +146,16 @@ def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) ->
     lower[:, layout.interval] = _SHORTEST / intervals
     upper[:, layout.interval] = scene.motion.max_duration / intervals
     ends = (lower[0], upper[0], lower[-1], upper[-1])
+    if layout.redundant:
+        # No constraint of the table speaks of this jerk: it only keeps the self-motion smooth.
+        own = layout.jerks.stop - 1
+        lower[:, own], upper[:, own] = -_SELF_MOTION_JERK, _SELF_MOTION_JERK
     for row in ends:
         row[: layout.interval] = 0.0
+    if layout.redundant:
+        free = 3 * (layout.chains - 1)
+        for row, bound in zip(ends, (-np.inf, np.inf, -np.inf, np.inf), strict=True):
+            row[free] = bound
     for row in ends[2:]:
         row[0] = 1.0
     for row in ends[:2]:

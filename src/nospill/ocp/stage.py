@@ -9,13 +9,13 @@ import numpy as np
 
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place, smooth_rows
-from nospill.frames import SX, FrameMotion, tray_rates, tray_rotation
+from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.collocation import POINTS, advance_chain, gauss_step, interior
+from nospill.ocp.joint_equalities import joint_equalities
 from nospill.ocp.layout import Chain, Layout
-from nospill.ocp.path_expression import path_expression
-from nospill.robots.kinematics import kinematics
-from nospill.sample import Sample, object_motion, sample_objects, split_states, tray_motion
+from nospill.ocp.tray_state import tray_state
+from nospill.sample import Sample, object_motion, sample_objects, split_states
 from nospill.slosh.motion import motion_residual
 
 
@@ -31,19 +31,6 @@ class Block:
     first: int
     count: int
     repetition: int
-
-
-@dataclass(frozen=True, slots=True)
-class TrayState:
-    """Pose and motion of the tray frame from the chains.
-
-    Base-frame position and velocity, rotation to base, body motion.
-    """
-
-    position: SX
-    velocity: SX
-    rotation: SX
-    motion: FrameMotion
 
 
 class RowCollector:
@@ -77,19 +64,6 @@ class RowCollector:
         if not self.values:
             return SX(0, 1), np.zeros(0), np.zeros(0)
         return ca.vertcat(*self.values), np.concatenate(self.lower), np.concatenate(self.upper)
-
-
-def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain, ...]) -> TrayState:
-    """The tray frame's pose and motion from s and, where free, the tilt angles."""
-    s, speed, acceleration = chains[0]
-    value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)
-    rate, change = first * speed, second * speed**2 + first * acceleration
-    level = (SX(0), SX(0), SX(0))
-    theta_x, theta_y = (chains[1], chains[2]) if structure.tilt_free else (level, level)
-    rotation = tray_rotation(value[3], theta_y[0], theta_x[0])
-    omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
-    motion = tray_motion(rotation, change[:3], omega, alpha, numbers.gravity)
-    return TrayState(value[:3], rate[:3], rotation, motion)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,13 +103,15 @@ def stage_expressions(
     following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
 
     collector = RowCollector(reserves)
-    equalities = [_kinematics(structure, numbers, stage, layout, chains)]
+    equalities = [joint_equalities(structure, numbers, stage, layout, chains)]
     tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
     node = Sample(
         structure,
         numbers,
         joint_position=stage[layout.joint_position],
         joint_speed=stage[layout.joint_speed],
+        joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
+        joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
         tilt=tilt,
         jerks=jerks,
     )
@@ -168,7 +144,8 @@ def stage_expressions(
         objects = sample_objects(structure, numbers, tray, split_states(structure, *inside))
         collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
 
-    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.chains - 1)
+    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * layout.tilts
+    weights += [numbers.tilt_jerk_weight] * layout.redundant
     cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     rows, lower, upper = collector.stacked()
     return StageExpressions(following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost)
@@ -176,26 +153,6 @@ def stage_expressions(
 
 def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
     return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
-
-
-def _kinematics(
-    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...]
-) -> SX:
-    # Pose and twist of the tray from the joints equal those from the path; half the antisymmetric part of R_d^T R is
-    # sin(angle) times the axis of the remaining turn, zero only where the attitudes agree (or differ by half a turn).
-    q, qd = stage[layout.joint_position], stage[layout.joint_speed]
-    tray = tray_state(structure, numbers, chains)
-    arm = kinematics(structure)
-    tool = {"tool_position": numbers.tray_offset, "tool_yaw": numbers.tray_yaw_on_flange}
-    position, rotation = arm.pose(q, **tool)
-    velocity, omega = arm.twist(q, qd, **tool)
-    turn = tray.rotation.T @ rotation
-    return ca.vertcat(
-        position - tray.position,
-        ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2,
-        velocity - tray.velocity,
-        tray.rotation.T @ omega - tray.motion.angular_velocity,
-    )
 
 
 def terminal_rows(

@@ -17,10 +17,12 @@ class Stages:
     Attributes:
         interval: length of an interval, s.
         table: (N + 1, layout.size), one stage vector a row (see `Layout`); the controls of the last row are not used.
+        self_motion: (n,) direction that the chain of a seven-joint arm is the product with; None for six joints.
     """
 
     interval: float
     table: np.ndarray
+    self_motion: np.ndarray | None = None
 
     @property
     def intervals(self) -> int:

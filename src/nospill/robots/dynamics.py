@@ -21,6 +21,7 @@ import numpy as np
 
 from nospill.errors import ScenarioError
 from nospill.robots.bodies import Body, about_point, chain_bodies, inertia_fault
+from nospill.robots.kinematics import Chain
 from nospill.robots.robot import Robot
 from nospill.robots.urdf_tree import read_tree
 
@@ -197,6 +198,11 @@ class Dynamics:
         columns = [cs.DM(np.asarray(array, dtype=float).T) for array in (q, qd, qdd)]
         shared = [cs.repmat(cs.DM(load_column(load)), 1, count), cs.repmat(cs.DM(gravity), 1, count)]
         return np.array((function or self.torque_function)(*columns, *shared).full().T, order="C")
+
+
+def torque_expression(chain: Chain, q: cs.SX, qd: cs.SX, qdd: cs.SX, load: Load, *, gravity: float | cs.SX) -> cs.SX:
+    """`joint_torque` for a chain whose inertias are known to be real, without asking again."""
+    return _dynamics(chain.urdf, chain.joints, chain.tip).torque(q, qd, qdd, load, gravity=gravity)
 
 
 def dynamics(robot: Robot) -> Dynamics:

@@ -8,7 +8,7 @@ import numpy as np
 
 from nospill.paths import Path
 from nospill.robots.kinematics import Kinematics
-from nospill.robots.newton import RESIDUAL, least_norm_step, newton, pose_gap
+from nospill.robots.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
 
 SUBSTEPS = (1, 4, 16, 64, 256)
 """An interval between two samples is tried in this many steps, one after the other, before a branch is given up."""
@@ -58,7 +58,14 @@ def tray_rates(path: Path, s: np.ndarray) -> np.ndarray:
 
 
 def follow(
-    arm: Kinematics, path: Path, s: np.ndarray, starts: np.ndarray, *, tool_position: np.ndarray, tool_yaw: float
+    arm: Kinematics,
+    path: Path,
+    s: np.ndarray,
+    starts: np.ndarray,
+    *,
+    tool_position: np.ndarray,
+    tool_yaw: float,
+    held: np.ndarray | None = None,
 ) -> Followed:
     """Follow each start configuration along the path, joint limits ignored.
 
@@ -69,8 +76,10 @@ def follow(
         starts: (k, n) joint positions that put the tray at s[0], rad.
         tool_position: (3,) tray origin in flange axes, m.
         tool_yaw: turn of the tray about the flange's z, rad.
+        held: (n,) combination of the joints that keeps its start value; without it, seven joints move as little as
+            they can.
     """
-    stepper = _Stepper(arm, path, tool_position, tool_yaw)
+    stepper = _Stepper(arm, path, tool_position, tool_yaw, held)
     branches = len(starts)
     q = np.full((branches, len(s), arm.n), np.nan)
     q[:, 0] = starts
@@ -94,7 +103,14 @@ def follow(
     positions, rotations = tray_poses(path, s)
     for branch in active:
         polished, error = newton(
-            arm, positions, rotations, q[branch], tool_position=tool_position, tool_yaw=tool_yaw, max_iterations=5
+            arm,
+            positions,
+            rotations,
+            q[branch],
+            tool_position=tool_position,
+            tool_yaw=tool_yaw,
+            held=None if held is None else Held(held, np.full(len(s), starts[branch] @ held)),
+            max_iterations=5,
         )
         settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
         complete[branch] = settled.all()
@@ -107,11 +123,14 @@ def follow(
 class _Stepper:
     """Predictor along dq/ds and two Newton corrections, on several branches at once."""
 
-    def __init__(self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float) -> None:
+    def __init__(
+        self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float, held: np.ndarray | None
+    ) -> None:
         self._arm = arm
         self._path = path
         self._tool_position = tool_position
         self._tool_yaw = tool_yaw
+        self._held = held
 
     def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which made it (k,)."""
@@ -119,15 +138,20 @@ class _Stepper:
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])
         rates = tray_rates(self._path, s[:-1])
+        kept = None if self._held is None else q @ self._held
         for step, width in enumerate(np.diff(s)):
             rows = np.flatnonzero(good)
             if rows.size == 0:
                 break
             _, _, jacobian = self._at(q[rows])
-            prediction = width * least_norm_step(jacobian, np.broadcast_to(rates[step], (rows.size, 6)))
+            held = None if self._held is None or kept is None else Held(self._held, kept[rows])
+            rate = np.broadcast_to(rates[step], (rows.size, 6))
+            if held is not None:
+                jacobian, rate = held.added(jacobian, rate, q[rows])
+            prediction = width * least_norm_step(jacobian, rate)
             near = q[rows] + prediction
-            first = self._correction(near, positions[step], rotations[step])
-            second = self._correction(near + first, positions[step], rotations[step])
+            first = self._correction(near, positions[step], rotations[step], held)
+            second = self._correction(near + first, positions[step], rotations[step], held)
             q[rows] = near + first + second
             sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
             good[rows] = (
@@ -135,10 +159,12 @@ class _Stepper:
             )
         return q, good
 
-    def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray, held: Held | None) -> np.ndarray:
         reached, turned, jacobian = self._at(q)
         shape = (len(q), 3, 3)
         gap = pose_gap(np.broadcast_to(position, shape[:2]), np.broadcast_to(rotation, shape), reached, turned)
+        if held is not None:
+            jacobian, gap = held.added(jacobian, gap, q)
         return least_norm_step(jacobian, gap)
 
     def _at(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

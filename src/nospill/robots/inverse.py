@@ -2,7 +2,9 @@
 
 `inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that
 exists at the start of the path is followed along all of it with a level tray, by Newton continuation with step
-control, so that a branch never jumps.
+control, so that a branch never jumps. Seven joints have a family of branches for every position of the redundant
+joint: a number of positions is tried, each kept along the path, and only where none leads through, the joints are left
+to move as little as they can. That gives the planner its start; it may move the redundant joint as it likes.
 """
 
 from __future__ import annotations
@@ -15,12 +17,16 @@ import numpy as np
 from nospill.paths import Path
 from nospill.robots.closed_form import TURN, solutions_anywhere, turn_choices
 from nospill.robots.closed_form import inverse_solutions as inverse_solutions
-from nospill.robots.following import follow, tray_poses, tray_rates
+from nospill.robots.following import Followed, follow, tray_poses, tray_rates
 from nospill.robots.kinematics import FLANGE, ToolPosition, kinematics
-from nospill.robots.newton import least_norm_step
+from nospill.robots.newton import Held, least_norm_step
 from nospill.robots.newton import solve_joints as solve_joints
 from nospill.robots.no_joint_path import explain
+from nospill.robots.redundancy import redundant_joint
 from nospill.robots.robot import Robot
+
+_REDUNDANT_POSITIONS = 13
+"""Positions of the redundant joint that are tried, evenly over its range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +74,7 @@ def joint_paths(
     The tray's frame follows position = r(s), rotation = Rz(yaw(s)).
 
     Args:
-        robot: an arm of six joints.
+        robot: the arm.
         path: path of the tray frame in the robot's base frame.
         tool_position: (3,) tray origin in flange axes, m.
         tool_yaw: turn of the tray about the flange's z, rad.
@@ -84,17 +90,45 @@ def joint_paths(
         singularity (where).
     """
     tool_position = np.asarray(tool_position, dtype=float)
-    arm = kinematics(robot)
     s = np.linspace(0.0, 1.0, samples)
-    positions, rotations = tray_poses(path, s[:1])
-    starts = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
-    followed = follow(arm, path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw)
+    starts = _starts(robot, path, tool_position, tool_yaw)
+    joint = redundant_joint(robot)
+    followed: Followed | None = None
+    for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
+        followed = follow(kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
+        found = _within_limits(robot, path, followed, held, tool_position=tool_position, tool_yaw=tool_yaw)
+        if found:
+            return found
+    assert followed is not None  # there is one turn of the loop at least
+    raise explain(robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
 
+
+def _starts(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> np.ndarray:
+    """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
+    positions, rotations = tray_poses(path, np.zeros(1))
+    tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
+    joint = redundant_joint(robot)
+    if joint is None:
+        return solutions_anywhere(robot, positions[0], rotations[0], **tool)
+    lower, upper = robot.lower[joint], robot.upper[joint]
+    inside = np.linspace(0.0, 1.0, _REDUNDANT_POSITIONS + 2)[1:-1]
+    values = lower + inside * (upper - lower)
+    found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), **tool) for value in values]
+    return np.concatenate(found)
+
+
+def _within_limits(
+    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool_position: np.ndarray, tool_yaw: float
+) -> list[JointPath]:
+    """The joint paths among the followed branches, best first."""
+    arm, s = kinematics(robot), followed.s
     found: list[tuple[tuple[float, ...], JointPath]] = []
     middle = 0.5 * (robot.lower + robot.upper)
     for q in followed.q[followed.complete]:
-        jacobian = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw)
-        dq_ds = least_norm_step(jacobian, tray_rates(path, s))
+        jacobian, rates = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw), tray_rates(path, s)
+        if held is not None:
+            jacobian, rates = Held(held, q @ held).added(jacobian, rates, q)
+        dq_ds = least_norm_step(jacobian, rates)
         figure = float((np.abs(dq_ds) / robot.max_speed).max())
         for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):
             turned = q + TURN * np.array(turns)
@@ -103,8 +137,6 @@ def joint_paths(
             joint_path = JointPath(_label(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
             # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
             found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
-    if not found:
-        raise explain(robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
     return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
 
 

@@ -11,12 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
-from xml.etree import ElementTree
 
 import casadi as cs
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.robots.bodies import Chain as BodyChain
+from nospill.robots.bodies import chain_bodies
+from nospill.robots.chain import chain_expressions
+from nospill.robots.urdf_tree import read_tree
 
 ToolPosition = Sequence[float] | np.ndarray | cs.SX
 
@@ -68,16 +71,12 @@ class Kinematics:
         rate = cs.SX.sym("qd", self.n)
         rate_change = cs.SX.sym("qdd", self.n)
         tool = cs.SX.sym("tool", 4)
-        flange_position, flange_rotation, flange_jacobian = _flange(urdf, joints, tip, q)
-
-        lever = flange_rotation @ tool[:3]
-        position = flange_position + lever
-        rotation = flange_rotation @ _about_z(tool[3])
-        spin = flange_jacobian[3:, :]
-        jacobian = cs.vertcat(flange_jacobian[:3, :] - cs.skew(lever) @ spin, spin)
-        twist = jacobian @ rate
-        # d/dt (J qd) along the motion; the angular velocity in base axes differentiates to the angular acceleration
-        twist_change = jacobian @ rate_change + cs.jtimes(twist, q, rate)
+        motion = chain_expressions(
+            _chain(urdf, joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
+        )
+        position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
+        twist = cs.vertcat(motion.velocity, motion.angular_velocity)
+        twist_change = cs.vertcat(motion.acceleration, motion.angular_acceleration)
 
         self._pose = _function("pose", [q, tool], [position, rotation])
         self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
@@ -212,41 +211,23 @@ def kinematics(robot: Chain) -> Kinematics:
 _kinematics = lru_cache(maxsize=32)(Kinematics)
 
 
-def _flange(urdf: str, joints: tuple[str, ...], tip: str, q: cs.SX) -> tuple[cs.SX, cs.SX, cs.SX]:
-    """Return position (3,), rotation (3, 3) and geometric Jacobian (6, n) of the flange in base axes."""
-    # imported here: it pulls in scipy, which a listing of the catalogue does not need
-    from adam.casadi import KinDynComputations
-
-    try:
-        tree = ElementTree.fromstring(urdf)
-    except ElementTree.ParseError as error:
-        raise ScenarioError(f"robot description is no XML: {error}; give the text of a URDF file") from error
-    if tree.tag != "robot":
+def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
+    tree = read_tree(urdf)
+    if tip not in tree.links:
         raise ScenarioError(
-            f"robot description starts with <{tree.tag}>, expected <robot>; give the text of a URDF file"
+            f"robot description: tip {tip!r} is no link; there are {', '.join(sorted(tree.links)[:12])}"
         )
-    # defaults of the URDF format that adam expects to be written out
-    for joint in tree.findall("joint"):
-        for element, standard in (("origin", {"xyz": "0 0 0", "rpy": "0 0 0"}), ("axis", {"xyz": "1 0 0"})):
-            if joint.find(element) is None:
-                ElementTree.SubElement(joint, element, standard)
-    try:
-        chain = KinDynComputations(ElementTree.tostring(tree, encoding="unicode"), list(joints))
-        transform = chain.forward_kinematics(tip, cs.SX.eye(4), q)
-        # the first six columns belong to a floating base; the rest is for frame-origin velocity in base axes
-        jacobian = chain.jacobian(tip, cs.SX.eye(4), q)[:, 6:]
-    except Exception as error:  # the XML, the URDF reader and adam raise a dozen kinds
-        raise ScenarioError(f"robot description cannot be used (tip {tip!r}): {error}") from error
-    return transform[:3, 3], transform[:3, :3], jacobian
+    chain = chain_bodies(tree, joints, tip)
+    if len(chain.bodies) != len(joints):
+        known = ", ".join(joint.name for joint in tree.joints)
+        raise ScenarioError(
+            f"robot description: not all of the joints {', '.join(joints)} lead to {tip!r}; there are {known}"
+        )
+    return chain
 
 
 def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
     return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
-
-
-def _about_z(angle: cs.SX) -> cs.SX:
-    c, s = cs.cos(angle), cs.sin(angle)
-    return cs.vertcat(cs.horzcat(c, -s, 0), cs.horzcat(s, c, 0), cs.horzcat(0, 0, 1))
 
 
 def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:

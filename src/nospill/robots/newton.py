@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from nospill.errors import ModelError
@@ -17,6 +19,27 @@ residual decides.
 """
 
 
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A combination of the joints with given values, which takes the freedom of a seventh joint.
+
+    Attributes:
+        direction: (n,), for example a unit vector for a joint that is held.
+        values: (m,) of direction . q, rad, one for each pose.
+    """
+
+    direction: np.ndarray
+    values: np.ndarray
+
+    def added(
+        self, jacobian: np.ndarray, gap: np.ndarray, q: np.ndarray, samples: np.ndarray | slice = slice(None)
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Jacobians (k, 7, n) and gaps (k, 7) with the further row, for the chosen samples at q (k, n)."""
+        row = np.broadcast_to(self.direction, (len(q), 1, jacobian.shape[2]))
+        missing = self.values[samples] - q @ self.direction
+        return np.concatenate([jacobian, row], axis=1), np.concatenate([gap, missing[:, None]], axis=1)
+
+
 def solve_joints(
     robot: Robot,
     positions: np.ndarray,
@@ -25,11 +48,14 @@ def solve_joints(
     *,
     tool_position: ToolPosition = FLANGE,
     tool_yaw: float = 0.0,
+    held: Held | None = None,
     max_iterations: int = 30,
 ) -> np.ndarray:
     """Solve the tool pose for the joint positions at m samples, each from its own guess.
 
-    Newton's method with the least-norm step J^T (J J^T)^-1 e; joint limits are not looked at.
+    Newton's method with the least-norm step J^T (J J^T)^-1 e; joint limits are not looked at. Where the arm has more
+    joints than the pose has numbers, `held` says what a combination of them shall be; without it the nearest solution
+    is taken.
 
     Args:
         robot: the arm.
@@ -38,6 +64,7 @@ def solve_joints(
         q_start: (m, n) guesses, rad.
         tool_position: (3,) tool origin in flange axes, m.
         tool_yaw: turn of the tool about the flange's z, rad.
+        held: a combination of the joints whose values are given.
         max_iterations: Newton steps before it gives up.
 
     Returns:
@@ -53,6 +80,7 @@ def solve_joints(
         q_start,
         tool_position=tool_position,
         tool_yaw=tool_yaw,
+        held=held,
         max_iterations=max_iterations,
     )
     if len(q) and not error.max() < RESIDUAL:  # a NaN fails as well
@@ -74,6 +102,7 @@ def newton(
     *,
     tool_position: ToolPosition = FLANGE,
     tool_yaw: float = 0.0,
+    held: Held | None = None,
     max_iterations: int = 30,
     max_step: float = 0.3,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -86,6 +115,7 @@ def newton(
         q_start: (m, n), rad.
         tool_position: (3,), m.
         tool_yaw: rad.
+        held: a combination of the joints whose values are given; what it is off counts as pose error.
         max_iterations: Newton steps.
         max_step: largest change of one joint in one step, rad.
 
@@ -101,6 +131,8 @@ def newton(
             break
         reached, turned, jacobian = arm.poses_and_jacobians(q[active], tool_position=tool_position, tool_yaw=tool_yaw)
         gap = pose_gap(positions[active], rotations[active], reached, turned)
+        if held is not None:
+            jacobian, gap = held.added(jacobian, gap, q[active], active)
         size = np.linalg.norm(gap, axis=1)
         better = size < error[active]
         error[active] = size
@@ -133,9 +165,9 @@ def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, 
 
 
 def least_norm_step(jacobian: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, 6); jacobian is (m, 6, n)."""
+    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, k); jacobian is (m, k, n)."""
     transposed = np.swapaxes(jacobian, 1, 2)
-    gram = jacobian @ transposed + DAMPING * np.eye(6)
+    gram = jacobian @ transposed + DAMPING * np.eye(jacobian.shape[1])
     return (transposed @ np.linalg.solve(gram, gap[..., None]))[..., 0]
 
 

@@ -10,10 +10,12 @@ from nospill.robots.closed_form import TURN, solutions_anywhere
 from nospill.robots.following import Followed, tray_poses
 from nospill.robots.kinematics import Kinematics, kinematics
 from nospill.robots.newton import pose_gap
+from nospill.robots.redundancy import redundant_joint
 from nospill.robots.robot import Robot
 
 _ORIENTATION_WEIGHT = 100.0  # m per rad
 _RANDOM_STARTS = 16
+_REACHED = 1e-6  # m
 _BISECTIONS = 20
 
 
@@ -74,8 +76,11 @@ def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
 
 def _reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
     positions, rotations = tray_poses(path, np.array([s]))
-    exact = solutions_anywhere(robot, positions[0], rotations[0], tool_position=tool_position, tool_yaw=tool_yaw)
-    return len(exact) > 0
+    held = redundant_joint(robot)
+    if held is None:
+        tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
+        return len(solutions_anywhere(robot, positions[0], rotations[0], **tool)) > 0
+    return _shortfalls(kinematics(robot), path, np.array([s]), tool_position, tool_yaw)[0] < _REACHED
 
 
 def _out_of_reach(
