@@ -124,7 +124,9 @@ def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
     if film.liquids:
         limits = sorted({track.limit for track in film.liquids.values()})
         lines = [Line(name, film.t, 1e3 * track.height) for name, track in film.liquids.items()]
-        highest = max(1e3 * limits[-1], *[float(np.max(line.values)) for line in lines])
+        # A liquid that leaves its cup must not squeeze the others; 1.6 limits show that it did.
+        reached = min(max(float(np.max(line.values)) for line in lines), 1.6e3 * limits[-1])
+        highest = max(1e3 * limits[-1], reached)
         named = tuple((1e3 * limit, f"{1e3 * limit:.3g} mm") for limit in limits)
         panels.append((0, Panel(f"{before}liquid height [mm]", tuple(lines), named, 0.0, 1.15 * highest)))
     uses = [Line(name, film.t, use) for name, use in film.contact_use.items()]
