@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from nospill.cli import app
 from nospill.errors import ScenarioError
@@ -264,3 +266,37 @@ def test_listing_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     for words in ("franka-fr3", "ur10e", "position, speed, acceleration", "jerk, torque", "not known", "joint jerk"):
         assert words in " ".join(text.split())
+
+
+EVERYTHING = own(
+    tip="tool0",
+    base_position=["1 m", 0, 0.2],
+    base_yaw="20 deg",
+    home=[0.1] * 6,
+    locked={},
+    limits_applied="all",
+    limits={"lower": "-2 rad", "speed": [1, 1, 1, 1, 1, "2 rad/s"], "acceleration": 5, "speed_scale": "80 %"},
+)
+SOMETHING = st.one_of(
+    st.none(), st.booleans(), st.integers(-(10**20), 10**20), st.floats(), st.text(max_size=8), st.just("30 deg")
+)
+ANYTHING = st.one_of(
+    SOMETHING, st.lists(SOMETHING, max_size=7), st.dictionaries(st.sampled_from(["j1", "j2", "x", ""]), SOMETHING)
+)
+
+
+@given(st.data())
+@settings(max_examples=150, deadline=None)
+def test_any_value_of_any_key_is_read_or_refused_in_one_line(data: st.DataObject) -> None:
+    robot = copy.deepcopy(EVERYTHING)
+    holder = data.draw(st.sampled_from([robot, robot["limits"]]))
+    key = data.draw(st.sampled_from([*holder, "model", "urdf", "jerk", "torque", "torque_scale"]))
+    holder[key] = data.draw(ANYTHING)
+    try:
+        scene = scene_of(robot)
+    except ScenarioError as error:
+        assert len(str(error).splitlines()) == 1 and len(str(error)) < 700
+    else:
+        again = scene_from_table(tomllib.loads(scenario_text(scene)), name="other")
+        assert again.robot.urdf == scene.robot.urdf and again.source == scene.source
+        assert again.robot.joints == scene.robot.joints and again.robot.notes == scene.robot.notes
