@@ -72,6 +72,12 @@ def test_file_beside_the_scenario_goes_into_the_copy(tmp_path: Path) -> None:
     assert 'urdf_text = """' in text and "arms/own.urdf" not in text and ".stl" not in text
 
 
+def test_line_ends_survive_the_copy() -> None:
+    for description in ("two\nlines", "two\r\nlines", 'quotes """ and \\'):
+        scene = scene_of(own(arm_text().replace("<joint", "\r\n<joint")), description=description)
+        assert tomllib.loads(scenario_text(scene)) == scene.source
+
+
 def test_what_an_own_urdf_sets_and_what_not() -> None:
     robot = scene_of(own()).robot
     assert robot.joints == ("j1", "j2", "j3", "j4", "j5", "j6")

@@ -65,7 +65,9 @@ def scene_from_table(table: Mapping[str, Any], *, name: str, folder: str | os.Pa
 
 def scenario_text(scene: Scene) -> str:
     """The scenario of a scene as TOML that needs no other file; reading it gives an equal scene."""
-    return tomli_w.dumps(scene.source, multiline_strings=True)
+    # the text of a URDF is for people to read too; line ends that would not survive it (CR LF) stay escaped
+    readable = tomli_w.dumps(scene.source, multiline_strings=True)
+    return readable if tomllib.loads(readable) == scene.source else tomli_w.dumps(scene.source)
 
 
 def write_scenario(scene: Scene, path: str | FilePath) -> None:
