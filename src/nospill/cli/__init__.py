@@ -16,13 +16,14 @@ from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.slosh import compare, simulate
-from nospill.cli.verifying import verify
+from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
 COMMANDS: tuple[Callable[..., int], ...] = (
     plan,
     check,
     verify,
+    margins,
     plot,
     view,
     export,

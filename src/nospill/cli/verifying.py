@@ -13,7 +13,10 @@ from nospill.cli.progress import Progress
 from nospill.cli.reporting import only_stderr, print_json, print_table, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.margins import MarginsReport, Ranges
     from nospill.verify import VerifyReport
+
+_STUDY_FILES = {"margins.json", "samples.csv", "tornado.png", "tornado.pdf"}
 
 
 def verify(
@@ -82,3 +85,145 @@ def _print_verification(report: VerifyReport) -> None:
     print(f"joints from {report.source}; {report.engine}, {report.simulated:.2f} s simulated")
     still = "every object stays" if report.ok else "not every object stays"
     print(f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg")
+
+
+def margins(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    samples: Annotated[int, typer.Option("--samples", metavar="N", help="Sets of numbers that are drawn.")] = 1000,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the draw.")] = 0,
+    friction: Annotated[str, typer.Option("--friction", metavar="RATIO", help="Friction, relative, +-.")] = "10 %",
+    fill: Annotated[str, typer.Option("--fill", metavar="LENGTH", help="Height of the liquid at rest, +-.")] = "2 mm",
+    damping: Annotated[str, typer.Option("--damping", metavar="LOW..HIGH", help="Factor on the damping.")] = "0.5..2",
+    position: Annotated[
+        str, typer.Option("--position", metavar="LENGTH", help="Place on the tray, +- in x and y.")
+    ] = "1 mm",
+    mass: Annotated[str, typer.Option("--mass", metavar="RATIO", help="Mass of an object, relative, +-.")] = "2 %",
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Write figures, samples and a tornado plot here.",
+            show_default=False,
+        ),
+    ] = None,
+) -> int:
+    """Draw friction, fill, damping, place and mass anew and report what is left of a plan's margins."""
+    with only_stderr() if as_json else nullcontext(), Progress() as progress:
+        from nospill.files import atomic_folder, require_replaceable
+        from nospill.margins import margins as study
+        from nospill.plans import load_plan
+
+        ranges = _ranges(friction, fill, damping, position, mass)
+        if output is not None:
+            require_replaceable(output, replaceable=_only_study)
+        plan = load_plan(folder)
+        report = study(
+            plan,
+            ranges=ranges,
+            samples=samples,
+            seed=seed,
+            progress=lambda done, total: progress.say("draw", f"{done} of {total}"),
+        )
+        if output is not None:
+            with atomic_folder(output, replaceable=_only_study) as partial:
+                _write_study(report, partial, [cargo.name for cargo in plan.scene.cargo])
+    if as_json:
+        print_json(report.to_dict())
+    else:
+        _print_margins(report)
+        if output is not None:
+            print(f"written to {output}")
+    return 0
+
+
+def _ranges(friction: str, fill: str, damping: str, position: str, mass: str) -> Ranges:
+    from nospill.errors import ScenarioError
+    from nospill.margins import Ranges
+    from nospill.units import quantity
+
+    def read(option: str, text: str, dimension: str) -> float:
+        try:
+            return quantity(text, dimension)
+        except ScenarioError as error:
+            raise ScenarioError(f"--{option} {error}") from error
+
+    low, dots, high = damping.partition("..")
+    if not dots:
+        raise ScenarioError(f'--damping "{damping}": two factors are needed, for example "0.5..2"')
+    return Ranges(
+        friction=read("friction", friction, "ratio"),
+        fill=read("fill", fill, "length"),
+        damping=(read("damping", low, "number"), read("damping", high, "number")),
+        position=read("position", position, "length"),
+        mass=read("mass", mass, "ratio"),
+    )
+
+
+def _only_study(names: set[str]) -> bool:
+    return "margins.json" in names and names <= _STUDY_FILES
+
+
+def _write_study(report: MarginsReport, folder: Path, names: list[str]) -> None:
+    import numpy as np
+
+    from nospill.margins import FACTORS
+    from nospill.plots.margins_tornado import Bar, save_tornado
+
+    text = json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n"
+    (folder / "margins.json").write_text(text, encoding="utf-8")
+    columns = ["worst_margin", *(f"{name}: {factor}" for name in names for factor in FACTORS)]
+    table = np.column_stack([report.worst_margin, report.draws.reshape(report.samples, -1)])
+    np.savetxt(folder / "samples.csv", table, delimiter=",", fmt="%.9g", header=",".join(columns), comments="")
+    bars = [
+        Bar(
+            f"{item.factor}:\n{item.measure}",
+            item.nominal,
+            item.least,
+            item.greatest,
+            item.least_at,
+            item.greatest_at,
+            item.limited_by,
+        )
+        for item in report.influences
+    ]
+    save_tornado(bars, report.worst_margin, folder, nominal=report.nominal, title=f"{report.scenario}: what matters")
+
+
+def _print_margins(report: MarginsReport) -> None:
+    """Print probabilities, the constraints and the influences."""
+    chances = {
+        "spill: over the rim": report.spill,
+        "surface over max_slosh_height": report.over_limit,
+        "slide: more friction needed than there is": report.slide,
+        "tip": report.tip,
+        "any limit of the certificate": report.any_limit,
+    }
+    print_table(
+        ("what", "samples", "probability %", "at least %", "at most %"),
+        [(name, item.count, 1e2 * item.value, 1e2 * item.low, 1e2 * item.high) for name, item in chances.items()],
+    )
+    print_table(
+        ("constraint", "broken in", "largest use %", "by"),
+        [(item.constraint, item.broken.count, 1e2 * item.largest_use, item.subject) for item in report.constraints],
+    )
+    print_table(
+        ("number", "of", "worst margin %", "at", "best margin %", "at", "limited by"),
+        [
+            (
+                item.factor,
+                item.measure,
+                1e2 * item.least,
+                item.least_at,
+                1e2 * item.greatest,
+                item.greatest_at,
+                item.limited_by,
+            )
+            for item in report.influences
+        ],
+    )
+    shares = ", ".join(f"{key:g} %: {1e2 * value:.2f} %" for key, value in report.percentiles.items())
+    print(f"worst margin over {report.samples} samples (seed {report.seed}), percentiles: {shares}")
+    print(f"worst margin with the scenario's own numbers, friction without reserve: {1e2 * report.nominal:.2f} %")

@@ -1,0 +1,191 @@
+"""The margins of one object along a given motion of the tray, for many sets of its numbers at once.
+
+The tray moves the same way whatever stands on it, and objects do not touch each other. So each object of each sample is
+a problem of its own with few numbers: its liquid is integrated by Runge-Kutta steps, after each step every constraint
+of the object is looked at, and its worst margin kept. One CasADi function does this from the first instant to the last;
+it is mapped over the samples, with the tray's motion shared by all.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.constraints import CONSTRAINTS
+from nospill.constraints.base import Budget, Constraint, Place, figures
+from nospill.frames import SX, FrameMotion
+from nospill.interpolation import planned_motion
+from nospill.numbers import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
+from nospill.replay import body_motion, slosh_accelerations
+from nospill.robots.kinematics import kinematics
+from nospill.sample import Sample, coordinate_count, sample_objects, split_states
+from nospill.scene import Scene
+from nospill.scene_numbers import numbers_of, structure_of
+from nospill.slosh.integrate import runge_kutta_step
+from nospill.trajectory import Trajectory
+
+STEP = 1e-3
+"""s; longest step of the integration, after each of which the margins are looked at."""
+
+_BATCH = 100
+_NEVER = 1e9
+
+
+@dataclass(frozen=True, slots=True)
+class Ride:
+    """A motion of the tray in n steps.
+
+    Attributes:
+        body: (27, n) rates and specific force (as `Replay.body`) at the start, the middle and the end of each step.
+        step: s.
+    """
+
+    body: np.ndarray
+    step: float
+
+
+def ride(trajectory: Trajectory, scene: Scene) -> Ride:
+    """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone."""
+    motion, start, end = planned_motion(trajectory), float(trajectory.t[0]), trajectory.end_time
+    count = int(np.ceil((end - start) / STEP - 1e-9))
+    t = np.linspace(start, end, 2 * count + 1)
+    tray = kinematics(scene.robot).motions(
+        *(motion(t, order) for order in range(3)),
+        tool_position=scene.tray.offset,
+        tool_yaw=scene.tray.yaw_on_flange,
+    )
+    lifted = tray.acceleration + np.array([0.0, 0.0, scene.gravity])
+    vectors = (tray.angular_velocity, tray.angular_acceleration, lifted)
+    body = np.hstack([np.einsum("mji,mj->mi", tray.rotation, vector) for vector in vectors]).T
+    return Ride(np.vstack([body[:, 0:-1:2], body[:, 1::2], body[:, 2::2]]), (end - start) / count)
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """Worst figures of one object in m samples, per constraint that speaks of it.
+
+    Attributes:
+        constraints: names. places: where each is imposed.
+        margin, limit: (m, n) in the constraint's unit.
+    """
+
+    constraints: tuple[str, ...]
+    places: tuple[Place, ...]
+    margin: np.ndarray
+    limit: np.ndarray
+
+
+def object_margins(
+    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], motion: Ride
+) -> Iterator[tuple[int, Margins]]:
+    """Margins of one object for many sets of its numbers, batch by batch.
+
+    Args:
+        scene: the object's scene.
+        index: of the object.
+        numbers: one per sample, of the structure the object has in the scene.
+        motion: of the tray.
+
+    Yields:
+        The number of samples in the batch and their margins.
+    """
+    whole = structure_of(scene)
+    structure = replace(whole, objects=whole.objects[index : index + 1])
+    template = replace(numbers_of(scene), objects=(numbers[0],))
+    shared = (template.gravity, template.residual_fraction)
+    made = _function(structure, Shapes(template), motion.body.shape[1], _BATCH)
+    names = tuple(constraint.name for constraint in made.constraints)
+    places = tuple(constraint.place for constraint in made.constraints)
+    body = ca.DM(motion.body)
+    for first in range(0, len(numbers), _BATCH):
+        batch = numbers[first : first + _BATCH]
+        columns = np.column_stack([np.concatenate([shared, [motion.step], flatten(item)]) for item in batch])
+        padded = np.pad(columns, ((0, 0), (0, _BATCH - len(batch))), mode="edge")
+        found = np.array(made.call(ca.DM(padded), body).full())[:, : len(batch)].T
+        margin, limit = found[:, 0::2], found[:, 1::2]
+        yield len(batch), Margins(names, places, np.where(np.isnan(margin), -np.inf, margin), limit)
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    call: Any
+    constraints: tuple[Constraint, ...]
+
+
+@lru_cache(maxsize=16)
+def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _Made:
+    """(numbers of the samples, motion) -> worst margin and limit of every constraint, margin by margin."""
+    count, size = coordinate_count(structure), 3 + len(flatten(shapes.record.objects))
+    p = SX.sym("p", size)
+    numbers = _scene_numbers(shapes.record, p)
+    state, first, middle, last = SX.sym("state", 2 * count), SX.sym("b0", 9), SX.sym("b1", 9), SX.sym("b2", 9)
+    following = state
+    if count:
+        step = runge_kutta_step(
+            lambda x, b, q: _rate(structure, _scene_numbers(shapes.record, q), x, b),
+            states=2 * count,
+            inputs=9,
+            parameters=size,
+        )
+        following = step(state, first, middle, last, p[2], p)
+    tray = body_motion(last)
+    q, qd = following[:count], following[count:]
+    during = _worst(Place.OBJECT, structure, numbers, tray, q, qd, moving=True)
+    worst = SX.sym("worst", 2 * len(during))
+    kept = []
+    for number, (_, figure) in enumerate(during):
+        closer = figure[2] < worst[2 * number]
+        kept.append(ca.if_else(closer, ca.vertcat(figure[2], figure[1]), worst[2 * number : 2 * number + 2]))
+    # The numbers ride along in the state: what is accumulated may differ from sample to sample, the motion may not.
+    before, after = ca.vertcat(p, state, worst), ca.vertcat(p, following, *kept)
+    advance = ca.Function("advance", [before, ca.vertcat(first, middle, last)], [after], {"cse": True})
+    rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, numbers.gravity))
+    at_end = _worst(Place.END, structure, numbers, rest, state[:count], state[count:], moving=False)
+    final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
+    finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final))], {"cse": True})
+
+    given, motion = ca.MX.sym("p", size), ca.MX.sym("motion", 27, steps)
+    start = ca.vertcat(given, ca.MX.zeros(2 * count), _NEVER * ca.MX.ones(2 * len(during)))
+    one = ca.Function("one", [given, motion], [finish(advance.fold(steps)(start, motion))])
+    threads = os.cpu_count() or 1
+    call = one.map("all", "thread" if threads > 1 else "serial", batch, [1], [])
+    return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
+
+
+def _scene_numbers(record: SceneNumbers, p: SX) -> SceneNumbers:
+    """The record with gravity, residual fraction and the object's numbers from `p`; no more is read of it here."""
+    return replace(record, gravity=p[0], residual_fraction=p[1], objects=symbolic(record.objects, p[3:]))
+
+
+def _rate(structure: Structure, numbers: SceneNumbers, state: SX, body: SX) -> SX:
+    count = coordinate_count(structure)
+    q, qd = state[:count], state[count:]
+    return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
+
+
+def _worst(
+    place: Place, structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX, *, moving: bool
+) -> list[tuple[Constraint, SX]]:
+    """Value, limit and margin (3, 1) of every constraint of a place that speaks of the object."""
+    count = coordinate_count(structure)
+    qdd = slosh_accelerations(structure, numbers, tray, q, qd) if moving and count else SX.zeros(count)
+    objects = sample_objects(structure, numbers, tray, split_states(structure, q, qd, qdd))
+    sample = Sample(structure, numbers, objects=objects)
+    found = []
+    for constraint in CONSTRAINTS:
+        if constraint.place is place:
+            found += [(constraint, _closest(constraint, budgets)) for budgets in constraint.budgets(sample)]
+    return found
+
+
+def _closest(constraint: Constraint, budgets: tuple[Budget, ...]) -> SX:
+    closest, *others = (ca.vertcat(*figures(budget, constraint.relative)) for budget in budgets)
+    for other in others:
+        closest = ca.if_else(other[2] < closest[2], other, closest)
+    return closest

@@ -1,0 +1,205 @@
+"""One plan, many sets of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.certificate import limit_use
+from nospill.constraints.base import Place
+from nospill.errors import ScenarioError
+from nospill.margins.laws import object_margins, ride
+from nospill.margins.perturbed import perturbed, require_possible
+from nospill.margins.ranges import FACTORS, Ranges
+from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
+from nospill.plans import Plan
+from nospill.scene_numbers import object_numbers
+
+LARGEST_SAMPLES = 1_000_000
+
+MEASURES = {"liquid": ("slosh height", "apparent gravity"), "contact": ("slip", "twist", "tip", "lift")}
+"""What the influence of a number is measured on: the worst margin over these constraints."""
+
+_NOTHING = 1e-9
+"""Of a limit; what moves a margin by less moves it by rounding."""
+
+_SWEEP = 9
+"""Places along a range at which its number is tried."""
+
+Progress = Callable[[int, int], None]
+"""Called with how many of how many sets of numbers are done."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """One object's figures by constraint, each (m,): use of the limit, and value = limit - margin in its unit.
+
+    `room` is the distance from the liquid at rest to the rim, m.
+    """
+
+    name: str
+    use: dict[str, np.ndarray]
+    value: dict[str, np.ndarray]
+    places: dict[str, Place]
+    room: np.ndarray | None
+
+
+def margins(
+    plan: Plan,
+    *,
+    ranges: Ranges | None = None,
+    samples: int = 1000,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> MarginsReport:
+    """Draw friction, fill, damping, position and mass of every object and see what is left of the plan's margins.
+
+    The joints, and so the tray, move as planned in every sample. The laws are those of the scene's fidelity.
+
+    Args:
+        plan: certified or not.
+        ranges: how far the numbers may be off.
+        samples: how many sets of numbers, 1 to 1,000,000.
+        seed: of the draw; the same seed gives the same figures.
+        progress: called after each batch.
+
+    Raises:
+        ScenarioError: a number of samples that is not allowed, or a range that empties a cup or fills it over its rim.
+        ModelError: the slosh model does not cover a drawn filling.
+    """
+    if not 1 <= samples <= LARGEST_SAMPLES:
+        raise ScenarioError(f"samples = {samples}: 1 to {LARGEST_SAMPLES} are allowed")
+    if seed < 0:
+        raise ScenarioError(f"seed = {seed}: a whole number of at least 0 is needed")
+    used, scene = ranges or Ranges(), plan.scene
+    require_possible(scene, used)
+    draws = used.draw(samples, len(scene.cargo), seed=seed)
+    swept, labels = _sweeps(used)
+    nominal = np.zeros((1, len(FACTORS)))
+    motion = ride(plan.trajectory, scene)
+    total, done = len(scene.cargo) * (samples + len(swept) + 1), 0
+    found = []
+    for index, cargo in enumerate(scene.cargo):
+        changed = [perturbed(cargo, draw, scene) for draw in np.vstack([draws[:, index], swept, nominal])]
+        parts = []
+        for count, part in object_margins(scene, index, tuple(object_numbers(item, scene) for item in changed), motion):
+            parts.append(part)
+            done += count
+            if progress is not None:
+                progress(done, total)
+        names = parts[0].constraints
+        margin, limit = (np.vstack([getattr(part, field) for part in parts]) for field in ("margin", "limit"))
+        rooms = [item.container.height - item.filling.liquid_height for item in changed if item.filling]
+        found.append(
+            _Found(
+                name=cargo.name,
+                use={name: limit_use(name, limit[:, k], margin[:, k]) for k, name in enumerate(names)},
+                value={name: limit[:, k] - margin[:, k] for k, name in enumerate(names)},
+                places=dict(zip(names, parts[0].places, strict=True)),
+                room=np.array(rooms) if rooms else None,
+            )
+        )
+    drawn = slice(0, samples)
+    worst = 1.0 - np.max([use for item in found for use in _during(item).values()], axis=0)
+    return MarginsReport(
+        scenario=scene.name,
+        ranges=used,
+        samples=samples,
+        seed=seed,
+        nominal=float(worst[-1]),
+        worst_margin=worst[drawn],
+        draws=draws,
+        spill=probability(np.any([_spilt(item) for item in found], axis=0)[drawn]),
+        over_limit=probability(_broken(found, ("slosh height",))[drawn]),
+        slide=probability(_broken(found, ("slip", "twist", "lift"))[drawn]),
+        tip=probability(_broken(found, ("tip",))[drawn]),
+        any_limit=probability(_broken(found, tuple({name: None for item in found for name in item.use}))[drawn]),
+        constraints=_risks(found, drawn),
+        influences=_influences(found, labels, samples),
+    )
+
+
+def _during(item: _Found) -> dict[str, np.ndarray]:
+    return {name: use for name, use in item.use.items() if item.places[name] is Place.OBJECT}
+
+
+def _spilt(item: _Found) -> np.ndarray:
+    if item.room is None:
+        return np.zeros(len(next(iter(item.use.values()))), dtype=bool)
+    return np.maximum(item.value["slosh height"], item.value["residual height"]) > item.room
+
+
+def _broken(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:
+    """Where any object breaks one of these constraints, (m,)."""
+    count = len(next(iter(found[0].use.values())))
+    columns = [item.use[name] > 1.0 for item in found for name in names if name in item.use]
+    return np.any(columns, axis=0) if columns else np.zeros(count, dtype=bool)
+
+
+def _risks(found: list[_Found], drawn: slice) -> tuple[ConstraintRisk, ...]:
+    names = {name: None for item in found for name in item.use}
+    risks = []
+    for name in names:
+        owners = [(float(np.max(item.use[name][drawn])), item.name) for item in found if name in item.use]
+        largest, subject = max(owners)
+        risks.append(ConstraintRisk(name, probability(_broken(found, (name,))[drawn]), largest, subject))
+    return tuple(risks)
+
+
+def _sweeps(ranges: Ranges) -> tuple[np.ndarray, list[tuple[str, str]]]:
+    """Draws with one number off, (n, 6), and of each the number's name and value as text."""
+    low, high = ranges.bounds()
+    rows, labels = [], []
+    for column, factor in enumerate(FACTORS):
+        if factor.startswith("position"):
+            continue
+        for value in np.linspace(low[column], high[column], _SWEEP).tolist():
+            row = np.zeros(len(FACTORS))
+            row[column] = value
+            rows.append(row)
+            labels.append((factor, _written(factor, value)))
+    x, y = FACTORS.index("position x"), FACTORS.index("position y")
+    for right in (-1, 0, 1):
+        for forward in (-1, 0, 1):
+            row = np.zeros(len(FACTORS))
+            row[x], row[y] = right * high[x], forward * high[y]
+            rows.append(row)
+            labels.append(("position", f"({1e3 * row[x]:+.3g}, {1e3 * row[y]:+.3g}) mm"))
+    return np.array(rows), labels
+
+
+def _written(factor: str, value: float) -> str:
+    if factor == "damping":
+        return f"x {math.exp(value):.3g}"
+    return f"{1e3 * value:+.3g} mm" if factor == "fill" else f"{1e2 * value:+.3g} %"
+
+
+def _influences(found: list[_Found], labels: list[tuple[str, str]], samples: int) -> tuple[Influence, ...]:
+    influences, places = [], [*(place for _, place in labels), "as planned"]
+    for measure, wanted in MEASURES.items():
+        owned = [(item, name) for item in found for name in wanted if name in item.use]
+        if not owned:
+            continue
+        swept = 1.0 - np.array([item.use[name][samples:] for item, name in owned])
+        worst = np.min(swept, axis=0)
+        for factor in dict.fromkeys(name for name, _ in labels):
+            # The scenario's own numbers are the last column.
+            rows = [*(k for k, (name, _) in enumerate(labels) if name == factor), len(labels)]
+            least, greatest = rows[int(np.argmin(worst[rows]))], rows[int(np.argmax(worst[rows]))]
+            limiting, constraint = owned[int(np.argmin(swept[:, least]))]
+            influence = Influence(
+                factor=factor,
+                measure=measure,
+                nominal=float(worst[-1]),
+                least=float(worst[least]),
+                greatest=float(worst[greatest]),
+                least_at=places[least],
+                greatest_at=places[greatest],
+                limited_by=f"{constraint} of {limiting.name}",
+            )
+            if influence.swing > _NOTHING:
+                influences.append(influence)
+    return tuple(sorted(influences, key=lambda item: -item.swing))

@@ -1,0 +1,112 @@
+"""Which number moves a plan's worst margin how far (a tornado), over the distribution of that margin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from nospill.errors import PlanFolderError
+from nospill.plots.style import BLACK, BLUE, GREY, LOOK, RED, SMALL, WIDTH, plain
+
+_BAR, _HISTOGRAM, _ROW = 0.62, 1.35, 0.4
+_RESOLUTION = 150
+_MOST = 10
+_BINS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """One number: margin as planned and at the worst and best place of its range (1), those places, who limits."""
+
+    name: str
+    nominal: float
+    least: float
+    greatest: float
+    least_at: str
+    greatest_at: str
+    limited_by: str
+
+
+def tornado_figure(bars: list[Bar], worst_margin: np.ndarray, *, nominal: float, title: str) -> Figure:
+    """Draw the bars, in the order given, above a histogram of the worst margin.
+
+    Args:
+        bars: the strongest are drawn, ten at most; there may be none.
+        worst_margin: (m,) of the samples, fractions of the limit.
+        nominal: with the scenario's numbers.
+        title: headline.
+    """
+    bars = bars[:_MOST]
+    rows = max(len(bars), 1)
+    total = 0.5 + _ROW * rows + 0.75 + _HISTOGRAM + 0.45
+    figure = Figure(figsize=(WIDTH, total))
+    upper, lower = figure.subplots(2, 1, height_ratios=[_ROW * rows, _HISTOGRAM])
+    figure.subplots_adjust(
+        left=0.16, right=0.97, top=1 - 0.42 / total, bottom=0.45 / total, hspace=1.5 / (_ROW * rows + _HISTOGRAM)
+    )
+    figure.text(0.16, 1 - 0.06 / total, title, ha="left", va="top", weight="bold")
+    _draw_bars(upper, bars)
+    values = 100 * worst_margin[np.isfinite(worst_margin)]
+    lower.hist(values, bins=_BINS, color=BLUE, linewidth=0)
+    lower.set_ylabel("samples [1]")
+    lower.set_xlabel("worst margin [% of the limit]")
+    lower.set_title(f"{len(worst_margin)} samples, all numbers off at once", size=SMALL)
+    lower.axvline(100 * nominal, color=GREY, linewidth=1.0, linestyle=(0, (2, 1.5)), zorder=3)
+    for axes in (upper, lower):
+        axes.axvline(0.0, color=RED, linewidth=1.2, zorder=3)
+    return figure
+
+
+def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
+    ends = [100 * value for bar in bars for value in (bar.least, bar.greatest)] or [-1.0, 1.0]
+    span = max(max(ends) - min(ends), 1e-6)
+    for row, bar in enumerate(bars):
+        least, greatest = 100 * bar.least, 100 * bar.greatest
+        axes.barh(row, greatest - least, left=least, height=_BAR, color=BLUE, alpha=0.85, linewidth=0)
+        at = 100 * bar.nominal
+        axes.plot((at, at), (row - _BAR / 2, row + _BAR / 2), color=BLACK, linewidth=1.2, zorder=4)
+        for value, text, side in ((least, bar.least_at, "right"), (greatest, bar.greatest_at, "left")):
+            offset = -3 if side == "right" else 3
+            axes.annotate(
+                text, (value, row), xytext=(offset, 0), textcoords="offset points", ha=side, va="center", size=SMALL
+            )
+        axes.annotate(
+            plain(bar.limited_by, 34),
+            (least, row + _BAR / 2),
+            xytext=(0, -1),
+            textcoords="offset points",
+            ha="left",
+            va="top",
+            size=6,
+            color="#444444",
+        )
+    axes.set_yticks(range(len(bars)), [bar.name for bar in bars])
+    axes.set_ylim(max(len(bars), 1) - 0.35, -0.6)
+    axes.set_xlim(min(ends) - 0.35 * span, max(ends) + 0.35 * span)
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel("margin [% of the limit]")
+    axes.set_title("one number at a time; black: with the scenario's own numbers", size=SMALL)
+
+
+def save_tornado(
+    bars: list[Bar], worst_margin: np.ndarray, folder: Path, *, nominal: float, title: str
+) -> tuple[Path, Path]:
+    """Write tornado.png and tornado.pdf into a folder that exists.
+
+    Raises:
+        PlanFolderError: the disk refuses.
+    """
+    paths = folder / "tornado.png", folder / "tornado.pdf"
+    try:
+        with matplotlib.rc_context(LOOK):
+            figure = tornado_figure(bars, worst_margin, nominal=nominal, title=title)
+            figure.savefig(paths[0], dpi=_RESOLUTION)
+            figure.savefig(paths[1], metadata={"CreationDate": None})
+    except OSError as error:
+        raise PlanFolderError(f"{folder}: the figure cannot be written ({error.strerror or error})") from error
+    return paths
