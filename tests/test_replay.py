@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 
 from nospill.errors import ModelError
+from nospill.interpolation import QUINTIC_HERMITE, planned_motion, resampled
 from nospill.replay import MINIMUM_RATE, replay
 from nospill.robots.kinematics import kinematics
 from nospill.scenario import read_scenario
@@ -160,6 +161,29 @@ def test_planned_motion_is_played_as_planned(smooth_motion):
     np.testing.assert_allclose(played.joint_speed[::per_sample], trajectory.joint_speed, atol=1e-3)
     np.testing.assert_allclose(played.joint_acceleration[::per_sample], trajectory.joint_acceleration, atol=0.5)
     np.testing.assert_allclose(played.tray.position[::per_sample], trajectory.tray_position, atol=1e-5)
+
+
+def test_a_receivers_own_motion_is_played_as_it_is(smooth_motion):
+    """Between two samples 20 ms apart: the motion given, neither more nor less, and the liquid follows that one."""
+    motion = smooth_motion("matrix-liquid", cargo=1, stretch=0.7)
+    trajectory, scene = motion.trajectory, motion.scene
+    samples = resampled(trajectory, 50.0)
+    receiver = QUINTIC_HERMITE.motion(samples)
+    played, planned = replay(trajectory, scene, motion=receiver), replay(trajectory, scene)
+    for order, column in enumerate((played.joint_position, played.joint_speed, played.joint_acceleration)):
+        np.testing.assert_array_equal(column, receiver(played.t, order))
+    np.testing.assert_array_equal(played.t, planned.t)
+    apart = np.abs(played.slosh_displacement - planned.slosh_displacement).max()
+    assert 1e-9 < apart < 1e-4
+    again = replay(trajectory, scene, motion=planned_motion(trajectory))
+    np.testing.assert_array_equal(again.slosh_displacement, planned.slosh_displacement)
+    # The same positions as samples of a trajectory of their own, where only the interpolation differs.
+    own = played_joints(samples.t, samples.position, scene)
+    spline = replay(own, scene)
+    hermite = replay(own, scene, motion=receiver)
+    every = round(spline.rate / 50.0)
+    np.testing.assert_allclose(hermite.joint_position[::every], spline.joint_position[::every], atol=1e-12)
+    assert np.abs(hermite.joint_acceleration - spline.joint_acceleration).max() > 1e-3
 
 
 def test_arm_that_stands_still_moves_nothing():

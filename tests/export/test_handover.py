@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from nospill.export.base import Exporter
 from nospill.handover import certified, exporter_named, hand_over, judge_file, rate_that_would_do
 from nospill.interpolation import QUINTIC_HERMITE, JointSamples, planned_motion, resampled
 from nospill.plans import Plan
+from nospill.robots.catalog import load_robot
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 RATES = (100.0, 125.0, 250.0, 500.0, 1000.0)
@@ -148,6 +149,28 @@ def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, 
     EXPORTERS["mat"].write(dense, plan.scene, path)
     with pytest.raises(PlanFolderError, match="4000 samples per second; at most 1000 can be judged"):
         judge_file(plan, EXPORTERS["mat"], path)
+
+
+@pytest.mark.parametrize("name", ["joint-trajectory", "rosbag2", "mat"])
+def test_seven_joints_are_handed_over_whole(gentle_plan, samples, tmp_path, name):
+    """The motion leads nowhere near the path, which the verdict says; what is played is all seven joints."""
+    plan, motion = gentle_plan("matrix-rigid", 1), samples(200, joints=7)
+    scene = replace(plan.scene, robot=load_robot("franka-fr3"))
+    record = {
+        field.name: getattr(plan.trajectory, field.name)[:200]
+        for field in fields(plan.trajectory)
+        if field.name not in ("joints", "slosh")
+    }
+    record |= {
+        "joint_position": motion.position,
+        "joint_speed": motion.speed,
+        "joint_acceleration": motion.acceleration,
+    }
+    seven = replace(plan, scene=scene, trajectory=replace(plan.trajectory, joints=scene.robot.joints, **record))
+    done = hand_over(seven, EXPORTERS[name], file_of(EXPORTERS[name], tmp_path), rate=250.0)
+    assert done.joint_deviation < 1e-5
+    assert {row.subject for row in done.certificate.rows} >= set(scene.robot.joints)
+    assert "path position" in {row.constraint for row in done.certificate.rows if not row.ok}
 
 
 def test_formats_that_do_not_exist_are_named():
