@@ -30,6 +30,7 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+napoleon_custom_sections = ["Return value"]
 add_module_names = False
 python_use_unqualified_type_names = True
 
@@ -40,8 +41,8 @@ nitpick_ignore_regex = [
     ("py:.*", r"(Path|FilePath|Callable|Collection|Mapping|Sequence|Literal|Any|Protocol|PathLike)"),
     # Records that only the inside of the package hands around are named in signatures and have no entry.
     ("py:class", r"nospill\..*"),
-    # First words of "Returns:" sections, and first names in "lower, upper: limits": sentences and names, no types.
-    ("py:class", r".* .*|[a-z_]+"),
+    # The first names in "lower, upper: limits" are no types.
+    ("py:class", r"[a-z_]+"),
 ]
 
 html_math_renderer = "outlines"

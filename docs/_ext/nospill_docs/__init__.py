@@ -21,7 +21,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Register the generators, the mathematics and the check of the links."""
     add_formulas(app)
     app.connect("builder-inited", _generate)
-    app.connect("autodoc-process-docstring", _plain_bars)
+    app.connect("autodoc-process-docstring", _plain_words, priority=100)
     app.connect("build-finished", check_links)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
@@ -32,6 +32,12 @@ def _generate(app: Sphinx) -> None:
         write(places)
 
 
-def _plain_bars(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
-    """Docstrings write absolute values as |x|, which reStructuredText would take for substitutions."""
-    lines[:] = [line.replace("|", r"\|") for line in lines]
+def _plain_words(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """Keep sentences what they are, before napoleon reads them.
+
+    Docstrings write absolute values as |x|, which reStructuredText would take for substitutions. Types stand in the
+    annotations, so what precedes a colon in a "Returns:" section or in a property's first line is no type (it becomes a dash there).
+    """
+    lines[:] = [line.replace("|", r"\|").replace("Returns:", "Return value:") for line in lines]
+    if what == "property" and lines:
+        lines[0] = lines[0].replace(": ", " - ", 1)

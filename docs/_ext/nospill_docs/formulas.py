@@ -44,7 +44,11 @@ def formula(tex: str, kind: str) -> str:
     Raises:
         ValueError: mathtext does not understand it.
     """
-    text = re.sub(r"\\(le|ge)\b", r"\\\1q", " ".join(tex.split()))  # mathtext knows the long names only
+    # mathtext knows the long names of relations only, and puts no space before the names of functions.
+    text = re.sub(r"\\(le|ge)\b", r"\\\1q", " ".join(tex.split()))
+    text = re.sub(r"(?<=[\w}]) (?=\\(?:sin|cos|tan)h?\b)", r" \\, ", text)
+    if kind == "block":
+        text = text.replace(r"\frac", r"\dfrac")
     with rc_context({"mathtext.fontset": "stix"}):
         draw, font = TextToPath(), FontProperties(size=_SIZE)
         width, height, descent = draw.get_text_width_height_descent(f"${text}$", font, ismath=True)

@@ -17,8 +17,8 @@ from nospill_docs.tables import markdown_table
 CAPTIONS: dict[str, str] = {
     "summary": "Summary sheet: path, certificate, heights, joint speeds.",
     "slosh-heights": "Height of each liquid at the wall, over its limit.",
-    "margins": "How much of each limit is used.",
-    "joints": "Joint positions, speeds and accelerations.",
+    "margins": "How much of each limit every object uses.",
+    "joints": "Joint positions, and joint speeds over their limits.",
     "tilt": "Tilt of the tray.",
 }
 """Figure -> its caption; figures that a plan has and this table has not are shown with their name."""
