@@ -36,7 +36,8 @@ def _plain_words(app: Sphinx, what: str, name: str, thing: object, options: obje
     """Keep sentences what they are, before napoleon reads them.
 
     Docstrings write absolute values as |x|, which reStructuredText would take for substitutions. Types stand in the
-    annotations, so what precedes a colon in a "Returns:" section or in a property's first line is no type (it becomes a dash there).
+    annotations, so what precedes a colon in a "Returns:" section is no type, nor in a property's first line, where a
+    dash takes its place.
     """
     lines[:] = [line.replace("|", r"\|").replace("Returns:", "Return value:") for line in lines]
     if what == "property" and lines:
