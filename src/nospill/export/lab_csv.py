@@ -106,7 +106,8 @@ def _reason_against(rate: float, joints: int) -> str | None:
     if joints != JOINTS:
         return f"the lab's joint file has {JOINTS} columns; this motion has {joints} joints"
     if rate != LAB_RATE:
-        return f"rate is {rate:g} Hz; the lab's controller plays {LAB_RATE:g} rows a second; use --rate 500, or 500 Hz under [output]"
+        wanted = f"the lab's controller plays {LAB_RATE:g} rows a second"
+        return f"rate is {rate:g} Hz; {wanted}; use --rate 500, or 500 Hz under [output]"
     return None
 
 
