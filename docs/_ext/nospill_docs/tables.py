@@ -52,7 +52,7 @@ def constraints_table() -> str:
     rows = [
         (
             f"**{item.name}**",
-            {"1": "fraction of what is there" if item.relative else "1"}.get(item.unit, item.unit),
+            {"1": "fraction"}.get(item.unit, item.unit),
             where.get(item.place.value, item.place.value),
             item.description,
             f"`{type(item).__module__.removeprefix('nospill.').replace('.', '/')}.py`",

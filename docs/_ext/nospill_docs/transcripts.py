@@ -50,8 +50,9 @@ def session(commands: tuple[str, ...], folder: Path) -> str:
         lines = [line.rstrip() for line in [*done.stdout.splitlines(), *said]]
         while lines and not lines[0]:
             lines.pop(0)
+        # Rules end with their table, and are of a character that is as wide as the others in every browser.
         width = max((len(line) for line in lines if "─" not in line), default=0)
-        lines = [line[:width] if "─" in line else line for line in lines]  # rules end with the table
+        lines = [line.replace("─", "-")[:width] if "─" in line else line for line in lines]
         text += f"$ {command}\n" + "".join(f"{line}\n" for line in lines)
         text += f"(exit code {done.returncode})\n" if done.returncode else ""
     return text
