@@ -124,6 +124,7 @@ class Structure:
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
+        regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
     """
 
     fidelity: Fidelity
@@ -137,6 +138,7 @@ class Structure:
     objects: tuple[ObjectStructure, ...]
     joint_limits: tuple[str, ...] = ()
     redundant: bool = False
+    regular: bool = False
 
 
 def flatten(record: object) -> np.ndarray:

@@ -20,6 +20,7 @@ from nospill.ocp.problem import Reserves, build_problem
 from nospill.ocp.stages import Stages
 from nospill.plans import Plan, PlanningReport, Starts, describe, motion_maxima
 from nospill.robots.inverse import JointPath, joint_paths
+from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.solvers import Solution, SolveOptions, solve
@@ -93,7 +94,7 @@ def plan(
             joint_path = joint_paths(
                 scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
             )[0]
-        solution = run.refine(run.search(joint_path))
+        solution = run.find(joint_path)
     trajectory, judgement, solution = run.tighten(solution)
     return Plan(
         scene=scene,
@@ -139,6 +140,8 @@ class _Run:
     durations: list[float] = field(default_factory=list)
     reserves: Reserves = field(default_factory=dict)
     kept: set[tuple[str, int]] = field(default_factory=set)
+    regular: bool = False
+    least_determinant: float = 0.0
 
     def __post_init__(self) -> None:
         counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
@@ -179,6 +182,7 @@ class _Run:
                 reserves=self.reserves,
                 kept=frozenset(self.kept),
                 self_motion=start.self_motion,
+                least_determinant=self.least_determinant if self.regular else None,
             )
         with self.phase("solve"):
             solution = solve(
@@ -197,13 +201,37 @@ class _Run:
         self.iterations += solution.iterations
         return solution
 
+    def _determinants(self, stages: Stages) -> np.ndarray:
+        layout = layout_of(structure_of(self.scene))
+        return determinants(self.scene.robot, stages.table[:-1, layout.joint_position], stages.self_motion)
+
+    def _keeps_branch(self, stages: Stages) -> bool:
+        return keeps_branch(self._determinants(stages))
+
     def _iteration(self, iteration: int, duration: float, violation: float) -> None:
         if self.progress is not None:
             self.progress(PlanningProgress("solve", iteration, duration, violation))
 
+    def find(self, joint_path: JointPath) -> Solution:
+        """Search and refine; once more with the arm kept regular if the motion leaves its branch.
+
+        Each instant of a problem sees its own joints only: a motion can hop between branches, or run through a
+        singularity, between two of them. Most motions do neither, and the rows against it are left out.
+        """
+        coarse = self.search(joint_path)
+        if self._keeps_branch(coarse.stages):
+            fine = self.refine(coarse)
+            if self._keeps_branch(fine.stages):
+                return fine
+        self.regular = True
+        return self.refine(self.search(joint_path))
+
     def search(self, joint_path: JointPath) -> Solution:
         """Solve from several starts on a coarse grid and return the best answer."""
         options = self.scene.planning
+        self.durations.clear()
+        self._keep_all()
+        tried = 0
         expected = estimate_duration(self.scene, joint_path)
         # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
         if expected >= 0.79 * self.scene.motion.max_duration and self._hopeless(joint_path):
@@ -212,11 +240,12 @@ class _Run:
         best: Solution | None = None
         last: Solution | None = None
         for start in _starts(self.scene):
-            if self.tried >= options.starts and best is not None:
+            if tried >= options.starts and best is not None:
                 break
-            patience = _COARSE_ITERATIONS if self.tried < options.starts else _LAST_ITERATIONS
-            self.tried += 1
+            patience = _COARSE_ITERATIONS if tried < options.starts else _LAST_ITERATIONS
+            tried += 1
             motion = smooth_start(self.scene, joint_path, intervals, start)
+            self.least_determinant = clearance(self._determinants(motion))
             last = self.solve(motion, iterations=patience)
             if _usable(last):
                 self.durations.append(last.stages.duration)
@@ -226,6 +255,7 @@ class _Run:
                 break
             if self._agreed():
                 break
+        self.tried += tried
         if best is None:
             assert last is not None
             raise NoSolutionError(self._reason(last, joint_path))
@@ -245,7 +275,7 @@ class _Run:
         start = from_trajectory(self.scene, earlier.trajectory, max(self.scene.planning.intervals, fewest))
         self.tried += 1
         solution = self.solve(start, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
-        if _usable(solution) and solution.converged:
+        if _usable(solution) and solution.converged and self._keeps_branch(solution.stages):
             self.durations.append(solution.stages.duration)
             return solution
         self._keep_all()

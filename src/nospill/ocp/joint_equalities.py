@@ -2,7 +2,8 @@
 
 Joint positions and their derivatives are variables of the node. Each order has six equations, and with seven joints a
 seventh: the self-motion goes as its chain does. Accelerations are variables only where acceleration, torque or
-jerk is limited, jerks only where they are.
+jerk is limited, jerks only where they are. Where the arm is kept regular, the determinant of its Jacobian is a variable
+with a bound.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.layout import Chain, Layout
 from nospill.ocp.tray_state import tray_state
 from nospill.robots.kinematics import kinematics
+from nospill.robots.regularity import determinant_expression
 
 
 def joint_equalities(
@@ -53,6 +55,8 @@ def joint_equalities(
     if layout.redundant:
         own = (*chains[-1], stage[layout.jerks][-1])
         equations += [ca.dot(numbers.self_motion, joints[order]) - own[order] for order in range(layout.orders + 1)]
+    if layout.regular:
+        equations.append(determinant_expression(structure, joints[0], numbers.self_motion) - stage[layout.size - 1])
     return ca.vertcat(*equations)
 
 

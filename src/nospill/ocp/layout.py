@@ -20,7 +20,8 @@ class Layout:
 
     State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value,
         rate, acceleration), interval length, slosh displacements, slosh velocities. Control: jerks, slosh accelerations
-        at both points, joint positions and their time derivatives at the node.
+        at both points, joint positions and their time derivatives at the node, and last, where the arm is kept regular,
+        the determinant of its Jacobian.
 
     Attributes:
         tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with seven joints, 0 with six.
@@ -33,6 +34,7 @@ class Layout:
     coordinates: int
     joints: int
     orders: int
+    regular: int = 0
 
     @property
     def chains(self) -> int:
@@ -90,7 +92,7 @@ class Layout:
     @property
     def size(self) -> int:
         """Size of the stage vector."""
-        return self.joint_derivative(self.orders).stop
+        return self.joint_derivative(self.orders).stop + self.regular
 
     def chain(self, stage: SX, index: int) -> Chain:
         """One chain of a stage vector."""
@@ -107,4 +109,5 @@ def layout_of(structure: Structure) -> Layout:
         coordinates=coordinate_count(structure),
         joints=len(structure.joints),
         orders=max((lifted[name] for name in structure.joint_limits), default=1),
+        regular=int(structure.regular),
     )

@@ -13,6 +13,7 @@ from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.layout import Layout
 from nospill.ocp.stages import Stages
 from nospill.ocp.transcription import Kept, Transcription, transcribe
+from nospill.robots.regularity import determinants
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
 
@@ -57,14 +58,18 @@ class Problem:
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
-        return (stages.table / self.scales).ravel()[: self.transcription.variables]
+        layout, table = self.transcription.layout, stages.table
+        if layout.regular:
+            values = determinants(self.scene.robot, table[:, layout.joint_position], self.self_motion)
+            table = np.column_stack([table, values])
+        return (table / self.scales).ravel()[: self.transcription.variables]
 
     def decode(self, variables: np.ndarray) -> Stages:
         """The candidate that scaled variables stand for."""
         size = self.transcription.layout.size
         padded = np.zeros((self.transcription.intervals + 1) * size)
         padded[: len(variables)] = variables
-        table = padded.reshape(-1, size) * self.scales
+        table = (padded.reshape(-1, size) * self.scales)[:, : size - self.transcription.layout.regular]
         return Stages(float(table[0, self.transcription.layout.interval]), table, self.self_motion)
 
 
@@ -76,6 +81,7 @@ def build_problem(
     reserves: Reserves,
     kept: Kept | None = None,
     self_motion: np.ndarray | None = None,
+    least_determinant: float | None = None,
 ) -> Problem:
     """The problem of a scene on a grid.
 
@@ -86,8 +92,10 @@ def build_problem(
         reserves: fraction of each budget kept back from the optimiser.
         kept: which (constraint, subject) rows take part; None for all.
         self_motion: of a seven-joint arm, as in `Stages`.
+        least_determinant: with its sign, what the determinant of the Jacobian stays beyond; None leaves it free.
     """
-    structure, numbers = structure_of(scene), numbers_of(scene)
+    structure = replace(structure_of(scene), regular=least_determinant is not None)
+    numbers = numbers_of(scene)
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
     transcription = transcribe(
@@ -95,6 +103,10 @@ def build_problem(
     )
     scales = _scales(scene, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals)
+    if least_determinant is not None:
+        size = transcription.layout.size
+        scales[size - 1] = least_determinant
+        lower[size - 1 : intervals * size : size] = 1.0
     return Problem(
         scene=scene,
         structure=structure,

@@ -79,6 +79,7 @@ class Kinematics:
         twist_change = cs.vertcat(motion.acceleration, motion.angular_acceleration)
 
         self._pose = _function("pose", [q, tool], [position, rotation])
+        self._jacobian = _function("jacobian", [q, tool], [jacobian])
         self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
         # flat columns, so that a call on m samples returns one column per sample
         self._flat_pose = _function("flat_pose", [q, tool], [cs.vertcat(position, cs.vec(rotation.T))])
@@ -96,6 +97,10 @@ class Kinematics:
         """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
         position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
         return position, rotation
+
+    def jacobian(self, q: cs.SX) -> cs.SX:
+        """Return the geometric Jacobian (6, n) of the flange in base axes, linear rows first, as an expression."""
+        return self._jacobian(q, _tool(FLANGE, 0.0))
 
     def twist(
         self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
