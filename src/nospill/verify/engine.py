@@ -98,7 +98,7 @@ def build(bodies: tuple[Body, ...], *, tray_size: np.ndarray, scenery: str = "",
     )
     model = engine.MjModel.from_xml_string(text)
     for index, body in enumerate(bodies):
-        # Written past the compiler, which refuses the inertia of a liquid (none about its axis) and negative masses.
+        # Written past the compiler, which refuses the inertia of a liquid, that about its axis being none.
         number = model.body(f"object{index}").id
         values, axes = np.linalg.eigh(body.inertia)
         axes *= np.sign(np.linalg.det(axes))
