@@ -62,6 +62,8 @@ def test_everything_stands_where_the_judge_says(
             height = (world(server, f"{tray_node}/{cargo.name}/body", body.vertices) - axes[0]) @ normal
             assert height.min() == pytest.approx(0.0, abs=1e-6)  # stands on the board
             assert height.max() == pytest.approx(cargo.container.height, abs=1e-6)
+            name = world(server, f"/one/names/name_{cargo.name}", np.zeros((1, 3)))[0]
+            assert (name - axes[0]) @ normal == pytest.approx(cargo.container.height + 0.012, abs=1e-6)
             foot = world(server, f"{tray_node}/{cargo.name}", np.zeros((1, 3)))[0]
             assert (foot - axes[0]) @ played.tray.rotation[picked] == pytest.approx([*cargo.position, 0.0], abs=1e-6)
             if cargo.filling:

@@ -70,7 +70,7 @@ def side_by_side(films: Sequence[Film]) -> list[np.ndarray]:
 def camera(films: Sequence[Film], places: Sequence[np.ndarray]) -> Camera:
     """From the front, a little from above and from the side, just far enough to see every plan whole."""
     points = np.concatenate([occupied(film) + place for film, place in zip(films, places, strict=True)])
-    back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.42])
+    back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.58])
     back /= np.linalg.norm(back)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
