@@ -6,12 +6,14 @@ import copy
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import ellipe
 
+from nospill.errors import ModelError
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.verify.bodies import RIM_POINTS, Body, ModalMass, bodies_of
 from nospill.verify.engine import STEP, Simulation, Stepper, build, simulate
@@ -193,3 +195,13 @@ def test_shallow_box_keeps_mass_and_moment_though_its_modes_weigh_more_than_its_
     assert np.all(np.linalg.eigvalsh(body.inertia) > 0.0)
     found = run(body, pushed(1.0, lambda t: 1.5 * np.clip(t / 0.5, 0.0, 1.0)))
     assert np.max(slide(found)) < 2e-4
+
+
+def test_motion_beyond_all_bounds_is_an_error_and_leaves_no_log_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    wild = replace(resting(0.3), specific_force=np.full((301, 3), 1e13))
+    with pytest.raises(ModelError, match="MuJoCo lost the objects"):
+        run(cylinder(), wild)
+    assert list(tmp_path.iterdir()) == []
