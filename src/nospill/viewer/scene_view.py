@@ -260,9 +260,8 @@ class PlanView:
 
 
 def prepare(scene: viser.SceneApi) -> None:
-    """Ground, light and axes of an empty scene."""
+    """Ground and light of an empty scene, of a server or of one client."""
     scene.set_up_direction("+z")
-    scene.world_axes.visible = False
     scene.configure_default_lights(True, cast_shadow=True)
     scene.add_grid(
         "/ground",
