@@ -34,6 +34,9 @@ napoleon_custom_sections = ["Return value"]
 add_module_names = False
 python_use_unqualified_type_names = True
 
+# Two primes are a second derivative, not a quotation mark.
+smartquotes = False
+
 nitpicky = True
 nitpick_ignore_regex = [
     # Types of other libraries have no pages here, and their inventories would need a network.

@@ -19,6 +19,7 @@ from nospill.viewer.charts import WIDTH, colour_key, draw_charts
 from nospill.viewer.film import Film
 from nospill.viewer.live import live_viewer, running_server, show_plans
 from nospill.viewer.playback import SPEEDS, Clock, Player
+from nospill.viewer.scene_view import PlanView
 
 
 @given(st.lists(st.floats(0, 0.5), max_size=30), st.sampled_from(sorted(SPEEDS.values())))
@@ -69,8 +70,17 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
         player.step(5.0)
         assert player.clock.t == pytest.approx(0.2)  # dragging the slider pauses
         assert player._button.label == "Play"
-        player.remove()
+        player._names.value = False
+        other = PlanView(server.scene, tilting_film, root="/other")
+        player.replace([other], charts=draw_charts([tilting_film], [""]))
         shown.views[0].remove()
+        assert not other.tray._labels[0].visible
+        assert (player.clock.t, player.clock.playing, player.clock.speed) == (0.0, True, 0.1)
+        assert player._slider.max == pytest.approx(tilting_film.length, abs=1e-3)
+        player.step(1.0)
+        assert other._shown == tilting_film.index(0.1)
+        assert player._button.label == "Pause"
+        player.remove()
 
 
 def test_time_of_the_motion_is_real_time(tilting_film: Film) -> None:

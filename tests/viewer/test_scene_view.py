@@ -14,7 +14,7 @@ from nospill.viewer.colours import SERIES, USE_STOPS, rgb, use_colours  # noqa: 
 from nospill.viewer.film import Film  # noqa: E402
 from nospill.viewer.live import running_server, short_titles, show_plans, title_of  # noqa: E402
 from nospill.viewer.scene_view import PlanView, prepare  # noqa: E402
-from nospill.viewer.stage import camera, side_by_side, swept_box  # noqa: E402
+from nospill.viewer.stage import camera, occupied, side_by_side, swept_box  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +62,8 @@ def test_everything_stands_where_the_judge_says(
             height = (world(server, f"{tray_node}/{cargo.name}/body", body.vertices) - axes[0]) @ normal
             assert height.min() == pytest.approx(0.0, abs=1e-6)  # stands on the board
             assert height.max() == pytest.approx(cargo.container.height, abs=1e-6)
+            name = world(server, f"/one/names/name_{cargo.name}", np.zeros((1, 3)))[0]
+            assert (name - axes[0]) @ normal == pytest.approx(cargo.container.height + 0.012, abs=1e-6)
             foot = world(server, f"{tray_node}/{cargo.name}", np.zeros((1, 3)))[0]
             assert (foot - axes[0]) @ played.tray.rotation[picked] == pytest.approx([*cargo.position, 0.0], abs=1e-6)
             if cargo.filling:
@@ -112,12 +114,12 @@ def test_two_plans_do_not_meet_and_are_seen_whole(tilting_film: Film, level_film
         back /= distance
         right = np.cross([0, 0, 1], back) / np.linalg.norm(np.cross([0, 0, 1], back))
         up = np.cross(back, right)
-        for low, high in boxes[:count]:
-            for corner in np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T - view.look_at:
-                depth = distance - corner @ back
-                assert depth > 0
-                assert abs(corner @ up) <= depth * np.tan(view.angle / 2)
-                assert abs(corner @ right) <= depth * np.tan(view.angle / 2) * 1.2
+        for film, place in zip(films[:count], places, strict=False):
+            seen = occupied(film) + place - view.look_at
+            depth = distance - seen @ back
+            assert np.all(depth > 0)
+            used = np.abs([(seen @ up) / depth, (seen @ right) / depth / 1.2]) / np.tan(view.angle / 2)
+            assert used.max() <= 1.0
         assert view.position[2] > 1.0
 
 

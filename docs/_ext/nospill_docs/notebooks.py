@@ -39,7 +39,11 @@ def execute(text: str, folder: Path) -> Any:
     """
     notebook = nbformat.reads(text, as_version=4)
     client = nbclient.NotebookClient(
-        notebook, timeout=TIME_LIMIT, coalesce_streams=True, resources={"metadata": {"path": str(folder)}}
+        notebook,
+        timeout=TIME_LIMIT,
+        coalesce_streams=True,
+        extra_arguments=["--log-level=ERROR"],
+        resources={"metadata": {"path": str(folder)}},
     )
     return client.execute(env={**os.environ, "NOSPILL_COMPILE": "off"})
 

@@ -111,8 +111,7 @@ _JOINT_COLUMNS = {
     "max_speed_deg_s": "speed, deg/s",
     "max_acceleration_rad_s2": "acceleration, rad/s^2",
     "max_jerk_rad_s3": "jerk, rad/s^3",
-    "max_torque_n_m": "torque, N m",
-    "max_torque_Nm": "torque, N m",
+    "max_torque_nm": "torque, N m",
     "home_deg": "home, deg",
 }
 """Keys of a robot's row that hold one figure a joint, and how the page calls them."""

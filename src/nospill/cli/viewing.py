@@ -36,7 +36,7 @@ def view(
     ] = None,
 ) -> int:
     """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
-    from nospill.viewer import require_viser
+    from nospill.viewer.library import require_viser
 
     require_viser()
     folders = [folder] if other is None else [folder, other]

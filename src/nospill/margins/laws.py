@@ -153,8 +153,11 @@ def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _
     given, motion = ca.MX.sym("p", size), ca.MX.sym("motion", 27, steps)
     start = ca.vertcat(given, ca.MX.zeros(2 * count), _NEVER * ca.MX.ones(2 * len(during)))
     one = ca.Function("one", [given, motion], [finish(advance.fold(steps)(start, motion))])
-    threads = os.cpu_count() or 1
-    call = one.map("all", "thread" if threads > 1 else "serial", batch, [1], [])
+    threads = max(count for count in (1, 2, 4, 5, 10, 20) if count <= (os.cpu_count() or 1))
+    # One thread for each share of the batch: CasADi would start one for every sample.
+    call = one.map("share", "serial", batch // threads, [1], [])
+    if threads > 1:
+        call = call.map("all", "thread", threads, [1], [])
     return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
 
 

@@ -13,8 +13,10 @@ from nospill.scene_numbers import object_numbers
 RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
 
-_LEAST_RIGID_FRACTION = 1e-3
-"""Of the whole mass: a rigid part smaller than that has its centre too far away to compute with."""
+_LEAST_RIGID_FRACTION = 0.1
+"""Of the whole mass, for container and fixed liquid. In a shallow box the modes along x and along y together can weigh
+more than the water, which leaves a negative fixed mass; no engine takes that. Then part of every modal mass stays where
+it is."""
 
 _LEAST_OWN_FRACTION = 0.1
 """Of the whole mass: a container lighter than that gets the inertia, not the mass, of one that is. An ideal liquid has
@@ -47,8 +49,7 @@ class Body:
     Attributes:
         name: of the object. position: (2,) bottom centre on the tray, m. yaw: rad.
         mass, centre, inertia: of container and fixed liquid: kg, (3,) m from the bottom centre, (3, 3) kg m^2 about
-            that centre, object axes. In a shallow box the mass can be negative; with the modal masses the whole never
-            is.
+            that centre, object axes.
         contacts: (n, 2) points of the bottom that touch the tray, object axes, m.
         height: of rim or top, m. liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
@@ -77,17 +78,21 @@ def bodies_of(scene: Scene) -> tuple[Body, ...]:
 def _body(cargo: Cargo, scene: Scene) -> Body:
     numbers = object_numbers(cargo, scene)
     total = float(numbers.weight / scene.gravity)
-    mass = float(numbers.mass)
-    if abs(mass) < _LEAST_RIGID_FRACTION * total:
-        mass = _LEAST_RIGID_FRACTION * total
-    centre = np.asarray(numbers.first_moment, dtype=float) / mass
-    shift = float(centre @ centre) * np.eye(3) - np.outer(centre, centre)
     axes = {"x": 0, "y": 1}
     oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
+    swinging = sum(mode.mass for mode in oscillators)
+    stays = max(0.0, 1.0 - (1.0 - _LEAST_RIGID_FRACTION) * total / swinging) if swinging else 0.0
+    mass, first = float(numbers.mass) + stays * swinging, np.array(numbers.first_moment, dtype=float)
+    about_bottom = np.array(numbers.inertia, dtype=float)
+    for mode in oscillators:
+        first[2] += stays * mode.mass * mode.height
+        about_bottom += stays * mode.mass * mode.height**2 * np.diag([1.0, 1.0, 0.0])
+    centre = first / mass
+    shift = float(centre @ centre) * np.eye(3) - np.outer(centre, centre)
     outline = cargo.container.outline
     contacts = outline[:: max(1, len(outline) // RIM_POINTS)]
     missing = _LEAST_OWN_FRACTION * total - cargo.empty.mass
-    inertia = np.asarray(numbers.inertia, dtype=float) - mass * shift
+    inertia = about_bottom - mass * shift
     if missing > 0.0:
         inertia = inertia + cargo.container.shell_properties(missing).inertia
     return Body(
@@ -103,11 +108,11 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
         friction=cargo.friction,
         modes=tuple(
             ModalMass(
-                mass=mode.mass,
+                mass=(1.0 - stays) * mode.mass,
                 height=mode.height,
                 axes=tuple(axes[direction] for direction in mode.directions),
                 curvature=mode.curvature,
-                damping=2.0 * mode.damping * mode.frequency * mode.mass,
+                damping=2.0 * mode.damping * mode.frequency * (1.0 - stays) * mode.mass,
             )
             for mode in oscillators
         ),

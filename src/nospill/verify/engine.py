@@ -43,7 +43,7 @@ _POINT_INERTIA = 1e-10
 
 _OPTIONS = (
     f'<option timestep="{STEP}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="100" '
-    'noslip_iterations="0"/>'
+    'noslip_iterations="0"><flag autoreset="disable"/></option>'
 )
 _TIED = 'solref="0.002 1" solimp="0.9999 0.9999 0.001 0.5 2"'
 _CONTACT = 'solref="0.005 1" solimp="0.99 0.999 0.0001 0.5 2" condim="3"'
@@ -98,13 +98,14 @@ def build(bodies: tuple[Body, ...], *, tray_size: np.ndarray, scenery: str = "",
     )
     model = engine.MjModel.from_xml_string(text)
     for index, body in enumerate(bodies):
-        # Written past the compiler, which refuses the inertia of a liquid (none about its axis) and negative masses.
+        # Written past the compiler, which refuses the inertia of a liquid, that about its axis being none.
         number = model.body(f"object{index}").id
         values, axes = np.linalg.eigh(body.inertia)
         axes *= np.sign(np.linalg.det(axes))
         model.body_mass[number], model.body_ipos[number], model.body_inertia[number] = body.mass, body.centre, values
         engine.mju_mat2Quat(model.body_iquat[number], axes.ravel())
-    engine.mj_setConst(model, engine.MjData(model))
+    with quiet(engine):
+        engine.mj_setConst(model, engine.MjData(model))
     return model
 
 
@@ -114,9 +115,9 @@ def simulate(model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> Simula
     Raises:
         ModelError: the engine lost the solution.
     """
-    with quiet(mujoco()):
-        stepper = Stepper(model, bodies, motion)
-        return stepper.run()
+    # What is lost is told at the end, once.
+    with quiet(mujoco()), np.errstate(all="ignore"):
+        return Stepper(model, bodies, motion).run()
 
 
 class Stepper:
@@ -175,7 +176,9 @@ class Stepper:
             poses[now], modes[now] = self.data.qpos[columns], self.data.qpos[self._slots]
             if now + 1 < count:
                 self.step()
-        if not (np.all(np.isfinite(poses)) and np.all(np.isfinite(modes))):
+        warnings = self._engine.mjtWarning
+        lost = [warnings.mjWARN_BADQPOS, warnings.mjWARN_BADQVEL, warnings.mjWARN_BADQACC, warnings.mjWARN_INERTIA]
+        if any(self.data.warning[int(kind)].number for kind in lost) or not np.all(np.isfinite(poses)):
             raise ModelError(
                 "MuJoCo lost the objects: their motion is not a number; the plan's accelerations are too large"
             )

@@ -4,22 +4,3 @@ Frames: world is the robot's base, z up, lengths in m. Quaternions go to viser a
 (x, y, z, w), so whoever reads one there turns it round first. What is shown was recomputed by the judge from the
 exported joints, nothing comes from the optimiser.
 """
-
-from __future__ import annotations
-
-from types import ModuleType
-
-from nospill.errors import MissingExtraError
-
-
-def require_viser() -> ModuleType:
-    """The library viser, imported where it is first needed.
-
-    Raises:
-        MissingExtraError: it is not installed.
-    """
-    try:
-        import viser
-    except ImportError as error:
-        raise MissingExtraError('viewing needs viser, which is not installed; pip install "nospill[view]"') from error
-    return viser

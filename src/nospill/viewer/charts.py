@@ -204,7 +204,7 @@ def _key_rows(panel: Panel) -> list[list[int]]:
 
 
 def _key_width(name: str) -> float:
-    return 24 + 5.4 * min(len(name), 22)
+    return 30 + 5.4 * min(len(name), 22)
 
 
 def _key(panel: Panel, lower: float) -> str:

@@ -46,7 +46,7 @@ class Film:
         plan: what is shown. judgement: where it was read from. rate: pictures per second.
         t: (m,) s, from 0, also past the end of the motion. end_time: s.
         joint_position: (m, n), rad. joint_speed_use: (m, n), speed over its limit, with its sign.
-        tray_position: (m, 3) origin of the tray in the base frame, m.
+        tray_position: (m, 3) origin of the tray in the base frame, m. tray_rotation: (m, 3, 3), tray to base.
         liquids: per object with liquid.
         contact_use: per object, (m,): the largest use of any limit of its contact (slip, tip, lift, twist).
     """
@@ -59,6 +59,7 @@ class Film:
     joint_position: np.ndarray
     joint_speed_use: np.ndarray
     tray_position: np.ndarray
+    tray_rotation: np.ndarray
     liquids: dict[str, LiquidTrack]
     contact_use: dict[str, np.ndarray]
 
@@ -100,6 +101,7 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
         joint_position=played.joint_position[picked],
         joint_speed_use=played.joint_speed[picked] / scene.robot.max_speed,
         tray_position=played.tray.position[picked],
+        tray_rotation=played.tray.rotation[picked],
         liquids=_liquids(scene, _coordinates(scene, played, picked, after), leans),
         contact_use=_contact_use(judgement, scene, picked),
     )

@@ -90,5 +90,5 @@ def _script(charts: Charts) -> str:
         "style.setProperty('--nospill-x',x.toFixed(2)+'%');"
         "style.setProperty('--nospill-t',\"'\"+t.toFixed(2)+\" s'\");"
         "style.setProperty('--nospill-shift',x<75?'4px':'calc(-100% - 4px)');}"
-        "requestAnimationFrame(follow);}follow();})();"
+        "}setInterval(follow,40);})();"
     )

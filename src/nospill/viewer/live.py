@@ -7,11 +7,12 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING
 
-from nospill.viewer import require_viser
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.film import Film
+from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView, prepare
@@ -77,7 +78,7 @@ def show_plans(server: viser.ViserServer, films: Sequence[Film], *, visuals: Vis
 
 @contextmanager
 def running_server(*, port: int, host: str = "127.0.0.1") -> Iterator[viser.ViserServer]:
-    """A viser server that says nothing on stdout; where the port is taken it is the next free one.
+    """A viser server without axes that says nothing on stdout; where the port is taken it is the next free one.
 
     Raises:
         MissingExtraError: viser is not installed.
@@ -85,6 +86,7 @@ def running_server(*, port: int, host: str = "127.0.0.1") -> Iterator[viser.Vise
     library = require_viser()
     with redirect_stdout(io.StringIO()):
         server = library.ViserServer(host=host, port=port, label="nospill", verbose=False)
+    server.scene.world_axes.visible = False
     try:
         yield server
     finally:
@@ -106,7 +108,8 @@ def live_viewer(
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.gui.main_panel.dock_right()
         server.gui.set_panel_label("nospill")
-        server.gui.add_markdown("  \n".join(title_of(film) for film in films))
+        lines = "<br>".join(escape(title_of(film)) for film in films)
+        server.gui.add_html(f"<div style='padding:4px 8px;font-size:14px;line-height:1.4'>{lines}</div>")
         shown = show_plans(server, films, visuals=visuals)
         player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
         stop = threading.Event()

@@ -12,7 +12,7 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.robots.kinematics import kinematics
 from nospill.robots.robot import Robot
-from nospill.viewer import require_viser
+from nospill.viewer.library import require_viser
 from nospill.viewer.robot_model import Chain, origin_of, parsed_urdf, read_chain, three_numbers
 
 if TYPE_CHECKING:

@@ -85,7 +85,7 @@ class Player:
         self._loop = gui.add_checkbox("Loop", True)
         self._names = gui.add_checkbox("Names", True)
         self._path = gui.add_checkbox("Path", True)
-        self._page = gui.add_html(f"<div style='padding:4px 8px 0 4px'>{colour_key()}{charts.page}</div>")
+        self._page = gui.add_html(_page(charts))
         self._cursor = gui.add_html("")
         self._handles = (
             self._button,
@@ -126,39 +126,48 @@ class Player:
                 self.clock.loop = self._loop.value
 
         @self._names.on_update
-        def _(_event: object) -> None:
-            for view in self._views:
-                view.tray.show_names(self._names.value)
-
         @self._path.on_update
         def _(_event: object) -> None:
-            for view in self._views:
-                view.show_path(self._path.value)
+            with self._lock:
+                self._show_wanted()
 
     def _label(self) -> None:
         self._button.label = "Pause" if self.clock.playing else "Play"
 
     def step(self, seconds: float) -> None:
         """Let real time pass and show where the clock is then."""
-        with self._lock:
-            before = self.clock.playing
+        with self._lock, self._atomic():
             self.clock.advance(seconds)
-            t, playing = self.clock.t, self.clock.playing
-        if before != playing:
-            self._label()
-        with self._atomic():
+            t = self.clock.t
             for view in self._views:
                 view.show(t)
             self._controls_due -= seconds
-            if self._controls_due <= 0.0 or not playing:
+            if self._controls_due <= 0.0 or not self.clock.playing:
                 self._controls_due = _CONTROLS_EVERY
                 self._slider.value = round(t, 3)
                 self._cursor.content = f"<style>{self._charts.cursor_style(t)}</style>"
+                self._label()
+
+    def replace(self, views: Sequence[PlanView], *, charts: Charts) -> None:
+        """Play other views from their start, at the same speed; the old ones may be removed after this."""
+        with self._lock, self._atomic():
+            self._views, self._charts = views, charts
+            self.clock.length, self.clock.t, self.clock.playing = charts.length, 0.0, True
+            self._slider.value = 0.0
+            self._slider.max = round(charts.length, 3)
+            self._page.content = _page(charts)
+            self._show_wanted()
+
+    def _show_wanted(self) -> None:
+        """Show or hide names and path in every view."""
+        for view in self._views:
+            view.tray.show_names(self._names.value)
+            view.show_path(self._path.value)
 
     def run(self, stop: threading.Event) -> None:
         """Play in real time until `stop` is set; a picture that comes late is left out, time goes on."""
-        period = 1.0 / max(view.film.rate for view in self._views)
         last = time.monotonic()
+        period = 1.0 / max(view.film.rate for view in self._views)
         while not stop.wait(max(0.0, last + period - time.monotonic())):
             now = time.monotonic()
             self.step(now - last)
@@ -168,3 +177,7 @@ class Player:
         """Take the controls away."""
         for handle in self._handles:
             handle.remove()
+
+
+def _page(charts: Charts) -> str:
+    return f"<div style='padding:4px 8px 0 4px'>{colour_key()}{charts.page}</div>"

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
 _CUP_OPACITY = 0.22
 _PATH_POINTS = 120
+_ABOVE_RIM = 0.012
+"""m; height of a name above its object."""
 
 
 class TrayView:
@@ -36,7 +38,9 @@ class TrayView:
         surfaces: the liquids' surfaces, by the name of the object.
     """
 
-    def __init__(self, scene: viser.SceneApi, tray: Tray, *, cargo: Sequence[Cargo], root: str) -> None:
+    def __init__(
+        self, scene: viser.SceneApi, tray: Tray, *, cargo: Sequence[Cargo], root: str, names: str | None = None
+    ) -> None:
         """Add the nodes.
 
         Args:
@@ -44,14 +48,26 @@ class TrayView:
             tray: its board.
             cargo: what stands on it.
             root: name of the tray frame's node, which must exist.
+            names: of a node that does not move, which the names of the objects hang below where the tray moves; they
+                are then placed by `place_names`. The browser draws a name where its parent was one picture ago.
         """
         self.surfaces: dict[str, LiquidSurface] = {}
         self._liquids: dict[str, viser.MeshHandle] = {}
         self._collars: dict[str, viser.MeshHandle] = {}
         self._labels: list[viser.LabelHandle] = []
+        self._tops: list[np.ndarray] = []
         _add(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
         for item in cargo:
             self._add_object(scene, item, f"{root}/{item.name}")
+            self._tops.append(np.array([*item.position, item.container.height + _ABOVE_RIM]))
+            self._labels.append(
+                scene.add_label(
+                    f"{names or root}/name_{item.name}",
+                    item.name,
+                    position=tuple(self._tops[-1]),
+                    anchor="bottom-center",
+                )
+            )
 
     def _add_object(self, scene: viser.SceneApi, cargo: Cargo, root: str) -> None:
         half = cargo.yaw / 2
@@ -71,15 +87,6 @@ class TrayView:
             self._liquids[cargo.name] = _add(
                 scene, f"{root}/liquid", surface.rest, color=_colour(0.0), cast_shadow=False, receive_shadow=False
             )
-        self._labels.append(
-            scene.add_label(
-                f"{root}/name",
-                cargo.name,
-                position=(0.0, 0.0, cargo.container.height + 0.012),
-                anchor="bottom-center",
-                font_screen_scale=1.0,
-            )
-        )
 
     def set_liquid(self, name: str, coordinates: np.ndarray, *, use: float) -> None:
         """Move a liquid's surface and colour it by the use of its height limit.
@@ -96,6 +103,11 @@ class TrayView:
     def set_contact(self, name: str, use: float) -> None:
         """Colour the collar at the foot of an object by the largest use of its contact's limits."""
         self._collars[name].color = _colour(use)
+
+    def place_names(self, position: np.ndarray, rotation: np.ndarray) -> None:
+        """Put the names above the objects for a tray frame at (3,), m, with axes (3, 3), in that of their node."""
+        for label, top in zip(self._labels, self._tops, strict=True):
+            label.position = position + rotation @ top
 
     def show_names(self, wanted: bool) -> None:
         """Show or hide the names above the objects."""
@@ -212,7 +224,8 @@ class PlanView:
             position=tuple(whole.tray.offset),
             wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)),
         )
-        self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node)
+        scene.add_frame(f"{root}/names", show_axes=False)
+        self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
         self._paths = _add_path(scene, f"{root}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
         if title:
             scene.add_label(
@@ -230,6 +243,7 @@ class PlanView:
             return
         self._shown = index
         self.arm.set_attitudes(self._attitudes[index])
+        self.tray.place_names(self.film.tray_position[index], self.film.tray_rotation[index])
         for name, track in self.film.liquids.items():
             self.tray.set_liquid(name, track.coordinates[index], use=float(track.height[index] / track.limit))
         for name, use in self.film.contact_use.items():
@@ -246,9 +260,8 @@ class PlanView:
 
 
 def prepare(scene: viser.SceneApi) -> None:
-    """Ground, light and axes of an empty scene."""
+    """Ground and light of an empty scene, of a server or of one client."""
     scene.set_up_direction("+z")
-    scene.world_axes.visible = False
     scene.configure_default_lights(True, cast_shadow=True)
     scene.add_grid(
         "/ground",

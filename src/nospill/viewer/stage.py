@@ -15,6 +15,8 @@ _GAP = 0.35
 """m between the spaces that two plans need."""
 _FOOT, _THICKNESS = 0.2, 0.1
 """m; half width of the foot of an arm, and what its links need round their joints."""
+_MOMENTS = 40
+"""Pictures of a film that are looked at."""
 _ANGLE, _ASPECT, _MARGIN = float(np.radians(40.0)), 1.2, 1.04
 """Vertical angle of view; width over height of the scene's part of a usual window; distance to spare."""
 
@@ -28,18 +30,29 @@ class Camera:
     angle: float
 
 
-def swept_box(film: Film) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper corner (3,), m, of a box round the arm, the tray's way and what stands on it, base frame."""
+def occupied(film: Film) -> np.ndarray:
+    """Points (n, 3), m, base frame, round the arm's joints, its foot, and the tray's way with what stands on it."""
     scene = film.plan.scene
+    every = max(1, len(film.t) // _MOMENTS)
     chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
-    joints = np.concatenate([position for position, _ in chain.frames(film.joint_position)])
+    joints = np.concatenate([position for position, _ in chain.frames(film.joint_position[::every])])
     side = float(np.hypot(*scene.tray.size)) / 2
     tall = max((cargo.container.height for cargo in scene.cargo), default=0.0)
-    low = film.tray_position.min(axis=0) - np.full(3, side)
-    high = film.tray_position.max(axis=0) + np.array([side, side, tall])
-    low = np.min([low, joints.min(axis=0) - _THICKNESS, (-_FOOT, -_FOOT, 0.0)], axis=0)
-    high = np.max([high, joints.max(axis=0) + _THICKNESS, (_FOOT, _FOOT, 0.0)], axis=0)
-    return low, high
+    signs = np.array(list(np.ndindex(2, 2, 2))) * 2.0 - 1.0
+    lifted = film.tray_position[::every] + np.array([0.0, 0.0, tall / 2])
+    return np.concatenate(
+        [
+            (joints[:, None] + signs * _THICKNESS).reshape(-1, 3),
+            (lifted[:, None] + signs * (side, side, tall / 2 + 0.5 * side)).reshape(-1, 3),
+            np.maximum(signs, (-1.0, -1.0, 0.0)) * (_FOOT, _FOOT, 0.0),
+        ]
+    )
+
+
+def swept_box(film: Film) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner (3,), m, base frame, of a box round everything that is occupied."""
+    points = occupied(film)
+    return points.min(axis=0), points.max(axis=0)
 
 
 def side_by_side(films: Sequence[Film]) -> list[np.ndarray]:
@@ -56,20 +69,17 @@ def side_by_side(films: Sequence[Film]) -> list[np.ndarray]:
 
 def camera(films: Sequence[Film], places: Sequence[np.ndarray]) -> Camera:
     """From the front, a little from above and from the side, just far enough to see every plan whole."""
-    boxes = [swept_box(film) for film in films]
-    # All eight corners of every box: each coordinate is the lower or the upper one.
-    which = np.array(list(np.ndindex(2, 2, 2)))
-    corners = np.concatenate(
-        [place + np.stack(box)[which, np.arange(3)] for box, place in zip(boxes, places, strict=True)]
-    )
-    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.42])
+    points = np.concatenate([occupied(film) + place for film, place in zip(films, places, strict=True)])
+    back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.58])
     back /= np.linalg.norm(back)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
-    # A corner at (r, u, b) in these axes is inside the picture where |u| <= tan(angle/2) (distance - b).
-    r, u, b = ((corners - middle) @ np.stack([right, up, back], axis=1)).T
+    axes = np.stack([right, up, back], axis=1)
+    seen = points @ axes
+    middle = axes @ ((seen.min(axis=0) + seen.max(axis=0)) / 2)
+    # A point at (r, u, b) from there is inside the picture where |u| <= tan(angle/2) (distance - b), likewise r.
+    r, u, b = ((points - middle) @ axes).T
     slope = np.tan(_ANGLE / 2)
     distance = float(np.max(b + np.maximum(np.abs(u) / slope, np.abs(r) / (slope * _ASPECT))))
     return Camera(middle + back * distance * _MARGIN, middle, _ANGLE)

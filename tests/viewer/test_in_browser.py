@@ -1,0 +1,181 @@
+"""The file and the live viewer in headless Chromium: they play, need no network, and show arm, tray and four cups."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy import ndimage
+
+from nospill.viewer.film import Film
+
+pytest.importorskip("viser", reason="viser is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path; apt-get install chromium"),
+    # Playwright's own loop leaves sockets to the garbage collector.
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
+
+from nospill.viewer.html import save_html  # noqa: E402
+from nospill.viewer.live import live_viewer  # noqa: E402
+
+PATIENCE = 25.0
+"""s; software rendering on a shared machine."""
+CURSOR = "document.documentElement.style.getPropertyValue('--nospill-x')"
+WIDTH, HEIGHT = 470, 410
+"""px; the scene's part of the window, without charts and player."""
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def page(browser: Any) -> Iterator[Any]:
+    """A page that keeps the addresses it asked for in `page.asked` and its errors in `page.errors`."""
+    found = browser.new_page(viewport={"width": 860, "height": 460})
+    found.asked, found.errors = [], []
+    found.on("request", lambda request: found.asked.append(request.url))
+    found.on("websocket", lambda socket: found.asked.append(socket.url))
+    found.on("pageerror", lambda error: found.errors.append(str(error)))
+    yield found
+    found.close()
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film) -> Path:
+    path = tmp_path_factory.mktemp("page") / "tilt.html"
+    assert save_html([tilting_film], path) == path.stat().st_size < 5_000_000
+    return path
+
+
+def from_above(film: Film) -> str:
+    """Part of an address that puts the camera above the tray of the first picture."""
+    x, y, z = film.tray_position[0]
+    place, target = f"{x:.3f},{y - 0.1:.3f},{z + 0.7:.3f}", f"{x:.3f},{y:.3f},{z:.3f}"
+    return f"?initialCameraPosition={place}&initialCameraLookAt={target}"
+
+
+def picture(page: Any) -> np.ndarray:
+    """The scene's part of the window, (height, width, 3), as numbers."""
+    with Image.open(io.BytesIO(page.screenshot())) as image:
+        return np.asarray(image.convert("RGB"), dtype=float)[:HEIGHT, :WIDTH]
+
+
+def open_page(page: Any, address: str) -> None:
+    """Go there, wait for the player and put the notice about software rendering away."""
+    page.goto(address)
+    page.wait_for_selector(".nospill-cursor", state="attached")
+    page.wait_for_selector("#root [role=slider]", state="attached")
+    page.locator(".mantine-Notification-closeButton").click()
+
+
+def eventually(page: Any, right: Callable[[np.ndarray], bool], what: str) -> np.ndarray:
+    """Wait until the picture is right; the last one is kept in the message."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        found = picture(page)
+        if right(found):
+            return found
+        assert time.monotonic() < end, f"{what} is not to be seen"
+        page.wait_for_timeout(300)
+
+
+def liquids(pixels: np.ndarray) -> int:
+    """Separate blue bodies."""
+    red, green, blue = np.moveaxis(pixels, 2, 0)
+    labels, count = ndimage.label(ndimage.binary_closing((blue > red + 40) & (blue > green + 15), iterations=6))
+    sizes = ndimage.sum_labels(np.ones(labels.shape), labels, np.arange(1, count + 1))
+    return int(np.count_nonzero(sizes > 400))
+
+
+def share(mask: np.ndarray) -> float:
+    """Part of the picture a mask covers where it is more than a thin line."""
+    return float(np.mean(ndimage.binary_erosion(mask, iterations=3)))
+
+
+def tray(pixels: np.ndarray) -> float:
+    """Share of the picture in the board's warm tint."""
+    red, _, blue = np.moveaxis(pixels, 2, 0)
+    return share((red > blue + 5) & (red > 150))
+
+
+def arm(pixels: np.ndarray) -> float:
+    """Share of the picture in the arm's grey; the ground is lighter, its lines are thin."""
+    return share((np.ptp(pixels, axis=2) < 25) & (pixels.mean(axis=2) < 225) & (pixels.mean(axis=2) > 90))
+
+
+def played(page: Any) -> tuple[float, float]:
+    """The page's clock and the player's, s."""
+    script = "[performance.now()/1e3, +document.querySelector('[role=slider]').getAttribute('aria-valuenow')]"
+    wall, shown = page.evaluate(script)
+    return wall, shown
+
+
+def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting_film: Film) -> None:
+    open_page(page, f"file://{file}{from_above(tilting_film)}")
+    readings = []
+    for _ in range(6):
+        page.wait_for_timeout(350)
+        readings.append(played(page))
+    # At the motion's own speed; software rendering may hold up a reading, and a pass that ends starts again at zero.
+    assert min(abs(b[1] - a[1] - (b[0] - a[0])) for a, b in pairwise(readings)) < 0.1
+    assert len({shown for _, shown in readings}) > 2
+    page.wait_for_function(f"was => {CURSOR} != was", arg=page.evaluate(CURSOR))
+    page.keyboard.press("Space")
+    page.locator("#root input").first.fill("0")
+    pixels = eventually(page, lambda found: liquids(found) == 4 and tray(found) > 0.03, "a tray with four cups")
+    assert pixels.std() > 15  # not blank
+    assert page.locator("#nospill-side polyline").count() == 4 + 4 + 6
+    assert page.inner_text("#nospill-side h1").startswith("matrix-liquid-tilt (tilting): ")
+    assert [address for address in page.asked if not address.startswith(("file:", "data:", "blob:"))] == []
+    assert page.errors == []
+
+
+def test_file_shows_the_arm(page: Any, file: Path) -> None:
+    open_page(page, f"file://{file}")
+    page.keyboard.press("Space")
+    pixels = eventually(page, lambda found: arm(found) > 0.02, "the arm")
+    whole = ndimage.binary_erosion(np.ptp(pixels, axis=2) < 25, iterations=2) & (pixels.mean(axis=2) < 225)
+    rows, columns = np.nonzero(ndimage.binary_erosion(whole, iterations=2))
+    assert rows.min() > 5  # nothing clipped
+    assert rows.max() < HEIGHT - 5
+    assert 5 < columns.min() < columns.max() < WIDTH - 5
+
+
+def test_live_viewer_plays(page: Any, tilting_film: Film) -> None:
+    with live_viewer([tilting_film], port=0) as (address, player):
+        open_page(page, f"{address}/{from_above(tilting_film)}")
+        page.get_by_role("button", name="Pause").click()
+        page.get_by_role("button", name="Play", exact=True).wait_for()
+        assert not player.clock.playing
+        player.clock.seek(0.0)
+        eventually(page, lambda found: liquids(found) == 4 and tray(found) > 0.03, "a tray with four cups")
+        start = played(page)[1]
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.wait_for_function(
+            "start => document.querySelector('[role=slider]').getAttribute('aria-valuenow') != start", arg=str(start)
+        )
+        assert page.locator("polyline").count() == 4 + 4 + 6
+        for label in ("Time [s]", "Speed", "Loop", "Names", "Path"):
+            assert page.get_by_text(label, exact=True).count() == 1
+        page.goto("about:blank")
+    host = address.partition("//")[2]
+    allowed = (f"http://{host}", f"ws://{host}", "data:", "blob:", "about:")
+    assert [found for found in page.asked if not found.startswith(allowed)] == []
+    assert page.errors == []
