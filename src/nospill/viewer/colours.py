@@ -10,7 +10,7 @@ import numpy as np
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
 SKY, BLACK, GREY, RED = "#56B4E9", "#000000", "#777777", "#D55E00"
-PALE = "#EDE6D6"
+PALE = "#DCCB9A"
 """Between the blue and the orange half of the scale; a mixture of those two would be green."""
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, BLACK, SKY, GREY)
 """For lines of a chart; vermilion is kept for limits."""
