@@ -32,20 +32,28 @@ Functions = dict[str, Any]
 
 _LEAVES = {
     "__init__",
+    "approach",
     "cli",
     "compare",
     "cup_file",
     "examples",
     "export",
     "files",
+    "handover",
+    "interpolation",
+    "margins",
     "motion_file",
     "planner",
     "plans",
     "plots",
+    "report",
     "scenario",
     "simulate",
     "solvers",
+    "studio",
     "units",
+    "verify",
+    "viewer",
 }
 """Modules whose source is left out of the key: the layer rules keep the laws, the problem and the judge from them."""
 
