@@ -16,21 +16,20 @@ import casadi as ca
 from nospill.frames import SX
 from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.layout import Chain, Layout
-from nospill.ocp.tray_state import tray_state
+from nospill.ocp.tray_state import TrayState, tray_state
 from nospill.robots.kinematics import kinematics
 from nospill.robots.regularity import determinant_expression
 
 
 def joint_equalities(
-    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...]
+    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...], tray: TrayState
 ) -> SX:
-    """The equations (zero) of a node; `stage` (layout.size, 1) in physical units.
+    """The equations (zero) of a node; `stage` (layout.size, 1) in physical units, `tray` as the chains have it.
 
     Half the antisymmetric part of R_d^T R is sin(angle) times the axis of the remaining turn, zero only where the
     attitudes agree (or differ by half a turn).
     """
     joints = [stage[layout.joint_derivative(order)] for order in range(layout.orders + 1)]
-    tray = tray_state(structure, numbers, chains)
     arm = kinematics(structure)
     tool = {"tool_position": numbers.tray_offset, "tool_yaw": numbers.tray_yaw_on_flange}
     position, rotation = arm.pose(joints[0], **tool)

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place, smooth_rows
+from nospill.contact import Wrench
 from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Structure
 from nospill.ocp.collocation import POINTS, advance_chain, gauss_step, interior
 from nospill.ocp.joint_equalities import joint_equalities
+from nospill.ocp.layers import Layers
 from nospill.ocp.layout import Chain, Layout
 from nospill.ocp.tray_state import tray_state
-from nospill.sample import Sample, object_motion, sample_objects, split_states
+from nospill.sample import ObjectSample, Sample, object_motion, sample_objects, split_states
 from nospill.slosh.motion import motion_residual
 
 
@@ -71,8 +73,10 @@ class StageExpressions:
     """The pieces a transcription maps: next state, equalities (zero), rows with bounds, share of the cost.
 
     All in physical units except the equalities, which are divided by their scales, and the rows (see `smooth_rows`).
+    They may read values lifted into `layers`.
     """
 
+    layers: Layers
     following: SX
     equalities: SX
     rows: SX
@@ -99,11 +103,13 @@ def stage_expressions(
     accelerations = (stage[layout.acceleration(0)], stage[layout.acceleration(1)])
     step = gauss_step(stage[layout.displacement], stage[layout.velocity], accelerations, interval)
 
+    layers = Layers()
     ends = _moved(chains, jerks, interval)
     following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
 
     collector = RowCollector(reserves)
-    equalities = [joint_equalities(structure, numbers, stage, layout, chains)]
+    start = tray_state(structure, numbers, chains).lifted(layers)
+    equalities = [joint_equalities(structure, numbers, stage, layout, chains, start)]
     tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
     node = Sample(
         structure,
@@ -118,11 +124,10 @@ def stage_expressions(
     collector.add(node, (Place.JOINT, Place.CONTROL))
 
     for point in range(2):
-        moved = _moved(chains, jerks, POINTS[point] * interval)
-        tray = tray_state(structure, numbers, moved).motion
-        slosh = split_states(
-            structure, step.point_displacements[point], step.point_velocities[point], accelerations[point]
-        )
+        moved = _lifted(_moved(chains, jerks, POINTS[point] * interval), layers)
+        tray = tray_state(structure, numbers, moved).lifted(layers).motion
+        position, velocity = layers.lift(step.point_displacements[point]), layers.lift(step.point_velocities[point])
+        slosh = split_states(structure, position, velocity, accelerations[point])
         residuals = [
             motion_residual(
                 oscillator,
@@ -139,20 +144,36 @@ def stage_expressions(
 
     # Constraints are imposed at the node, where jerk-limited accelerations have their corners, and in the middle.
     for repetition, fraction in enumerate((0.0, 0.5)):
-        tray = tray_state(structure, numbers, _moved(chains, jerks, fraction * interval)).motion
+        tray = start.motion
+        if repetition:
+            moved = _lifted(_moved(chains, jerks, fraction * interval), layers)
+            tray = tray_state(structure, numbers, moved).lifted(layers).motion
         inside = interior(stage[layout.displacement], stage[layout.velocity], accelerations, fraction, interval)
-        objects = sample_objects(structure, numbers, tray, split_states(structure, *inside))
+        position, velocity, acceleration = (layers.lift(part) for part in inside)
+        objects = sample_objects(structure, numbers, tray, split_states(structure, position, velocity, acceleration))
+        objects = tuple(_lifted_object(item, layers) for item in objects)
         collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
 
     weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * layout.tilts
     weights += [numbers.tilt_jerk_weight] * layout.redundant
     cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     rows, lower, upper = collector.stacked()
-    return StageExpressions(following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost)
+    return StageExpressions(
+        layers, following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
+    )
 
 
 def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
     return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
+
+
+def _lifted(chains: tuple[Chain, ...], layers: Layers) -> tuple[Chain, ...]:
+    return tuple((layers.lift(chain[0]), layers.lift(chain[1]), layers.lift(chain[2])) for chain in chains)
+
+
+def _lifted_object(item: ObjectSample, layers: Layers) -> ObjectSample:
+    wrench = Wrench(layers.lift(item.wrench.force), layers.lift(item.wrench.moment))
+    return replace(item, wrench=wrench, surface=layers.lift(item.surface))
 
 
 def terminal_rows(

@@ -131,9 +131,8 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[s
     end_rows, end_lower, end_upper = end.stacked()
 
     multipliers, end_multipliers, weight = SX.sym("l", constraints.numel()), SX.sym("m", end_rows.numel()), SX.sym("f")
-    jacobian = ca.jacobian(constraints, z)
-    lagrangian = weight * stage.cost + ca.dot(multipliers, constraints)
-    hessian = ca.triu(ca.hessian(lagrangian, z)[0])
+    lagrangian = stage.layers.derivatives(z, ca.vertcat(stage.cost, constraints), ca.vertcat(weight, multipliers))
+    constraints, jacobian, hessian = lagrangian.outputs[1:], lagrangian.jacobian[1:, :], lagrangian.hessian
     end_jacobian = ca.jacobian(end_rows, x)
     end_hessian = ca.triu(ca.hessian(ca.dot(end_multipliers, end_rows), x)[0])
     outputs: dict[str, tuple[list[SX], list[SX]]] = {

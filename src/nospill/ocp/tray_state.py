@@ -8,6 +8,7 @@ import casadi as ca
 
 from nospill.frames import SX, FrameMotion, tray_rates, tray_rotation
 from nospill.numbers import SceneNumbers, Structure
+from nospill.ocp.layers import Layers
 from nospill.ocp.layout import Chain
 from nospill.ocp.path_expression import path_expression
 from nospill.sample import tray_motion
@@ -24,6 +25,20 @@ class TrayState:
     velocity: SX
     rotation: SX
     motion: FrameMotion
+
+    def lifted(self, layers: Layers) -> TrayState:
+        """The same with every entry lifted."""
+        motion = self.motion
+        return TrayState(
+            layers.lift(self.position),
+            layers.lift(self.velocity),
+            layers.lift(self.rotation),
+            FrameMotion(
+                layers.lift(motion.angular_velocity),
+                layers.lift(motion.angular_acceleration),
+                layers.lift(motion.specific_force),
+            ),
+        )
 
     def acceleration(self, gravity: SX) -> tuple[SX, SX]:
         """Acceleration (3, 1) of the origin, m/s^2, and angular acceleration (3, 1), rad/s^2, in base axes."""
