@@ -18,7 +18,7 @@ from nospill.ocp.guess import Start, smooth_start
 from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import build_problem
 from nospill.ocp.stages import Stages
-from nospill.planner import FIRST_RESERVE, Planner, PlanningProgress, plan
+from nospill.planner import Planner, PlanningProgress, first_reserve, plan
 from nospill.plans import Plan, load_plan
 from nospill.robots.inverse import joint_paths
 from nospill.scene import Scene
@@ -125,7 +125,9 @@ def test_still_liquids_are_near_the_best_of_twenty_random_starts(example_plan: E
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     path = joint_paths(scene.robot, scene.path, **tool)[0]
     layout = layout_of(structure_of(scene))
-    reserves = {(item.name, i): FIRST_RESERVE for item in CONSTRAINTS for i in range(len(item.subjects(scene)))}
+    reserves = {
+        (item.name, i): first_reserve(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))
+    }
     random = np.random.default_rng(7)
     durations = []
     for index in range(20):

@@ -67,7 +67,7 @@ def joint_paths(
     *,
     tool_position: ToolPosition = FLANGE,
     tool_yaw: float = 0.0,
-    samples: int = 201,
+    samples: int = 101,
 ) -> list[JointPath]:
     """Return every continuous joint motion within the limits that carries the level tray along a path.
 
