@@ -6,9 +6,9 @@
     python benchmarks/campaign.py --out FILE --only 17                    one case alone, printed and not kept
     python benchmarks/campaign.py --report FILE                           tables into docs/reliability.md
 
-Every case is a process with a time limit (`campaign_case.py`), so a crash or a hang is a line like any other. FILE holds
-one JSON line a case, each written at once and whole; seeds that are in it are not run again. The package is taken from
-the last commit, so that it may be edited meanwhile; `--live` takes it as it stands.
+Every case is a process with a time limit (`campaign_case.py`), so a crash or a hang is a line like any other. FILE
+holds one JSON line a case, each written at once and whole; seeds that are in it are not run again. The package is taken
+from the last commit, so that it may be edited meanwhile; `--live` takes it as it stands.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ import numpy as np
 
 from nospill import planner
 from nospill.certificate import judge
-from nospill.errors import NospillError, NoSolutionError, ScenarioError
+from nospill.errors import NoSolutionError, NospillError, ScenarioError
 from nospill.ocp.guess import Start
 from nospill.plans import Plan, describe
 from nospill.robots.inverse import joint_paths

@@ -44,7 +44,7 @@ def _points(values: np.ndarray) -> list[list[float]]:
 
 
 def _wander(random: np.random.Generator, count: int, length: float) -> np.ndarray:
-    """Points (count, 3) of a way that turns by up to a right angle at each, about `length` m long, middle at the centre."""
+    """Points (count, 3), m, of a way of about `length` m around the middle, turning by less than a right angle each."""
     steps = [_direction(random)]
     while len(steps) < count - 1:
         step = _direction(random)

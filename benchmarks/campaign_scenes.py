@@ -1,7 +1,7 @@
 """Random scenarios of the campaign: named distributions, and one scenario table for every seed.
 
-A scenario is drawn part by part: robot and way of mounting, tray with its objects, path, limits; then the base is placed
-so that the level tray reaches all of the path. A share of the scenarios is left out of reach on purpose.
+A scenario is drawn part by part: robot and way of mounting, tray with its objects, path, limits; then the base is
+placed so that the level tray reaches all of the path. A share of the scenarios is left out of reach on purpose.
 """
 
 from __future__ import annotations
