@@ -269,7 +269,8 @@ def test_long_titles_do_not_meet(crowded_pictures: dict[str, Figure]) -> None:
                 assert left.get_window_extent().x1 < right.get_window_extent().x0, name
         if name != "summary":
             title, verdict = figure.texts[:2]
-            assert title.get_window_extent().x1 < verdict.get_window_extent().x0
+            assert verdict.get_window_extent().y1 < title.get_window_extent().y0
+            assert max(item.get_window_extent().x1 for item in (title, verdict)) < figure.bbox.x1
 
 
 def test_legends_name_every_object(crowded_pictures: dict[str, Figure]) -> None:

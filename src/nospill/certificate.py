@@ -18,7 +18,7 @@ from nospill.errors import PlanFolderError
 from nospill.frames import SX, FrameMotion
 from nospill.interpolation import JointMotion
 from nospill.numbers import Shapes, Structure, flatten, symbolic
-from nospill.replay import Replay, body_motion, replay, slosh_accelerations
+from nospill.replay import MINIMUM_RATE, Replay, body_motion, replay, slosh_accelerations
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
@@ -146,7 +146,9 @@ class Judgement:
     replay: Replay
 
 
-def certify(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Certificate:
+def certify(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+) -> Certificate:
     """Judge an exported trajectory.
 
     The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
@@ -156,20 +158,23 @@ def certify(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None 
         trajectory: the record.
         scene: what it must keep to.
         motion: what the receiver's joints do; the quintic spline through the recorded positions when left out.
+        rate: Hz, the least rate of the grid; a second, finer certificate is one at a higher rate (8 kHz, say).
 
     Raises:
         ModelError: the liquids cannot be integrated.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
-    return judge(trajectory, scene, motion=motion).certificate
+    return judge(trajectory, scene, motion=motion, rate=rate).certificate
 
 
-def judge(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Judgement:
+def judge(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
     _require_fit(trajectory, scene)
     _require_motion(trajectory)
-    played = replay(trajectory, scene, motion=motion)
+    played = replay(trajectory, scene, motion=motion, rate=rate)
     traces = constraint_traces(trajectory, scene, played)
     rows = [_row(trace) for trace in traces] + _record_rows(trajectory, scene, played)
     return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played)

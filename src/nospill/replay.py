@@ -27,7 +27,7 @@ from nospill.slosh.motion import modal_acceleration
 from nospill.trajectory import Trajectory
 
 MINIMUM_RATE = 2000.0
-"""Hz; the grid on which a trajectory is judged is at least this fine."""
+"""Hz; the grid on which a trajectory is judged is at least this fine, unless another rate is asked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,20 +55,23 @@ class Replay:
     slosh_error: float
 
 
-def replay(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Replay:
+def replay(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+) -> Replay:
     """Play an exported trajectory again.
 
     Args:
         trajectory: its times set the grid.
         scene: the scene it belongs to.
         motion: what the joints do; the quintic spline through the trajectory's positions when left out.
+        rate: Hz, the grid is at least this fine; a higher one gives a second opinion between the usual instants.
 
     Raises:
         ModelError: the slosh integration does not converge (the liquid would leave its cup).
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
     # The slosh integration compares two grids, so the coarser one starts at half the rate that is wanted.
-    per_sample = int(np.ceil(MINIMUM_RATE / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
+    per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
     made = _functions(structure, Shapes(numbers))

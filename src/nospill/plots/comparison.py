@@ -48,7 +48,7 @@ def save_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Non
 
 def comparison_figure(comparison: Comparison) -> Figure:
     """Heights above, difference below, over the predicted clock; the figures of the comparison in the titles."""
-    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 3.5), layout="constrained")
     heights, difference = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     t = comparison.t
     heights.plot(t, 1e3 * comparison.measured, color=BLACK, marker=".", markersize=3, linewidth=0.7, label="measured")
@@ -60,7 +60,7 @@ def comparison_figure(comparison: Comparison) -> Figure:
     heights.set_ylim(0.0, 1.12 * top)
     heights.set_ylabel("height [mm]")
     heights.legend(loc="upper right", ncols=2, borderaxespad=0.1)
-    heights.set_title("Liquid height, predicted and measured", weight="bold")
+    figure.suptitle("Liquid height, predicted and measured", x=0.02, ha="left", size=9, weight="bold")
     heights.set_title(
         f"correlation {comparison.correlation:.3f}, peak {1e2 * comparison.relative_peak_error:+.1f} %",
         loc="right",

@@ -14,10 +14,12 @@ from nospill.plans import Plan
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
 from nospill.plots.margins import margins_figure
+from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
 from nospill.plots.style import LOOK
 from nospill.plots.summary import summary_figure
 from nospill.plots.tilt import tilt_figure
+from nospill.plots.tray_plan import tray_plan_figure
 
 FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "slosh-heights": slosh_heights_figure,
@@ -27,6 +29,13 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "summary": summary_figure,
 }
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""
+
+REPORT_FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
+    "tray": tray_plan_figure,
+    "path": path_figure,
+    **{name: draw for name, draw in FIGURES.items() if name != "summary"},
+}
+"""The figures of a report: what the summary sheet shows in small, and the others."""
 
 RESOLUTION = 150
 """Dots per inch of the PNG files."""

@@ -11,7 +11,7 @@ from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.plans import shown_unit
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import SMALL, draw_limit, line_key, plain, series_look, superscript, time_panels
+from nospill.plots.style import draw_limit, entitle, line_key, plain, series_look, superscript, time_panels
 
 HIGHEST_USE = 2.0
 """Uses above this are cut off; the number in the panel's corner still tells."""
@@ -34,18 +34,24 @@ def margins_figure(evidence: Evidence) -> Figure:
         share_height=False,
     )
     for axes, (name, traces) in zip(panels.axes, families.items(), strict=True):
-        axes.set_title(name)
         looks = [subjects.index(trace.subject) for trace in traces]
         if np.any([np.any(trace.limit != 0.0) for trace in traces]):
-            draw_use(axes, traces, looks=looks)
+            draw_use(axes, name, traces, looks=looks)
         else:
             _draw_floor(axes, name, traces, looks)
         axes.set_xlim(0.0, evidence.end_time)
     return panels.figure
 
 
-def draw_use(axes: Axes, traces: tuple[Trace, ...], *, looks: list[int]) -> None:
-    """Lines of use of a limit, one per trace, with the limit at 1 and the largest use in the corner."""
+def draw_use(axes: Axes, title: str, traces: tuple[Trace, ...], *, looks: list[int]) -> None:
+    """Lines of use of a limit, one per trace, with the limit at 1 and the largest use in the corner.
+
+    Args:
+        axes: of the panel.
+        title: above it.
+        traces: of one constraint.
+        looks: number of each line's look.
+    """
     uses = [trace.use for trace in traces]
     for trace, use, look in zip(traces, uses, looks, strict=True):
         axes.plot(trace.t, np.minimum(use, 2 * HIGHEST_USE), **series_look(look))
@@ -55,7 +61,7 @@ def draw_use(axes: Axes, traces: tuple[Trace, ...], *, looks: list[int]) -> None
     draw_limit(axes, 1.0, "limit 1", forbidden=top)
     axes.set_ylim(0.0, top)
     axes.set_ylabel("use of limit [1]")
-    axes.set_title(f"max {peaks[largest]:.4f} ({plain(traces[largest].subject, 10)})", loc="right", size=SMALL)
+    entitle(axes, title, f"max {peaks[largest]:.4f} ({plain(traces[largest].subject, 10)})")
 
 
 def _draw_floor(axes: Axes, name: str, traces: tuple[Trace, ...], looks: list[int]) -> None:
@@ -70,4 +76,4 @@ def _draw_floor(axes: Axes, name: str, traces: tuple[Trace, ...], looks: list[in
     draw_limit(axes, 0.0, "limit 0", forbidden=bottom)
     axes.set_ylim(bottom, 1.08 * high)
     axes.set_ylabel(f"{_MEANING[name]} [1]" if name in _MEANING else f"{name} [{superscript(unit)}]")
-    axes.set_title(f"min {lows[least]:.3g} ({plain(traces[least].subject, 10)})", loc="right", size=SMALL)
+    entitle(axes, name, f"min {lows[least]:.3g} ({plain(traces[least].subject, 10)})")

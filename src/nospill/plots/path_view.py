@@ -10,16 +10,26 @@ from matplotlib.ticker import MultipleLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from nospill.cargo import Cargo
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLUE, GREY, ORANGE, SMALL
+from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
+from nospill.plots.tray_plan import footprint_outline
 
 DOT_INTERVAL = 0.1
 """s between the dots on the path."""
 
 _ELEVATION = 30.0
+_KEY_WIDTH = 4.6
+"""in; what the key below the picture takes on one line."""
 _ROOM = 0.45
 """in; kept free round the box for ticks and labels."""
+
+
+def path_figure(evidence: Evidence) -> Figure:
+    """The path alone, as one figure."""
+    figure = Figure(figsize=(WIDTH, 3.7))
+    headline(figure, evidence, "Path of the tray", left=0.1 / WIDTH, y=1 - 0.06 / 3.7)
+    draw_path(figure, evidence, (0.01, 0.02, 0.98, 0.85))
+    return figure
 
 
 def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, float, float]) -> Any:
@@ -40,7 +50,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     instants = _instants(evidence)
     half = scene.tray.size / 2
     corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * half
-    footprints = [_footprint(cargo) for cargo in scene.cargo]
+    footprints = [footprint_outline(cargo) for cargo in scene.cargo]
     outlines = [_on_tray(evidence, index, corners) for index in instants]
     reach = 1.35 * half[0]
     head = np.array([[1.2, 0.0], [1.0, 0.11], [1.0, -0.11]]) * reach
@@ -72,6 +82,8 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
     key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: path on the floor of the box"
+    if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
+        key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")
     _dress(axes)
     _fit(figure, axes, place, low, high, azimuth=_azimuth(line))
@@ -92,12 +104,6 @@ def _on_tray(evidence: Evidence, index: int, outline: np.ndarray) -> np.ndarray:
     """Points (n, 2) on the tray's surface at one instant of the replay, in the base frame, (n, 3) m."""
     tray = evidence.judgement.replay.tray
     return tray.position[index] + outline @ tray.rotation[index][:, :2].T
-
-
-def _footprint(cargo: Cargo) -> np.ndarray:
-    """Outline of an object's bottom in the tray frame, (n, 2) m."""
-    c, s = np.cos(cargo.yaw), np.sin(cargo.yaw)
-    return cargo.position + cargo.container.outline @ np.array([[c, s], [-s, c]])
 
 
 def _azimuth(line: np.ndarray) -> float:

@@ -10,7 +10,7 @@ from nospill.certificate import Trace
 from nospill.constraints.residual_height import ResidualHeight
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLUE, SMALL, Panels, draw_end, draw_limit, limit_key, plain, time_panels
+from nospill.plots.style import BLUE, Panels, draw_end, draw_limit, entitle, limit_key, plain, time_panels
 
 _FREE_DASH = (0, (3, 1.2))
 
@@ -46,7 +46,7 @@ def _draw(panels: Panels, evidence: Evidence, heights: tuple[Trace, ...]) -> Non
     # A liquid that leaves its cup must not squeeze the others; 1.6 limits show that it did.
     reached = max(min(float(np.nanmax(trace.value)), 1.6 * max(limits)) for trace in heights)
     top = 1e3 * max(1.22 * max(limits), 1.05 * reached)
-    longest = 24 if len(heights) < 4 else 14
+    longest = 24 if len(heights) < 4 else 12
     for index, (axes, trace, limit) in enumerate(zip(panels.axes, heights, limits, strict=True)):
         axes.plot(trace.t, 1e3 * trace.value, color=BLUE)
         axes.plot(free_times, 1e3 * free[trace.subject], color=BLUE, linestyle=_FREE_DASH)
@@ -57,8 +57,7 @@ def _draw(panels: Panels, evidence: Evidence, heights: tuple[Trace, ...]) -> Non
             rest = 1e3 * float(residual[trace.subject].limit[0])
             resting = (evidence.end_time, float(free_times[-1]))
             draw_limit(axes, rest, f"{rest:.3g} mm", forbidden=top, span=resting, align="right")
-        axes.set_title(plain(trace.subject, longest))
-        axes.set_title(f"max {1e3 * float(np.nanmax(trace.value)):.1f} mm", loc="right", size=SMALL)
+        entitle(axes, plain(trace.subject, longest), f"max {1e3 * float(np.nanmax(trace.value)):.1f} mm")
         axes.set_ylim(0.0, top)
         axes.set_xlim(0.0, free_times[-1])
         if index % (1 if len(heights) < 4 else 2) == 0:

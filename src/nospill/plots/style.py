@@ -1,8 +1,8 @@
 """One look for all figures: colours, line styles, limits, panels in fixed inches.
 
 Colours are those of Okabe and Ito, which people with any colour blindness tell apart; every line of a panel also has
-its own dash pattern or marker, so that a grey print can still be read. Figures are 5.2 in wide with letters of 7.5 to 9
-points; on a column of 3.5 in the smallest are 5 points high.
+its own dash pattern or marker, so that a grey print can still be read. Figures are 4.4 in wide with letters of 7.5 to 9
+points; on a column of 85 mm the smallest are 5.7 points high.
 """
 
 from __future__ import annotations
@@ -22,13 +22,15 @@ SKY, BLACK, GREY, RED = "#56B4E9", "#000000", "#777777", "#D55E00"
 DARK_RED = "#9A4300"
 """For letters: vermilion, darkened until it can be read on white and on its own shade."""
 _SHADE = "#F9EADE"
+INK = "#333333"
+"""For letters that say less than others."""
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, BLACK, SKY, GREY)
 """For series; vermilion is kept for limits."""
 
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.3, 1.3)), (0, (6, 1.5, 1.3, 1.5)))
 MARKERS = ("", "o", "s", "^", "x")
 
-WIDTH = 5.2
+WIDTH = 4.4
 """in; width of every figure but the summary sheet."""
 
 SMALL = 7.5
@@ -73,9 +75,11 @@ LOOK: dict[Any, Any] = {
 """Settings for `matplotlib.rc_context`; nothing is set outside it."""
 
 _LEFT, _RIGHT, _BOTTOM, _GAP = 0.62, 0.12, 0.44, 0.36
-_TITLE_ROW, _LEGEND_ROW = 0.24, 0.155
+_TITLE_ROW, _NAME_ROW, _LEGEND_ROW = 0.2, 0.17, 0.155
 _LETTER = 0.52 * 8 / 72
 """in; mean width of a letter of the legend."""
+_WIDE_LETTER = 0.62 / 72
+"""in per point of size; width of a letter that few names exceed on average."""
 
 
 def series_look(index: int) -> dict[str, Any]:
@@ -119,9 +123,10 @@ def time_panels(
     """A figure of `count` panels over a common time axis, `height` in each, with a headline and a legend above them."""
     rows = -(-count // columns)
     handles = legend or []
-    across = legend_columns(handles, WIDTH - _LEFT - _RIGHT + 0.1)
+    across = legend_columns(handles, WIDTH - 0.1)
     legend_height = _LEGEND_ROW * -(-len(handles) // across) + (0.05 if handles else 0.0)
-    top = 0.06 + _TITLE_ROW + legend_height + _TITLE_ROW
+    heading = 0.06 + _TITLE_ROW + _NAME_ROW
+    top = heading + legend_height + _TITLE_ROW + 0.04
     total = top + rows * height + (rows - 1) * _GAP + _BOTTOM
     figure = Figure(figsize=(WIDTH, total))
     grid = figure.subplots(rows, columns, sharex=True, sharey=share_height, squeeze=False)
@@ -135,13 +140,13 @@ def time_panels(
         hspace=_GAP / height,
         wspace=(inner / column - columns) / (columns - 1) if columns > 1 else 0.0,
     )
-    headline(figure, evidence, title, left=_LEFT / WIDTH, right=1 - _RIGHT / WIDTH, y=1 - 0.06 / total)
+    headline(figure, evidence, title, left=0.1 / WIDTH, y=1 - 0.06 / total)
     if handles:
         figure.legend(
             handles,
             [str(handle.get_label()) for handle in handles],
             loc="upper left",
-            bbox_to_anchor=((_LEFT - 0.08) / WIDTH, 1 - (0.06 + _TITLE_ROW) / total),
+            bbox_to_anchor=(0.06 / WIDTH, 1 - heading / total),
             ncols=across,
             borderaxespad=0.0,
             borderpad=0.1,
@@ -159,13 +164,33 @@ def time_panels(
     return Panels(figure, tuple(axes[:count]))
 
 
-def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, right: float, y: float) -> None:
-    """What is shown on the left, the plan's end time and verdict on the right, in fractions of the figure."""
+def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, y: float) -> None:
+    """What is shown, and below it the plan's name, end time and verdict; `left` and `y` in fractions of the figure."""
     verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
+    name = plain(evidence.plan.scene.name, 32)
+    below = y - _TITLE_ROW / figure.get_size_inches()[1]
     figure.text(left, y, title, ha="left", va="top", weight="bold")
-    name = plain(evidence.plan.scene.name, 22)
-    figure.text(
-        right, y, f"{name}: {evidence.end_time:.3f} s, {verdict}", ha="right", va="top", color="#333333", size=8
+    figure.text(left, below, f"{name}: {evidence.end_time:.3f} s, {verdict}", ha="left", va="top", size=8, color=INK)
+
+
+def entitle(axes: Axes, title: str, peak: str) -> None:
+    """Print what a panel shows and, on the right, its largest figure; inside the panel where both do not fit above."""
+    axes.set_title(title)
+    room = axes.get_position().width * axes.get_figure(root=True).get_size_inches()[0]  # type: ignore[union-attr]
+    if _WIDE_LETTER * (9 * len(title) + SMALL * len(peak)) <= room:
+        axes.set_title(peak, loc="right", size=SMALL)
+        return
+    axes.annotate(
+        peak,
+        (1.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(-2, -2),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        size=SMALL,
+        zorder=4,
+        bbox={"facecolor": _SHADE, "alpha": 0.7, "edgecolor": "none", "pad": 0.6},
     )
 
 

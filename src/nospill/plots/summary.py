@@ -110,8 +110,7 @@ def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     name = SloshHeight.name if SloshHeight.name in families else nearest
     traces, names = families[name], [cargo.name for cargo in evidence.plan.scene.cargo]
     looks = {trace.subject: names.index(trace.subject) for trace in traces}
-    draw_use(axes, traces, looks=list(looks.values()))
-    axes.set_title(name)
+    draw_use(axes, name, traces, looks=list(looks.values()))
     _legend(axes, looks)
 
 

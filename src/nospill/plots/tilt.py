@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLACK, BLUE, GREEN, ORANGE, SMALL, draw_limit, time_panels
+from nospill.plots.style import BLACK, BLUE, GREEN, ORANGE, draw_limit, time_panels
 
 _DASHED, _DOTTED = (0, (5, 1.6)), (0, (1.3, 1.3))
 
@@ -38,15 +38,15 @@ def _draw_angles(axes: Axes, evidence: Evidence) -> None:
     limit = float(np.degrees(evidence.plan.scene.motion.max_tilt))
     total = np.degrees(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0)))
     angles = np.degrees(trajectory.tilt)
+    whole = f"total, max {np.max(total):.1f}°"
     axes.plot(trajectory.t, angles[:, 0], color=BLUE, label=r"$\theta_x$ (roll)")
     axes.plot(trajectory.t, angles[:, 1], color=ORANGE, linestyle=_DASHED, label=r"$\theta_y$ (pitch)")
-    axes.plot(evidence.judgement.replay.t, total, color=BLACK, linestyle=_DOTTED, label="normal from vertical")
+    axes.plot(evidence.judgement.replay.t, total, color=BLACK, linestyle=_DOTTED, label=whole)
     reach = max(1.28 * limit, 1.08 * float(np.max(total)))
     draw_limit(axes, limit, f"limit of each angle {limit:.3g}°", forbidden=reach)
     draw_limit(axes, -limit, f"limit of each angle −{limit:.3g}°", forbidden=-reach)
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("angle [deg]")
-    axes.set_title(f"max {np.max(total):.1f}°", loc="right", size=SMALL)
 
 
 def _draw_lateral(axes: Axes, evidence: Evidence) -> None:
@@ -54,10 +54,10 @@ def _draw_lateral(axes: Axes, evidence: Evidence) -> None:
     tilted = np.hypot(played.body[6], played.body[7])
     level = np.hypot(played.tray.acceleration[:, 0], played.tray.acceleration[:, 1])
     axes.plot(played.t, tilted, color=BLUE, label="as planned")
-    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="same, level tray")
+    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="level tray")
     friction = min(cargo.planned_friction for cargo in scene.cargo)
     # A liquid is pushed only as far as it follows its cup, so its cup may be driven beyond this for a moment.
-    holds = f"friction on solids, μ = {friction:.2f}"
+    holds = f"friction, μ = {friction:.2f}"
     axes.plot(played.t, friction * played.body[8], color=GREEN, linestyle=_DOTTED, label=holds)
     axes.set_ylim(0.0, 1.1 * max(float(np.max(level)), float(np.max(tilted)), 1e-3))
     axes.set_ylabel("lateral specific force [m/s²]")

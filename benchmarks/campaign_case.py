@@ -1,0 +1,176 @@
+"""One case of the campaign in a process of its own: draws, plans, judges twice, simulates, prints lines of JSON.
+
+    python campaign_case.py SEED             the case
+    python campaign_case.py SEED --starts 10     the same scene from further random starts, each by itself
+
+The scenario comes drawn from the seed, or as JSON on the standard input with `--given`. The first line printed is the
+scenario, so that it is known even if the rest never comes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nospill import planner
+from nospill.certificate import judge
+from nospill.errors import NoSolutionError, NospillError, ScenarioError
+from nospill.ocp.guess import Start
+from nospill.plans import Plan, describe
+from nospill.robots.inverse import joint_paths
+from nospill.scenario import scene_from_table
+from nospill.scene import Scene
+from nospill.verify import verify
+
+FINE_RATE = 8000.0
+"""Hz; grid of the second certificate."""
+
+PLANNED, UNCERTIFIED = "planned", "not certified"
+REFUSED, IMPOSSIBLE, OUT_OF_REACH, NOT_FOUND = "refused", "proven impossible", "out of reach", "not found"
+CRASH, TIMEOUT = "crash", "out of time"
+KINDS = (PLANNED, UNCERTIFIED, REFUSED, IMPOSSIBLE, OUT_OF_REACH, NOT_FOUND, CRASH, TIMEOUT)
+"""How a case may end. `refused`: the reader did not take the scenario. `crash`: anything but an error of nospill."""
+
+_STARTS_STREAM = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Why there is no plan: how the case ended, and the reason as the user reads it."""
+
+    kind: str
+    reason: str
+
+
+def failure_of(error: NospillError, scene: Scene) -> Failure:
+    """Sort an error of planning into one of `KINDS`.
+
+    Impossible at rest is told by the error itself where it has a word for it, else it is a motion that was not found.
+    """
+    if isinstance(error, NoSolutionError):
+        told = str(getattr(error, "kind", "")).replace("_", " ")
+        return Failure(IMPOSSIBLE if "rest" in told or "impossible" in told else NOT_FOUND, str(error))
+    if isinstance(error, ScenarioError):
+        try:
+            joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+        except ScenarioError:
+            return Failure(OUT_OF_REACH, str(error))
+        return Failure(REFUSED, str(error))
+    return Failure(NOT_FOUND, f"{type(error).__name__}: {error}")
+
+
+def run(table: dict[str, Any], name: str) -> dict[str, Any]:
+    """Plan a scenario and look at the answer from three sides; the figures of its line."""
+    try:
+        scene = scene_from_table(table, name=name)
+    except NospillError as error:
+        return {"kind": REFUSED, "reason": str(error)}
+    began = time.perf_counter()
+    try:
+        plan = planner.plan(scene)
+    except NospillError as error:
+        failure = failure_of(error, scene)
+        return {"kind": failure.kind, "reason": failure.reason, "plan_time_s": time.perf_counter() - began}
+    return figures(plan)
+
+
+def figures(plan: Plan) -> dict[str, Any]:
+    """What a plan is worth: its own certificate, a finer one, and the simulation."""
+    worst = plan.certificate.worst
+    line: dict[str, Any] = {
+        "kind": PLANNED if plan.certificate.ok else UNCERTIFIED,
+        "reason": None if plan.certificate.ok else describe(worst),
+        "duration_s": plan.duration,
+        "plan_time_s": plan.report.plan_time,
+        "iterations": plan.report.iterations,
+        "rounds": plan.report.rounds,
+        "starts": [plan.report.starts.tried, plan.report.starts.converged, plan.report.starts.agreed],
+        "solver_status": plan.report.solver_status,
+        "phases_s": plan.report.phases,
+        "branch": np.round(np.degrees(plan.trajectory.joint_position[0]), 1).tolist(),
+        "certified": plan.certificate.ok,
+        "binding": f"{worst.constraint} of {worst.subject}",
+    }
+    try:
+        fine = judge(plan.trajectory, plan.scene, rate=FINE_RATE).certificate
+        broken = [describe(row) for row in fine.rows if not row.ok]
+        line["fine"] = {"ok": fine.ok, "grid_hz": fine.grid_hz, "broken": broken}
+    except NospillError as error:
+        line["fine"] = {"ok": False, "broken": [str(error)]}
+    try:
+        report = verify(plan)
+        line["verify"] = {"ok": report.ok, "message": report.message} | {
+            "slide_mm": max(1e3 * item.slide.value for item in report.objects)
+        }
+    except NospillError as error:
+        line["verify"] = {"ok": False, "message": str(error), "slide_mm": None}
+    return line
+
+
+def random_starts(table: dict[str, Any], name: str, count: int) -> Iterator[dict[str, Any]]:
+    """The outcome of `count` random starts, each taken as if it were the only one; drawn from the scenario's name."""
+    scene = scene_from_table(table, name=name)
+    random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
+    for index in range(count):
+        lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
+        start = Start(float(random.uniform(0.4, 1.6)), float(random.uniform(-0.6, 0.6)), (lean[0], lean[1]))
+        with only_start(start):
+            try:
+                plan = planner.plan(scene)
+            except NospillError as error:
+                yield {"start": index, "duration_s": None, "reason": str(error)}
+            else:
+                duration = plan.duration if plan.certificate.ok else None
+                yield {"start": index, "duration_s": duration, "reason": None if duration else "not certified"}
+
+
+@contextmanager
+def only_start(start: Start) -> Iterator[None]:
+    """Let the planner of this process begin from one given start; nothing else of it changes."""
+    usual = planner._starts
+    planner._starts = lambda scene: iter((start,))
+    try:
+        yield
+    finally:
+        planner._starts = usual
+
+
+def _print(line: dict[str, Any]) -> None:
+    print(json.dumps(line), flush=True)
+
+
+def main() -> None:
+    """Run one case."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("seed", type=int)
+    parser.add_argument("--starts", type=int, default=0, metavar="COUNT")
+    parser.add_argument("--given", action="store_true", help="read the scenario from the standard input")
+    arguments = parser.parse_args()
+    name = f"campaign-{arguments.seed}"
+    if arguments.given:
+        table = json.load(sys.stdin)
+    else:
+        from campaign_scenes import draw_case  # a given scenario needs no distributions
+
+        case = draw_case(arguments.seed)
+        table = case.table
+        _print({"scenario": table, "structure": case.structure, "unreachable": case.unreachable})
+    if arguments.starts:
+        for outcome in random_starts(table, name, arguments.starts):
+            _print(outcome)
+        return
+    line = run(table, name)
+    _print(line | {"peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024})
+
+
+if __name__ == "__main__":
+    main()

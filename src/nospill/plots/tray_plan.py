@@ -1,0 +1,61 @@
+"""Figure: the tray from above with what stands on it, to scale."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from nospill.cargo import Cargo
+from nospill.plots.evidence import Evidence
+from nospill.plots.style import BLUE, DARK_RED, GREY, INK, ORANGE, SMALL, WIDTH, headline, plain
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.62, 0.3, 0.5, 0.68
+_TALLEST = 4.4
+"""in; a tray that is much deeper than wide is drawn smaller."""
+
+
+def tray_plan_figure(evidence: Evidence) -> Figure:
+    """The tray's outline, every footprint with its name and fill height, x and y in mm in the tray's frame."""
+    scene = evidence.plan.scene
+    sides = 1.08e3 * scene.tray.size
+    width = min(WIDTH - _LEFT - _RIGHT, _TALLEST * float(sides[0] / sides[1]))
+    height = width * float(sides[1] / sides[0])
+    total = _TOP + height + _BOTTOM
+    figure = Figure(figsize=(WIDTH, total))
+    headline(figure, evidence, "Tray from above, to scale", left=0.1 / WIDTH, y=1 - 0.06 / total)
+    left = (WIDTH + _LEFT - _RIGHT - width) / 2
+    axes = figure.add_axes((left / WIDTH, _BOTTOM / total, width / WIDTH, height / total))
+    half = 1e3 * scene.tray.size / 2
+    axes.add_patch(
+        Rectangle((-half[0], -half[1]), 2 * half[0], 2 * half[1], facecolor="#F4F7FA", edgecolor=INK, linewidth=1.1)
+    )
+    for cargo in scene.cargo:
+        outline = 1e3 * footprint_outline(cargo)
+        fill, edge, dashes = ("#CFE3F2", BLUE, "-") if cargo.filling else ("#ECECEC", GREY, (0, (4, 1.5)))
+        axes.add_patch(Polygon(outline, facecolor=fill, edgecolor=edge, linestyle=dashes, linewidth=1.2))
+        middle = 1e3 * cargo.position
+        room = float(np.ptp(outline[:, 0])) / sides[0] * width
+        lines = [plain(cargo.name, max(int(room / 0.075), 5))]
+        if cargo.filling:
+            lines.append(f"{1e3 * cargo.filling.liquid_height:.3g} of {1e3 * cargo.container.height:.3g}")
+        else:
+            lines.append(f"{1e3 * cargo.container.height:.3g} high")
+        axes.text(middle[0], middle[1], "\n".join(lines), size=SMALL, ha="center", va="center")
+    axes.annotate(
+        "", (0.3 * half[0], 0), (0, 0), arrowprops={"arrowstyle": "-|>", "color": ORANGE, "linewidth": 1.6}, zorder=1.5
+    )
+    axes.plot(0, 0, marker="+", color=DARK_RED, markersize=7)
+    axes.set_xlim(-sides[0] / 2, sides[0] / 2)
+    axes.set_ylim(-sides[1] / 2, sides[1] / 2)
+    axes.set_xlabel("x of the tray [mm]")
+    axes.set_ylabel("y of the tray [mm]")
+    key = "full line: liquid, fill of rim height in mm; dashed: solid; arrow: x axis"
+    figure.text(0.5, 0.08 / total, key, size=SMALL, ha="center", va="bottom", color=INK)
+    return figure
+
+
+def footprint_outline(cargo: Cargo) -> np.ndarray:
+    """Outline of an object's bottom in the tray frame, (n, 2) m."""
+    c, s = np.cos(cargo.yaw), np.sin(cargo.yaw)
+    return cargo.position + cargo.container.outline @ np.array([[c, s], [-s, c]])
