@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,6 +17,7 @@ from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
 from nospill.errors import PlanFolderError
 from nospill.frames import SX, FrameMotion
+from nospill.holds import held_trajectory
 from nospill.interpolation import JointMotion
 from nospill.numbers import Shapes, Structure, flatten, symbolic
 from nospill.replay import MINIMUM_RATE, Replay, body_motion, replay, slosh_accelerations
@@ -50,6 +52,9 @@ _COLUMNS = (
 """What the judge reads of a trajectory."""
 
 
+APPROACH = "approach "
+"""What the constraints of the rows about the approach begin with."""
+
 _LEAST_SIZE = {"joint position": np.pi, "lift": 1.0, "apparent gravity": 1.0}
 """By constraint, what a margin is measured by at least where the limit's distance from zero says nothing: half a turn
 of a joint, one weight, one gravity."""
@@ -66,7 +71,7 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
         limit: (m,) or one number, in the constraint's unit.
         margin: likewise.
     """
-    size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint, 0.0))
+    size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint.removeprefix(APPROACH), 0.0))
     use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
     return np.where(np.isnan(use), np.inf, use)
 
@@ -113,6 +118,10 @@ class Certificate:
         for row in self.rows:
             families.setdefault(row.constraint, []).append(row)
         return tuple(max(family, key=_urgency) for family in families.values())
+
+    def joined(self, other: Certificate) -> Certificate:
+        """This verdict with the rows of another one, about another segment, behind its own."""
+        return Certificate(self.ok and other.ok, min(self.grid_hz, other.grid_hz), self.rows + other.rows)
 
     def to_dict(self) -> dict[str, Any]:
         """For certificate.json: ok, grid_hz, rows."""
@@ -174,9 +183,10 @@ def judge(
     """`certify` with its evidence; the same arguments and errors."""
     _require_fit(trajectory, scene)
     _require_motion(trajectory)
-    played = replay(trajectory, scene, motion=motion, rate=rate)
-    traces = constraint_traces(trajectory, scene, played)
-    rows = [_row(trace) for trace in traces] + _record_rows(trajectory, scene, played)
+    held = held_trajectory(trajectory, scene.motion)
+    played = replay(held, scene, motion=motion, rate=rate)
+    traces = constraint_traces(held, scene, played)
+    rows = [worst_row(trace) for trace in traces] + _record_rows(trajectory, held, scene, played)
     return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played)
 
 
@@ -217,14 +227,16 @@ def _require_motion(trajectory: Trajectory) -> None:
         raise PlanFolderError(f"trajectory: the quaternion at row {row} has length {lengths[row]:.6g}, 1 is needed")
 
 
-def constraint_traces(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[Trace, ...]:
-    """Every constraint and subject over time, each on the grid it is judged on."""
+def constraint_traces(
+    trajectory: Trajectory, scene: Scene, played: Replay, *, places: Collection[Place] = tuple(Place)
+) -> tuple[Trace, ...]:
+    """Every constraint of some places and its subjects over time, each on the grid it is judged on."""
     structure, numbers = structure_of(scene), numbers_of(scene)
     parameters = flatten(numbers)
     traces = []
     for place, (t, columns) in _inputs(trajectory, played).items():
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
-        if not constraints:
+        if not constraints or place not in places:
             continue
         function = _figures(structure, Shapes(numbers))[f"figures_{place.value}"]
         table = evaluate(function, columns, parameters)
@@ -337,7 +349,8 @@ def _worst(constraint: Constraint, budgets: tuple[Any, ...]) -> SX:
     return worst
 
 
-def _row(trace: Trace) -> Row:
+def worst_row(trace: Trace) -> Row:
+    """The instant of a trace with the least margin."""
     # A margin that is not a number is no margin at all.
     margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
     index = int(np.argmin(margins))
@@ -354,35 +367,37 @@ def _row(trace: Trace) -> Row:
     )
 
 
-def _record_rows(trajectory: Trajectory, scene: Scene, played: Replay) -> list[Row]:
+def _record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: Replay) -> list[Row]:
     """Rows about the record itself: on the path, from end to end, at rest there, columns that agree with each other.
 
-    The samples must come at the rate the controller plays them at, `scene.output_rate`.
+    `bare` is the motion without its holds. The samples must come at the rate the controller plays them at,
+    `scene.output_rate`.
     """
     per_sample = round(played.rate / trajectory.rate)
     position, attitude = _path_error(trajectory, scene, played, per_sample)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
-    ends = np.max(np.abs(trajectory.joint_speed[[0, -1]]), axis=1)
-    progress = np.abs([trajectory.s[0], trajectory.s[-1] - 1.0])
-    both = trajectory.t[[0, -1]]
+    ends = np.max(np.abs(bare.joint_speed[[0, -1]]), axis=1)
+    progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
+    both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
     written = _pose_error(played, per_sample, trajectory.tray_position, Rotation.from_quat(trajectory.tray_quaternion))
     return [
-        _limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
-        _limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
-        _limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
-        _limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
-        _limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, trajectory.t, speed),
-        _limit_row("recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE, trajectory.t, acceleration),
-        _limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
-        _limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
-        _limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
+        limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
+        limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
+        limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
+        limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
+        limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, trajectory.t, speed),
+        limit_row("recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE, trajectory.t, acceleration),
+        limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
+        limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
+        limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
     ]
 
 
-def _limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, values: np.ndarray) -> Row:
-    return _row(Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values))
+def limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, values: np.ndarray) -> Row:
+    """The row of values (m,), none below zero, against one limit."""
+    return worst_row(Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values))
 
 
 def _path_error(trajectory: Trajectory, scene: Scene, played: Replay, per_sample: int) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,15 @@ Replaceable = Callable[[set[str]], bool]
 """Judges by the names in a folder that is not empty whether it may be thrown away."""
 
 
-PLAN_NAMES = {"scenario.toml", "trajectory.csv", "certificate.json", "summary.json", "robot.csv", "figures"}
+PLAN_NAMES = {
+    "scenario.toml",
+    "trajectory.csv",
+    "approach.csv",
+    "certificate.json",
+    "summary.json",
+    "robot.csv",
+    "figures",
+}
 """What a plan folder may hold."""
 
 

@@ -15,8 +15,11 @@ import numpy as np
 from nospill.certificate import Certificate, certify
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
+from nospill.holds import held_samples, hold_periods
 from nospill.interpolation import HIGHEST_RATE, JointMotion, JointSamples, planned_motion, resampled
 from nospill.plans import Plan
+from nospill.scene import Scene
+from nospill.trajectory import Trajectory
 
 USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
 """Hz; the rates among which one that would do is looked for."""
@@ -48,6 +51,20 @@ class Handover:
     certificate: Certificate
     joint_deviation: float
 
+    @staticmethod
+    def largest_deviation(planned: Trajectory, samples: JointSamples, motion: JointMotion, lead: float = 0.0) -> float:
+        """How far the joints of a file are from a record's at any time, rad; between samples too.
+
+        Args:
+            planned: the record.
+            samples: of the file, times from 0.
+            motion: what its receiver makes of them.
+            lead: the file's time at which the record begins, s.
+        """
+        start = planned.t[0]
+        t = np.linspace(0.0, samples.t[-1], _FINENESS * max(len(samples.t), len(planned.t)))
+        return float(np.max(np.abs(motion(t) - planned_motion(planned)(start + t - lead))))
+
 
 def exporter_named(name: str) -> Exporter:
     """One exporter of the table.
@@ -75,8 +92,8 @@ def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None 
         ModelError: the liquids cannot be integrated along what was read.
     """
     rate = plan.scene.output_rate if rate is None else rate
-    _require_fit(plan, exporter, rate)
-    exporter.write(resampled(plan.trajectory, rate), plan.scene, path)
+    require_fit(plan, exporter, rate)
+    exporter.write(held_samples(resampled(plan.trajectory, rate), plan.scene.motion), plan.scene, path)
     return judge_file(plan, exporter, path)
 
 
@@ -88,31 +105,51 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
             another time or place than the plan.
         ModelError: the liquids cannot be integrated along it.
     """
-    samples = exporter.read(path, plan.scene)
-    _require_even(samples, path)
+    samples = read_samples(exporter, path, plan.scene)
     _require_same_end(plan, samples, path)
-    motion = exporter.interpolation.motion(samples)
+    motion, lead = exporter.interpolation.motion(samples), _lead(plan, samples)
     return Handover(
         path=path,
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
-        certificate=certified(plan, motion),
-        joint_deviation=_deviation(plan, samples, motion),
+        certificate=certified(plan, motion, lead=lead),
+        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, motion, lead),
     )
 
 
-def certified(plan: Plan, motion: JointMotion) -> Certificate:
+def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
+    """The samples of a file, evenly spaced and not too dense to be judged.
+
+    Raises:
+        PlanFolderError: they are not, or the file cannot be read.
+    """
+    samples = exporter.read(path, scene)
+    _require_even(samples, path)
+    return samples
+
+
+def _lead(plan: Plan, samples: JointSamples) -> float:
+    """Time in a file at which the plan's motion begins, s."""
+    return hold_periods(plan.scene.motion, round(samples.rate, 3))[0] / samples.rate
+
+
+def certified(plan: Plan, motion: JointMotion, *, lead: float = 0.0) -> Certificate:
     """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
 
     The record is compared at the plan's instants, which at a lower rate lie between the receiver's samples. Speeds and
     accelerations of the record become the receiver's own; where they exceed limits, the constraints say so.
+
+    Args:
+        plan: the plan.
+        motion: the receiver's.
+        lead: its time at which the plan's motion begins, s: the hold before it.
     """
     planned, start = plan.trajectory, plan.trajectory.t[0]
-    times = planned.t - start
+    times = planned.t - start + lead
 
     def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
-        return motion(t - start, order)
+        return motion(t - start + lead, order)
 
     record = replace(
         planned, joint_position=motion(times), joint_speed=motion(times, 1), joint_acceleration=motion(times, 2)
@@ -126,14 +163,20 @@ def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = 
         if exporter.reason_against(plan.scene, rate) is not None:
             continue
         try:
-            if certified(plan, exporter.interpolation.motion(resampled(plan.trajectory, rate))).ok:
+            samples = held_samples(resampled(plan.trajectory, rate), plan.scene.motion)
+            if certified(plan, exporter.interpolation.motion(samples), lead=_lead(plan, samples)).ok:
                 return rate
         except NospillError:  # a liquid that leaves its cup: not at this rate
             continue
     return None
 
 
-def _require_fit(plan: Plan, exporter: Exporter, rate: float) -> None:
+def require_fit(plan: Plan, exporter: Exporter, rate: float) -> None:
+    """Refuse a scene or a rate that a format does not take.
+
+    Raises:
+        ScenarioError: it does not; says why.
+    """
     reason = exporter.reason_against(plan.scene, rate)
     if reason is not None:
         raise ScenarioError(f"{exporter.name}: {reason}")
@@ -154,7 +197,9 @@ def _require_even(samples: JointSamples, path: Path) -> None:
 
 def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
     planned = plan.trajectory
-    length, period = float(planned.t[-1] - planned.t[0]), 1.0 / samples.rate
+    period = 1.0 / samples.rate
+    held = period * sum(hold_periods(plan.scene.motion, round(samples.rate, 3)))
+    length = float(planned.t[-1] - planned.t[0]) + held
     if not length - END_TOLERANCE * period <= samples.t[-1] <= length + (1.0 + END_TOLERANCE) * period:
         raise PlanFolderError(f"{path}: lasts {samples.t[-1]:.6g} s; the plan lasts {length:.6g} s")
     apart = np.abs(samples.position[-1] - planned.joint_position[-1])
@@ -163,9 +208,3 @@ def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
         raise PlanFolderError(
             f"{path}: {planned.joints[joint]} ends {apart[joint]:.4g} rad from where it ends in the plan"
         )
-
-
-def _deviation(plan: Plan, samples: JointSamples, motion: JointMotion) -> float:
-    start = plan.trajectory.t[0]
-    t = np.linspace(0.0, samples.t[-1], _FINENESS * max(len(samples.t), len(plan.trajectory.t)))
-    return float(np.max(np.abs(motion(t) - planned_motion(plan.trajectory)(start + t))))

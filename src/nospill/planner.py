@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from nospill.approaching import require_possible, with_approach
+from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.residual_height import EndDisplacement
@@ -19,7 +21,7 @@ from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Reserves, build_problem
 from nospill.ocp.stages import Stages
 from nospill.plans import Plan, PlanningReport, Starts, describe, motion_maxima
-from nospill.robots.inverse import JointPath, joint_paths
+from nospill.robots.inverse import JointPath, branch_in_words, joint_paths, preferred_path
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
@@ -87,29 +89,39 @@ def plan(
 
     Raises:
         ScenarioError: the robot cannot follow the path, or `ignore` names no constraint.
-        NoSolutionError: no start led to a motion; names what is in the way.
+        NoSolutionError: no start led to a motion, or no approach to it; names what is in the way.
+        MissingExtraError: an approach is asked for, and ruckig is not installed.
     """
     unknown = set(ignore) - {constraint.name for constraint in CONSTRAINTS}
     if unknown:
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
+    require_possible(scene)
+    base_is_free, scene = has_free_base(scene), settled_base(scene)
     run = _Run(scene, progress, frozenset(ignore))
     solution = run.restart(warm) if warm is not None else None
     if solution is None:
         with run.phase("kinematics"):
-            joint_path = joint_paths(
+            found = joint_paths(
                 scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-            )[0]
+            )
+            joint_path = preferred_path(found, scene.robot, scene.start_near)
         solution = run.find(joint_path)
     trajectory, judgement, solution = run.tighten(solution)
-    return Plan(
+    report = replace(
+        run.report(solution),
+        branch=branch_in_words(trajectory.joint_position[0]),
+        base_yaw=base_yaw_text(scene) if base_is_free else None,
+    )
+    motion = Plan(
         scene=scene,
         trajectory=trajectory,
         certificate=judgement.certificate,
         maxima=motion_maxima(judgement, scene),
-        report=run.report(solution),
+        report=report,
         judgement=judgement,
     )
+    return with_approach(motion)
 
 
 class Planner:

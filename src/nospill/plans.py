@@ -6,24 +6,26 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from nospill.certificate import Certificate, Judgement, Row
+from nospill.approach import Segment, read_segment, segment_text
+from nospill.certificate import APPROACH, Certificate, Judgement, Row
 from nospill.errors import PlanFolderError
 from nospill.export.plan_files import write_plan_files
 from nospill.files import atomic_folder
 from nospill.numbers import flatten
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
-from nospill.scene import Scene
+from nospill.scene import ApproachRules, Scene
 from nospill.scene_numbers import numbers_of, structure_of
 from nospill.trajectory import Trajectory, read_trajectory, trajectory_text
 
 SCENARIO_FILE = "scenario.toml"
 TRAJECTORY_FILE = "trajectory.csv"
+APPROACH_FILE = "approach.csv"
 CERTIFICATE_FILE = "certificate.json"
 SUMMARY_FILE = "summary.json"
 
@@ -47,6 +49,9 @@ SUMMARY_KEYS = (
     "reserves",
     "phases_s",
     "solver_status",
+    "branch",
+    "base_yaw",
+    "approach",
 )
 """Keys of the summary, in order; a failed one has them all, null from the duration on."""
 
@@ -96,6 +101,7 @@ class PlanningReport:
         plan_time, solve_time: s. phases: s, by name.
         iterations: of all solves. rounds: of tightening. solver_status: the solver's last word.
         reserves: fraction of the budget kept from the optimiser, by "constraint | subject"; those the judge asked for.
+        branch: the start configuration in words. base_yaw: which one was taken if the scenario left it free, or None.
     """
 
     plan_time: float
@@ -106,6 +112,8 @@ class PlanningReport:
     phases: dict[str, float]
     solver_status: str
     reserves: dict[str, float]
+    branch: str = ""
+    base_yaw: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +122,8 @@ class Plan:
 
     Attributes:
         judgement: the evidence of the certificate while it is at hand; not saved, None for a plan from a folder.
+        approach: from where the arm is to the start of the trajectory, if the scenario asks for it. The certificate has
+            the rows about it too.
     """
 
     scene: Scene
@@ -122,6 +132,7 @@ class Plan:
     maxima: MotionMaxima
     report: PlanningReport
     judgement: Judgement | None = field(default=None, repr=False, compare=False)
+    approach: Segment | None = field(default=None, repr=False, compare=False)
 
     @property
     def duration(self) -> float:
@@ -168,6 +179,9 @@ class Plan:
             "reserves": report.reserves,
             "phases_s": report.phases,
             "solver_status": report.solver_status,
+            "branch": report.branch,
+            "base_yaw": report.base_yaw,
+            "approach": None if self.approach is None else _approach_summary(self.approach),
         }
 
     def timed(self, phase: str, seconds: float) -> Plan:
@@ -194,6 +208,8 @@ class Plan:
             _write(partial / SCENARIO_FILE, scenario_text(self.scene))
             _write(partial / TRAJECTORY_FILE, trajectory_text(self.trajectory))
             _write(partial / CERTIFICATE_FILE, _json(self.certificate.to_dict()))
+            if self.approach is not None:
+                _write(partial / APPROACH_FILE, segment_text(self.approach))
             write_plan_files(self.trajectory, self.scene, partial)
             if extra is not None:
                 extra(partial)
@@ -204,12 +220,24 @@ class Plan:
 def _require_faithful(scene: Scene) -> None:
     """A scene altered in Python no longer agrees with the scenario text that would be kept with the plan."""
     again = scene_from_table(scene.source, name=scene.name)
-    same = structure_of(again) == structure_of(scene)
+    same = structure_of(again) == structure_of(scene) and again.motion == scene.motion
+    same = same and _same_approach(again.approach, scene.approach)
     if not same or not np.array_equal(flatten(numbers_of(again)), flatten(numbers_of(scene))):
         raise PlanFolderError(
             f"{scene.name}: the scene was changed after it was read, so the scenario kept with the plan would "
             "contradict it; change the table scene.source and build the scene with nospill.scenario.scene_from_table"
         )
+
+
+def _same_approach(first: ApproachRules | None, second: ApproachRules | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return all(np.array_equal(getattr(first, item.name), getattr(second, item.name)) for item in fields(first))
+
+
+def _approach_summary(segment: Segment) -> dict[str, Any]:
+    tray = "loaded" if segment.loaded else "empty"
+    return {"file": APPROACH_FILE, "duration_s": segment.duration, "tray": tray, "stretch": segment.stretch}
 
 
 def failed_summary(scenario: str, message: str) -> dict[str, Any]:
@@ -226,7 +254,7 @@ def describe(row: Row) -> str:
     at = f"at t = {row.at_s:.3f} s"
     if row.unit == "1" and row.limit == 1.0:
         return f"{row.constraint} of {row.subject} uses {_used(row, 'its limit')} {at}"
-    if row.limit == 0.0 or row.constraint == "joint position":
+    if row.limit == 0.0 or row.constraint.removeprefix(APPROACH) == "joint position":
         distance = f"{margin} {'left' if row.ok else 'beyond'}"
     else:
         distance = _used(row, "it")
@@ -293,8 +321,9 @@ def load_plan(folder: str | Path) -> Plan:
         certificate = json.loads((place / CERTIFICATE_FILE).read_text(encoding="utf-8"))
         summary = json.loads((place / SUMMARY_FILE).read_text(encoding="utf-8"))
         starts = summary["starts"]
+        scene = read_scenario(place / SCENARIO_FILE)
         return Plan(
-            scene=read_scenario(place / SCENARIO_FILE),
+            scene=scene,
             trajectory=read_trajectory(place / TRAJECTORY_FILE),
             certificate=Certificate(
                 ok=certificate["ok"],
@@ -318,10 +347,22 @@ def load_plan(folder: str | Path) -> Plan:
                 starts=Starts(starts["tried"], starts["converged"], starts["agreed"], tuple(starts["durations"])),
                 phases=summary["phases_s"],
                 solver_status=summary["solver_status"],
+                branch=summary.get("branch", ""),
+                base_yaw=summary.get("base_yaw"),
             ),
+            approach=_approach(place, scene, summary),
         )
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({error!r})") from error
+
+
+def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | None:
+    if scene.approach is None:
+        return None
+    told = summary["approach"]
+    return read_segment(
+        place / APPROACH_FILE, scene.robot.joints, loaded=scene.approach.loaded, stretch=float(told["stretch"])
+    )
 
 
 def _rows(found: list[dict[str, Any]]) -> tuple[Row, ...]:

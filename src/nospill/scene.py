@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from nospill.cargo import Cargo
 from nospill.paths import Path
 from nospill.robots.robot import Robot
@@ -26,6 +28,7 @@ class MotionRules:
         end: end condition for the liquids.
         residual_fraction: height after the end over max_slosh_height.
         max_duration: longest motion that is considered, s.
+        hold_before, hold_after: how long the arm stands still at the start and at the end of an exported motion, s.
     """
 
     tilt_free: bool
@@ -35,6 +38,28 @@ class MotionRules:
     end: EndCondition
     residual_fraction: float
     max_duration: float
+    hold_before: float = 0.0
+    hold_after: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ApproachRules:
+    """How the arm gets from where it is to the start of the motion.
+
+    Attributes:
+        start: (n,) joint positions it comes from, rad.
+        loaded: whether the cargo is on the tray already.
+        max_speed, max_acceleration, max_jerk: (n,) what it is judged by, rad/s, rad/s^2, rad/s^3.
+        speed_scale, acceleration_scale: parts of the first two that it is planned with, above 0 and at most 1.
+    """
+
+    start: np.ndarray
+    loaded: bool
+    max_speed: np.ndarray
+    max_acceleration: np.ndarray
+    max_jerk: np.ndarray
+    speed_scale: float
+    acceleration_scale: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +88,9 @@ class Scene:
         gravity: m/s^2.
         source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
             which `scenario.write_scenario` writes the copy that is kept with a plan.
+        approach: how the arm gets to the start, or None where that is not asked for.
+        start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
+            robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
     """
 
     name: str
@@ -77,3 +105,5 @@ class Scene:
     gravity: float
     slosh_modes: int
     source: dict[str, object] = field(repr=False)
+    approach: ApproachRules | None = None
+    start_near: np.ndarray | None = None

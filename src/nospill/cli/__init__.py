@@ -15,6 +15,7 @@ from nospill.cli.exporting import export
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
+from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
@@ -26,6 +27,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     margins,
     plot,
     view,
+    report,
     export,
     simulate,
     compare,

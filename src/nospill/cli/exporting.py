@@ -29,6 +29,12 @@ def export(
         float | None,
         typer.Option(metavar="HZ", help="Samples per second; the plan's when left out.", show_default=False),
     ] = None,
+    with_approach: Annotated[
+        bool,
+        typer.Option(
+            "--with-approach", help="Write the approach too, as a file of its own with -approach in its name."
+        ),
+    ] = False,
     only_list: Annotated[bool, typer.Option("--list", help="List the formats and stop.")] = False,
 ) -> int:
     """Write a plan as a controller's file, read it back and certify it as its receiver plays it.
@@ -46,11 +52,23 @@ def export(
     exporter = exporter_named(format_name)
     plan = load_plan(folder)
     target = _target(folder, output, exporter)
+    if with_approach and plan.approach is None:
+        raise ScenarioError(f"{folder}: this plan has no approach; plan again with a table [approach] in the scenario")
     done = hand_over(plan, exporter, target, rate=rate)
     _report(done)
     if not done.certificate.ok:
         _say_why(plan, done)
-    return 0 if done.certificate.ok else 1
+    ok = done.certificate.ok
+    if with_approach:
+        from nospill.approaching import hand_over_approach
+
+        there = hand_over_approach(plan, exporter, _beside(target, exporter), rate=rate)
+        _report(there)
+        print("the approach ends where the motion begins; nothing checks for collisions")
+        if not there.certificate.ok:
+            _say_why_not_approach(there)
+        ok = ok and there.certificate.ok
+    return 0 if ok else 1
 
 
 def _print_formats() -> None:
@@ -67,6 +85,20 @@ def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
     if place == target.resolve() or place in target.resolve().parents:
         raise ScenarioError(f"{target}: a plan folder holds nothing but the plan; name a file outside of {folder}")
     return target
+
+
+def _beside(target: Path, exporter: Exporter) -> Path:
+    """The approach's file beside that of the motion: tea.script and tea-approach.script."""
+    suffix = next((end for end in exporter.suffixes if target.name.endswith(end)), target.suffix)
+    stem = target.name[: len(target.name) - len(suffix)] if suffix else target.name
+    return target.with_name(f"{stem}-approach{suffix}")
+
+
+def _say_why_not_approach(done: Handover) -> None:
+    from nospill.plans import describe
+
+    name = done.exporter.name
+    say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; try another --rate.")
 
 
 def _report(done: Handover) -> None:

@@ -13,7 +13,8 @@ import typer
 
 from nospill.cli.progress import Progress
 from nospill.cli.reporting import one_line, only_stderr, print_json, print_table, say
-from nospill.errors import NoSolutionError
+from nospill.cli.sharing import write_plan_report
+from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.certificate import Certificate
@@ -28,27 +29,34 @@ def plan(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
+    report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
         from nospill.files import require_replaceable
         from nospill.scenario import read_scenario
 
+        if report and output is None:
+            raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output)
         scene = read_scenario(scenario)
+        for note in scene.robot.notes:
+            say(f"{scene.robot.name}: {one_line(note)}")
         progress.say("load the optimiser")
         began = time.perf_counter()
         from nospill.planner import plan as find_plan
 
         loading = time.perf_counter() - began
         outcome: Plan | NoSolutionError
+        page: Path | None = None
         try:
             outcome = find_plan(scene, progress=progress.show).timed("import", loading)
             if output is not None:
                 progress.say("write")
                 figures = None if no_figures else functools.partial(_write_figures, outcome)
                 outcome.save(output, extra=figures, time_writing=True)
+                page = write_plan_report(outcome, output) if report else None
         except NoSolutionError as error:
             outcome = error
     if isinstance(outcome, NoSolutionError):
@@ -63,7 +71,11 @@ def plan(
     else:
         _print_certificate(outcome.certificate)
         print(f"duration: {outcome.duration:.3f} s")
+        for line in _choices(outcome):
+            print(line)
         print(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
+        if page is not None:
+            print(f"written to {page}")
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1
@@ -76,12 +88,12 @@ def check(
 
     Nothing is optimised or written.
     """
-    from nospill.certificate import certify
+    from nospill.approaching import certify_whole
     from nospill.export.plan_files import compare_plan_files
     from nospill.plans import describe, load_plan
 
     saved = load_plan(folder)
-    certificate = certify(saved.trajectory, saved.scene)
+    certificate = certify_whole(saved)
     _print_certificate(certificate)
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
@@ -111,6 +123,30 @@ def plot(
     for name in names:
         print(figures / name)
     return 0
+
+
+def _choices(found: Plan) -> list[str]:
+    """What was chosen for the arm, and how it gets to the start, a line each."""
+    from nospill.approaching import settling_time
+
+    lines = [f"branch: {found.report.branch}"]
+    if found.report.base_yaw is not None:
+        lines.append(f"base yaw: {found.report.base_yaw} (left free)")
+    rules = found.scene.motion
+    if rules.hold_before or rules.hold_after:
+        lines.append(f"holds: {rules.hold_before:g} s before and {rules.hold_after:g} s after, in exported files")
+    segment = found.approach
+    if segment is not None:
+        tray = "loaded" if segment.loaded else "empty"
+        slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
+        lines.append(
+            f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}; "
+            "nothing checks for collisions, here or on the way after it"
+        )
+        wait = settling_time(found)
+        if wait > 0.0:
+            lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")
+    return lines
 
 
 def _write_figures(found: Plan, folder: Path) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter
 from nospill.files import atomic_text
+from nospill.holds import hold_periods
 from nospill.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.scene import Scene
 
@@ -61,7 +62,7 @@ def write_lab_csv(joints: np.ndarray, path: str | Path, *, rate: float, hold: fl
     atomic_text(path, text.getvalue())
 
 
-def read_lab_csv(path: str | Path, *, rate: float) -> tuple[np.ndarray, np.ndarray]:
+def read_lab_csv(path: str | Path, *, rate: float, held: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Read a laboratory's file without the rest it starts with.
 
     Every row that equals the first counts as rest; the last of them is the motion's first sample.
@@ -69,6 +70,7 @@ def read_lab_csv(path: str | Path, *, rate: float) -> tuple[np.ndarray, np.ndarr
     Args:
         path: the file.
         rate: rows per second, Hz.
+        held: how many of the rows of rest belong to the motion, beyond those the format wants.
 
     Returns:
         Time (samples,) in s from 0 and joint positions (samples, 6) in rad.
@@ -84,11 +86,11 @@ def read_lab_csv(path: str | Path, *, rate: float) -> tuple[np.ndarray, np.ndarr
     rows = np.array([_row(line, f"{path}, line {number}") for number, line in enumerate(lines, 1)]).reshape(-1, JOINTS)
     moved = np.flatnonzero(np.any(rows != rows[:1], axis=1))
     identical = int(moved[0]) if len(moved) else len(rows)
-    if identical < HOLD_ROWS:
-        raise PlanFolderError(
-            f"{path}: starts with {identical} identical rows; the lab's format wants {HOLD_ROWS} or more"
-        )
-    motion = rows[identical - 1 :]
+    if identical < HOLD_ROWS + held:
+        wanted = f"the lab's format wants {HOLD_ROWS} or more"
+        wanted += f", and the hold before the motion {held}" if held else ""
+        raise PlanFolderError(f"{path}: starts with {identical} identical rows; {wanted}")
+    motion = rows[identical - 1 - held :]
     return np.arange(len(motion)) / rate, motion
 
 
@@ -120,7 +122,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
 
 
 def _read(path: Path, scene: Scene) -> JointSamples:
-    t, joints = read_lab_csv(path, rate=LAB_RATE)
+    t, joints = read_lab_csv(path, rate=LAB_RATE, held=hold_periods(scene.motion, LAB_RATE)[0])
     return JointSamples(t, joints)
 
 

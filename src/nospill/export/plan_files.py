@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.export import EXPORTERS
+from nospill.holds import held_samples
 from nospill.interpolation import JointSamples
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
@@ -28,7 +29,8 @@ def write_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> None
     """
     for exporter in EXPORTERS.values():
         if exporter.plan_file is not None and exporter.reason_against(scene, scene.output_rate) is None:
-            exporter.write(recorded_samples(trajectory), scene, folder / exporter.plan_file)
+            samples = held_samples(recorded_samples(trajectory), scene.motion)
+            exporter.write(samples, scene, folder / exporter.plan_file)
 
 
 def compare_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> dict[str, str | None]:
@@ -44,15 +46,17 @@ def compare_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> di
     """
     present = [item for item in EXPORTERS.values() if item.plan_file and (folder / item.plan_file).is_file()]
     return {
-        str(item.plan_file): _difference(item.read(folder / str(item.plan_file), scene), trajectory) for item in present
+        str(item.plan_file): _difference(item.read(folder / str(item.plan_file), scene), trajectory, scene)
+        for item in present
     }
 
 
-def _difference(found: JointSamples, trajectory: Trajectory) -> str | None:
-    wanted = trajectory.joint_position
+def _difference(found: JointSamples, trajectory: Trajectory, scene: Scene) -> str | None:
+    held = held_samples(recorded_samples(trajectory), scene.motion)
+    wanted = held.position
     if found.position.shape != wanted.shape:
         return f"holds {len(found.t)} samples of the motion, the trajectory {len(wanted)}"
-    late = float(np.max(np.abs(found.t - trajectory.t)))
+    late = float(np.max(np.abs(found.t - held.t)))
     if late > 1.0 / trajectory.rate / 2.0:
         return f"is played at another rate: {late:.3g} s off the trajectory's times"
     apart = np.abs(found.position - wanted)
@@ -61,5 +65,5 @@ def _difference(found: JointSamples, trajectory: Trajectory) -> str | None:
         return None
     return (
         f"is not the motion of the trajectory: {trajectory.joints[joint]} differs by {apart[row, joint]:.4g} rad "
-        f"at t = {trajectory.t[row]:.3f} s"
+        f"at t = {held.t[row]:.3f} s"
     )

@@ -41,17 +41,14 @@ def draw_use_table(axes: Axes, evidence: Evidence) -> None:
 def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
     if line % 2:
         axes.axhspan(line - 0.5, line + 0.5, facecolor="#F4F4F4", linewidth=0, zorder=0)
-    factor, unit = shown_unit(row.unit, row.limit)
     weight, color = ("normal", "black") if row.ok else ("bold", DARK_RED)
-    value = factor * row.worst_value
-    # Errors far below their limit are rounding: one digit says enough.
-    text = _number(value, 1 if abs(row.worst_value) < 1e-3 * abs(row.limit) else 4)
+    value, limit, unit = row_texts(row)
     for x, cell, align in (
         (0.0, row.constraint, "left"),
         (_SUBJECT, plain(row.subject, 16), "left"),
-        (_VALUE, text, "right"),
-        (_LIMIT, _number(factor * row.limit, 3), "right"),
-        (_UNIT, superscript(unit), "left"),
+        (_VALUE, value, "right"),
+        (_LIMIT, limit, "right"),
+        (_UNIT, unit, "left"),
         (_TIME, f"{row.at_s:.3f}", "right"),
     ):
         axes.text(x, line, cell, ha=align, va="center", size=8, weight=weight, color=color)
@@ -69,6 +66,14 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
     if not row.ok:
         box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
         axes.text(_BAR + 0.02, line, "FAILS", ha="left", va="center", size=8, weight=weight, color=color, bbox=box)
+
+
+def row_texts(row: Row) -> tuple[str, str, str]:
+    """Value, limit and unit of a row of the certificate as they are printed."""
+    factor, unit = shown_unit(row.unit, row.limit)
+    # Errors far below their limit are rounding: one digit says enough.
+    digits = 1 if abs(row.worst_value) < 1e-3 * abs(row.limit) else 4
+    return _number(factor * row.worst_value, digits), _number(factor * row.limit, 3), superscript(unit)
 
 
 def _number(value: float, digits: int) -> str:

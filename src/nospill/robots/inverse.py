@@ -9,6 +9,7 @@ to move as little as they can. That gives the planner its start; it may move the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -27,6 +28,9 @@ from nospill.robots.robot import Robot
 
 _REDUNDANT_POSITIONS = 13
 """Positions of the redundant joint that are tried, evenly over its range."""
+
+NEARLY_AS_FAST = 1.5
+"""A branch may have this many times the best speed figure and still be taken because the arm is near to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +107,31 @@ def joint_paths(
     raise explain(robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
 
 
+def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | None) -> JointPath:
+    """Return the joint path to plan with.
+
+    Args:
+        paths: as `joint_paths` returns them, best first.
+        robot: the arm.
+        near: (n,) joint positions from which the arm comes, rad, or None.
+
+    Returns:
+        The best one; with `near`, among those whose speed figure is at most `NEARLY_AS_FAST` times the best, the one
+        whose start the arm reaches soonest from there, every joint at its full speed (of equals the better one).
+    """
+    if near is None:
+        return paths[0]
+    able = [path for path in paths if path.speed_figure <= NEARLY_AS_FAST * paths[0].speed_figure]
+    # rounded, so that branches as near as each other keep their order
+    return min(able, key=lambda path: float(f"{(np.abs(path.q[0] - near) / robot.max_speed).max():.6g}"))
+
+
+def branch_in_words(q: np.ndarray) -> str:
+    """The branch of a configuration q (n,), rad: a branch is told by where it starts."""
+    # + 0.0 turns -0 into 0
+    return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
+
+
 def _starts(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> np.ndarray:
     """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
     positions, rotations = tray_poses(path, np.zeros(1))
@@ -134,15 +163,10 @@ def _within_limits(
             turned = q + TURN * np.array(turns)
             margin = float(np.minimum(turned - robot.lower, robot.upper - turned).min())
             off_middle = float((np.abs(turned.mean(axis=0) - middle) / (robot.upper - robot.lower)).sum())
-            joint_path = JointPath(_label(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
+            joint_path = JointPath(branch_in_words(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
             # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
             found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
     return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
-
-
-def _label(q: np.ndarray) -> str:
-    # + 0.0 turns -0 into 0
-    return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
 
 
 def _constant(array: np.ndarray) -> np.ndarray:

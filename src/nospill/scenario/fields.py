@@ -139,6 +139,38 @@ class JointValues:
         return {"anyOf": [entry, {"type": "array", "items": entry, "minItems": 1}]}
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WordOr:
+    """A word, or a quantity (or a list of them). Metadata for `Annotated[float | str, ...]` and the like."""
+
+    word: str
+    entry: Measured
+    several: bool = False
+
+    def read(self, value: object) -> str | float | tuple[float, ...]:
+        """Return the word or the value or values in SI units, or raise the pydantic error: what is allowed."""
+        if value == self.word:
+            return self.word
+        title = DIMENSIONS[self.entry.dimension].title
+        if self.several:
+            if not isinstance(value, list | tuple) or not value:
+                raise refuse(f"{as_written(value)} is neither {as_written(self.word)} nor a list with {title} a joint")
+            return tuple(self.entry.read(entry) for entry in value)
+        try:
+            return self.entry.read(value)
+        except PydanticCustomError as error:
+            sentence = (error.context or {})["sentence"]
+            raise refuse(f"{sentence}; the word {as_written(self.word)} is possible too") from None
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        entry = self.entry.__get_pydantic_json_schema__(schema, handler)
+        value = {"type": "array", "items": entry, "minItems": 1} if self.several else entry
+        return {"anyOf": [{"const": self.word}, value]}
+
+
 @dataclass(frozen=True, slots=True)
 class SafeName:
     """A name that can be a file name and a column name everywhere."""
@@ -164,7 +196,9 @@ SIDE = Measured(dimension="length", at_least=1e-4, at_most=10.0)
 
 Name = Annotated[str, SafeName()]
 Size = Annotated[float, SIDE]
-Angle = Annotated[float, Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)]
+ANGLE = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
+"""What an angle is, wherever nothing narrower is said."""
+Angle = Annotated[float, ANGLE]
 Mass = Annotated[float, Measured(dimension="mass", at_least=1e-6, at_most=1000.0)]
 Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
 FrictionReserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]

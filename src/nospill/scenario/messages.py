@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
@@ -140,7 +141,14 @@ def _table_model(key: str) -> type[BaseModel] | None:
 
 def _model_of(model: type[BaseModel], key: str) -> type[BaseModel] | None:
     annotation = model.model_fields[key].annotation if key in model.model_fields else None
-    return annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
+    # an optional table is a union of it and None
+    choices = get_args(annotation) or (annotation,)
+    return next((item for item in choices if isinstance(item, type) and issubclass(item, BaseModel)), None)
+
+
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The keys of a table as they stand in the file."""
+    return {info.alias or name: info for name, info in model.model_fields.items()}
 
 
 def _key_path(keys: Location) -> str:
@@ -151,13 +159,13 @@ def _key_path(keys: Location) -> str:
 
 
 def _description(model: type[BaseModel] | None, keys: Location) -> str:
-    field = None if model is None else model.model_fields.get(str(keys[-1]))
+    field = None if model is None else _fields(model).get(str(keys[-1]))
     return (field.description if field else None) or "it has to be given"
 
 
 def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
     key = str(keys[-1])
-    allowed = list(model.model_fields) if model else []
+    allowed = list(_fields(model)) if model else []
     text = f"unknown key {as_written(key)}" + (f" in {_key_path(keys[:-1])}" if len(keys) > 1 else "")
     near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.7)
     if near:
@@ -169,4 +177,4 @@ def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
 
 def _owns(name: str, key: str) -> bool:
     model = _table_model(name)
-    return model is not None and key in model.model_fields
+    return model is not None and key in _fields(model)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.fields import SIDE, Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
 from nospill.scenario.path_entries import PathEntry
@@ -39,6 +40,10 @@ class TrayTable(Table):
     ] = 0.0
 
 
+HOLD = Measured(dimension="time", at_least=0.0, at_most=60.0)
+"""How long the arm may stand still before and after a motion."""
+
+
 class MotionTable(Table):
     """`[motion]`: what the motion may do."""
 
@@ -69,6 +74,12 @@ class MotionTable(Table):
         Measured(dimension="time", above=0.0, at_most=600.0),
         Field(description="longest motion that is considered"),
     ] = 20.0
+    hold_before: Annotated[
+        float, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
+    ] = 0.0
+    hold_after: Annotated[
+        float, HOLD, Field(description="how long the arm stands still after the end, in exported files")
+    ] = 0.0
 
 
 _JerkWeight = Annotated[
@@ -127,5 +138,8 @@ class Scenario(Table):
     cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
     path: Annotated[PathEntry, Field(description="the way the tray goes, with the key type")]
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
+    approach: Annotated[
+        ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
+    ] = None
     planning: Annotated[PlanningTable, Field(description="the table [planning]")] = PlanningTable()
     output: Annotated[OutputTable, Field(description="the table [output]")] = OutputTable()

@@ -24,7 +24,7 @@ from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
-from nospill.scene import MotionRules, PlanningOptions, Scene
+from nospill.scene import ApproachRules, MotionRules, PlanningOptions, Scene
 from nospill.slosh.modes import STANDARD_GRAVITY
 from nospill.tray import Tray
 from nospill.units import as_written, format_quantity
@@ -148,6 +148,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     with _at(label, "[robot]"):
         described = scenario.robot.standalone(folder)
         robot = scenario.robot.model_copy(update=described).build()
+    with _at(label, "[approach]"):
+        approach = None if scenario.approach is None else scenario.approach.build(robot)
     with _at(label, "[path]"):
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
@@ -182,7 +184,16 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         gravity=STANDARD_GRAVITY,
         slosh_modes=scenario.planning.slosh_modes,
         source=_plain(source),
+        approach=approach,
+        start_near=_start_near(scenario, robot, approach),
     )
+
+
+def _start_near(scenario: Scenario, robot: Robot, approach: ApproachRules | None) -> np.ndarray | None:
+    """What the scenario itself says of where the arm comes from; a catalogue's home is no wish of the user's."""
+    if approach is not None:
+        return approach.start
+    return robot.home if scenario.robot.home is not None else None
 
 
 def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
@@ -241,6 +252,8 @@ def _motion(scenario: Scenario) -> MotionRules:
         end=rules.end,
         residual_fraction=rules.residual_fraction,
         max_duration=rules.max_duration,
+        hold_before=rules.hold_before,
+        hold_after=rules.hold_after,
     )
 
 

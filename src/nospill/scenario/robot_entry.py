@@ -13,11 +13,14 @@ from nospill.robots.catalog import load_robot, moved_robot
 from nospill.robots.limits import LimitChanges, changed_limits, position_and_speed_only, with_home
 from nospill.robots.robot import Robot
 from nospill.robots.urdf import BasePose, read_arm, standalone_urdf
-from nospill.scenario.fields import Angle, JointValues, Measured, Point, Table
+from nospill.scenario.fields import ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
 from nospill.units import as_written
 
 _LARGEST_URDF = 10_000_000
 _SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"
+
+FREE = "free"
+"""`base_yaw` where the planner is to find it; until then the arm stands at 0."""
 
 _Scale = Annotated[
     float | None,
@@ -83,7 +86,11 @@ class RobotTable(Table):
         0.0,
         0.0,
     )
-    base_yaw: Annotated[Angle, Field(description="turn of the root about the world's z")] = 0.0
+    base_yaw: Annotated[
+        float | str,
+        WordOr(word=FREE, entry=ANGLE),
+        Field(description='turn of the root about the world\'s z; "free" leaves it to the planner'),
+    ] = 0.0
     base_pitch: Annotated[Angle, Field(description="turn of the root about y, before the yaw")] = 0.0
     base_roll: Annotated[Angle, Field(description="turn of the root about x, before pitch and yaw")] = 0.0
     locked: Annotated[
@@ -122,7 +129,8 @@ class RobotTable(Table):
         Raises:
             ScenarioError: it cannot be read, or its limits contradict each other or the keys; starts with the key.
         """
-        base = BasePose(self.base_position, (self.base_roll, self.base_pitch, self.base_yaw))
+        yaw = 0.0 if isinstance(self.base_yaw, str) else self.base_yaw
+        base = BasePose(self.base_position, (self.base_roll, self.base_pitch, yaw))
         fault = None
         if self.model is not None:
             robot = moved_robot(load_robot(self.model), tip=self.tip, base=base, locked=self.locked)

@@ -1,0 +1,86 @@
+"""report: a plan folder as one page to share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.progress import Progress
+from nospill.errors import ScenarioError
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.plans import Plan
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE.html", help="Write here, not to DIR.report.html.", show_default=False
+        ),
+    ] = None,
+    pdf: Annotated[
+        Path | None, typer.Option("--pdf", metavar="FILE.pdf", help="Write a PDF too.", show_default=False)
+    ] = None,
+    verify: Annotated[bool, typer.Option("--verify", help="Simulate the objects in MuJoCo first.")] = False,
+) -> int:
+    """Write a plan as one self-contained HTML page: verdict, scenario, certificate, figures; with --pdf as PDF too."""
+    page = report_place(folder, output)
+    if pdf is not None:
+        _require_outside(folder, pdf, ".pdf")
+    with Progress() as progress:
+        from nospill.export.plan_files import compare_plan_files
+        from nospill.plans import load_plan
+        from nospill.report import make_report, read_second_opinion, save_report
+
+        plan = load_plan(folder)
+        if verify:
+            from nospill.report.second_opinion import second_opinion
+            from nospill.verify import folder_joints
+            from nospill.verify import verify as simulate
+
+            progress.say("simulate")
+            opinion = second_opinion(simulate(plan, joints=folder_joints(folder, plan)).to_dict())
+        else:
+            opinion = read_second_opinion(folder, plan.scene)
+        progress.say("judge")
+        compared = compare_plan_files(plan.trajectory, plan.scene, folder)
+        made = make_report(plan, opinion=opinion, controller_files=compared)
+        progress.say("draw")
+        size = save_report(made, page, pdf=pdf)
+    print(f"written to {page} ({size / 1e6:.1f} MB), {made.verdict}")
+    if pdf is not None:
+        print(f"written to {pdf}")
+    return 0
+
+
+def report_place(folder: Path, output: Path | None = None) -> Path:
+    """Where the page of a plan folder goes: the file named, or DIR.report.html beside the folder.
+
+    Raises:
+        ScenarioError: the file would lie in the plan folder, or has another ending.
+    """
+    if output is None:
+        place = folder.resolve()
+        return place.with_name(f"{place.name}.report.html")
+    _require_outside(folder, output, ".html")
+    return output
+
+
+def write_plan_report(plan: Plan, folder: Path) -> Path:
+    """Write the page of a plan that was just made and saved; its judgement is not made again."""
+    from nospill.report import make_report, save_report
+
+    page = report_place(folder)
+    save_report(make_report(plan), page)
+    return page
+
+
+def _require_outside(folder: Path, file: Path, ending: str) -> None:
+    if file.suffix.lower() != ending:
+        raise ScenarioError(f"{file}: the name must end in {ending}")
+    if folder.resolve() in file.resolve().parents:
+        raise ScenarioError(f"{file}: a plan folder holds nothing but the plan; name a file outside of {folder}")

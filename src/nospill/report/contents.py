@@ -1,0 +1,182 @@
+"""What a report says, before it is HTML or PDF."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+
+from nospill.certificate import Certificate, judge
+from nospill.constraints import CONSTRAINTS
+from nospill.plans import Plan, describe
+from nospill.plots.evidence import Evidence
+from nospill.plots.text_pages import TextTable
+from nospill.plots.use_table import row_texts
+from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
+from nospill.report.task import cargo_table, joint_table, task_table
+from nospill.trajectory import trajectory_text
+
+NOT_PROVEN = (
+    ("That the robot does it", "The commanded motion is judged. Tracking error, filters in a controller and a tray "
+     "that bends come on top."),
+    ("That the numbers are right", "Friction, fill heights, masses and frames are believed as the scenario gives them; "
+     "nospill margins DIR says what is left when they are off."),
+    ("What is not a row", "Collisions, and any joint quantity that has no row in the table, are not judged."),
+    ("The liquid beyond its model", "A linear surface is believed up to about a third of the radius: no breaking "
+     "waves, drops, foam or floating things."),
+    ("Contact beyond the model", "A flat footprint under uniform pressure and Coulomb friction with one coefficient: "
+     "no warped tray, vibration or sticking."),
+    ("Between the instants", "Every limit is checked on a grid of 2 kHz or more, and very likely "
+     "holds between its points, too."),
+    ("That nothing faster exists", "The verdict is about limits, not about optimality."),
+)  # fmt: skip
+"""What a certificate leaves open: in short, and in one sentence."""
+
+_PACKAGES = ("nospill", "casadi", "numpy", "scipy", "matplotlib")
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """All that a report says.
+
+    Attributes:
+        evidence: the plan and the judgement the report rests on; figures are drawn from it.
+        ok, verdict, detail: whether it is certified, in two or three words, and in one sentence.
+        tiles: largest figures: (value with unit, what it is).
+        opinion: of the simulation.
+        task, cargo, joints, planning, versions: tables.
+    """
+
+    evidence: Evidence
+    ok: bool
+    verdict: str
+    detail: str
+    tiles: tuple[tuple[str, str], ...]
+    opinion: SecondOpinion
+    task: TextTable
+    cargo: TextTable
+    joints: TextTable
+    planning: TextTable
+    versions: TextTable
+
+    @property
+    def certificate(self) -> Certificate:
+        """As judged for this report."""
+        return self.evidence.judgement.certificate
+
+
+def make_report(
+    plan: Plan, *, opinion: SecondOpinion = NOT_ASKED, controller_files: Mapping[str, str | None] | None = None
+) -> Report:
+    """Put a report together; the motion is judged again unless the plan has its judgement at hand.
+
+    Args:
+        plan: certified or not.
+        opinion: of a simulation.
+        controller_files: by name, what is wrong with it or None, as `export.plan_files.compare_plan_files` says.
+
+    Raises:
+        ModelError: the liquids cannot be integrated along the trajectory.
+        PlanFolderError: the trajectory does not fit the scene.
+    """
+    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
+    certificate = evidence.judgement.certificate
+    failed = [row for row in certificate.rows if not row.ok]
+    grid = f"at {certificate.grid_hz:g} instants per second"
+    if certificate.ok:
+        verdict = "certified"
+        detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
+    else:
+        verdict = "not certified"
+        detail = (
+            f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
+        )
+    return Report(
+        evidence=evidence,
+        ok=certificate.ok,
+        verdict=verdict,
+        detail=detail,
+        tiles=_tiles(evidence),
+        opinion=opinion,
+        task=task_table(plan.scene),
+        cargo=cargo_table(plan.scene, certificate),
+        joints=joint_table(plan.scene, plan.trajectory, certificate),
+        planning=_planning(plan),
+        versions=_versions(plan, controller_files or {}),
+    )
+
+
+def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
+    """The certificate as text: the row nearest to its limit of every constraint, or all rows."""
+    rows = certificate.rows if everything else certificate.worst_rows()
+    cells = []
+    for row in rows:
+        value, limit, unit = row_texts(row)
+        share = f"{100 * row.use:.2f} %"
+        verdict = "holds" if row.ok else "FAILS"
+        cells.append((row.constraint, row.subject, value, limit, unit, share, f"{row.at_s:.3f}", verdict))
+    return TextTable(
+        "All rows of the certificate" if everything else "Certificate",
+        ("constraint", "of", "value", "limit", "unit", "use of limit", "at [s]", ""),
+        tuple(cells),
+        failing=tuple(index for index, row in enumerate(rows) if not row.ok),
+    )
+
+
+def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
+    maxima, rows = evidence.maxima, evidence.judgement.certificate.rows
+    tiles = [
+        (f"{evidence.end_time:.3f} s", "duration"),
+        (f"{maxima.tray_acceleration:.2f} m/s²", "largest acceleration of the tray"),
+        (f"{maxima.tray_angular_acceleration:.1f} rad/s²", "largest angular acceleration"),
+        (f"{np.degrees(maxima.tilt):.1f}°", "largest tilt"),
+    ]
+    by_subject = {(row.constraint, row.subject): row for row in rows}
+    for name, height in maxima.slosh_height.items():
+        limit = by_subject[("slosh height", name)].limit
+        tiles.append((f"{1e3 * height:.2f} mm", f"liquid of {name} rises, {1e3 * limit:.3g} mm allowed"))
+    joints = {item.name for item in CONSTRAINTS if item.name.startswith("joint ")} - {"joint position"}
+    used = [row for row in rows if row.constraint in joints]
+    if used:
+        most = max(used, key=lambda row: row.use)
+        tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.subject}"))
+    return tuple(tiles)
+
+
+def _planning(plan: Plan) -> TextTable:
+    report = plan.report
+    phases = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in report.phases.items())
+    starts = report.starts
+    durations = ", ".join(f"{duration:.3f} s" for duration in starts.durations)
+    rows = [
+        ("planning", f"{report.plan_time:.2f} s, of which {report.solve_time:.2f} s in the solver"),
+        ("phases", phases),
+        ("starts", f"{starts.tried} tried, {starts.converged} converged, {starts.agreed} agree within 0.5 %"),
+        ("on the coarse grid", durations),
+        ("iterations", str(report.iterations)),
+        ("rounds", f"{report.rounds} of tightening what the judge objected to"),
+        *((f"reserve, {name}", f"{100 * share:.2f} % kept back") for name, share in report.reserves.items()),
+        ("solver", report.solver_status),
+    ]
+    return TextTable("How it was planned", (), tuple((name, text) for name, text in rows if text))
+
+
+def _versions(plan: Plan, controller_files: Mapping[str, str | None]) -> TextTable:
+    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+    rows = [("trajectory.csv", f"{len(plan.trajectory.t)} samples, SHA-256 {digest[:16]}…{digest[-8:]}")]
+    rows += [(name, fault or "holds the motion of trajectory.csv") for name, fault in controller_files.items()]
+    rows += [(name, _version(name)) for name in _PACKAGES]
+    rows.append(("Python", f"{platform.python_version()} on {platform.system()}"))
+    failing = tuple(index for index, (name, _) in enumerate(rows) if controller_files.get(name))
+    return TextTable("Files and versions", (), tuple(rows), note="Versions: of what made this report.", failing=failing)
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed as a package"

@@ -1,0 +1,175 @@
+"""A report as one HTML page: no script, no network, figures inside."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from html import escape
+
+from nospill.certificate import Row
+from nospill.plots.text_pages import TextTable
+from nospill.plots.use_table import row_texts
+from nospill.report.contents import NOT_PROVEN, Report, certificate_table
+from nospill.report.page_style import STYLE
+
+_CAPTIONS = {
+    "tray": "The tray from above, to scale.",
+    "path": "The way of the tray's centre, with the tray at a few instants.",
+    "slosh-heights": "How high every liquid rises at its wall, in the joints' motion as judged; then it swings freely.",
+    "margins": "Contact of every object with the tray: what is used of each limit.",
+    "joints": "Joint positions, and what is used of every limit of the joints.",
+    "tilt": "How the tray tilts, and what the objects feel sideways because of it and would feel on a level tray.",
+}
+_FIRST = ("tray", "path")
+_BAR_LENGTH, _LONGEST_USE = 120, 1.2
+
+# Letters and strokes, so that it prints without its colour.
+_SIGNS = {
+    True: '<path d="M5 13l5 5L20 6" fill="none" stroke="currentColor" stroke-width="3.4"/>',
+    False: '<path d="M5 5l14 14M19 5L5 19" fill="none" stroke="currentColor" stroke-width="3.4"/>',
+    None: '<path d="M5 12h14" fill="none" stroke="currentColor" stroke-width="3.4"/>',
+}
+
+
+def html_page(report: Report, figures: Mapping[str, str]) -> str:
+    """The page.
+
+    Args:
+        report: what it says.
+        figures: SVG text by name, as `plots.report_pages.report_svgs` draws them.
+    """
+    scene = report.evidence.plan.scene
+    others = [name for name in figures if name not in _FIRST]
+    title = f"{scene.name}: {report.evidence.end_time:.3f} s, {report.verdict}"
+    body = (
+        _heading(report),
+        _tiles(report),
+        f"<div class='pair'>{''.join(_figure(name, figures[name]) for name in _FIRST if name in figures)}</div>",
+        _section(report.task),
+        _section(report.cargo),
+        _certificate(report),
+        _opinion(report),
+        f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"
+        "</section>",
+        _section(report.joints),
+        _section(report.planning),
+        _not_proven(),
+        _section(report.versions),
+        _section(certificate_table(report.certificate, everything=True), small=True),
+    )
+    return (
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n"
+        "<meta name='viewport' content='width=device-width, initial-scale=1'>\n"
+        # The browser itself is told that nothing may be fetched.
+        "<meta http-equiv='Content-Security-Policy' "
+        "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
+        f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
+        + "\n".join(body)
+        + "\n</main>\n</body>\n</html>\n"
+    )
+
+
+def _heading(report: Report) -> str:
+    scene = report.evidence.plan.scene
+    names = ", ".join(item.name for item in scene.cargo)
+    return (
+        f"<header><h1>{escape(scene.name)}</h1>"
+        f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}.</p>"
+        f"{_banner(report.ok, report.verdict.upper(), report.detail)}</header>"
+    )
+
+
+def _banner(ok: bool | None, verdict: str, detail: str) -> str:
+    kind = {True: "yes", False: "no", None: "unknown"}[ok]
+    sign = f"<svg class='sign' viewBox='0 0 24 24' aria-hidden='true'>{_SIGNS[ok]}</svg>"
+    return (
+        f"<div class='verdict {kind}'>{sign}<div><strong>{escape(verdict)}</strong><p>{escape(detail)}</p></div></div>"
+    )
+
+
+def _tiles(report: Report) -> str:
+    tiles = "".join(f"<li><b>{escape(value)}</b> {escape(label)}</li>" for value, label in report.tiles)
+    return f"<ul class='tiles'>{tiles}</ul>"
+
+
+def _figure(name: str, svg: str) -> str:
+    # As a picture and not as part of the page: matplotlib's style sheet and ids would reach beyond their figure.
+    data = base64.b64encode(svg.encode()).decode()
+    caption = escape(_CAPTIONS.get(name, name))
+    picture = f"<img alt='{caption}' src='data:image/svg+xml;base64,{data}'>"
+    return f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
+
+
+def _section(table: TextTable, *, small: bool = False) -> str:
+    note = f"<p class='note'>{escape(table.note)}</p>" if table.note else ""
+    return f"<section><h2>{escape(table.title)}</h2>{_table(table, small=small)}{note}</section>"
+
+
+def _table(table: TextTable, *, small: bool = False) -> str:
+    head = "".join(f"<th scope='col'>{escape(column)}</th>" for column in table.columns)
+    rows = []
+    for index, row in enumerate(table.rows):
+        first = f"<th scope='row'>{escape(row[0])}</th>"
+        rest = "".join(f"<td>{escape(cell)}</td>" for cell in row[1:])
+        rows.append(f"<tr{_failing(index in table.failing)}>{first}{rest}</tr>")
+    head = f"<thead><tr>{head}</tr></thead>" if head else ""
+    kind = ("wide" if table.columns else "facts") + (" small" if small else "")
+    return f"<div class='scroll'><table class='{kind}'>{head}<tbody>{''.join(rows)}</tbody></table></div>"
+
+
+def _failing(fails: bool) -> str:
+    return " class='fails'" if fails else ""
+
+
+def _certificate(report: Report) -> str:
+    columns = (("constraint", ""), ("nearest", ""), ("use of limit", ""), ("value", "number"), ("limit", "number"))
+    columns += (("unit", ""), ("at [s]", "number"))
+    head = "".join(f"<th scope='col' class='{kind}'>{column}</th>" for column, kind in columns)
+    rows = "".join(_certificate_row(row) for row in report.certificate.worst_rows())
+    return (
+        "<section><h2>Certificate</h2><div class='scroll'><table class='wide certificate'>"
+        f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
+        "<p class='note'>Of every constraint the row that came nearest to its limit; the upright line of a bar is the "
+        "limit. A fastest motion rests on some of its limits. The judge reads the exported samples and the "
+        "scenario alone.</p>"
+        "</section>"
+    )
+
+
+def _certificate_row(row: Row) -> str:
+    value, limit, unit = row_texts(row)
+    cells = (
+        f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(row.subject)}</td><td>{_bar(row)}</td>"
+        f"<td class='number'>{value}</td>"
+        f"<td class='number'>{limit}</td>"
+        f"<td>{escape(unit)}</td><td class='number'>{row.at_s:.3f}</td>"
+    )
+    return f"<tr{_failing(not row.ok)}>{cells}</tr>"
+
+
+def _bar(row: Row) -> str:
+    """A drawing, not a background: backgrounds are left out in print."""
+    scale = _BAR_LENGTH / _LONGEST_USE
+    length = scale * min(max(row.use, 0.0), _LONGEST_USE)
+    look = "fill='#0072B2'" if row.ok else "fill='none' stroke='#9A4300' stroke-width='1.6'"
+    word = "" if row.ok else "<text x='4' y='10' fill='#9A4300' font-size='10' font-weight='bold'>FAILS</text>"
+    share = f"{100 * row.use:.1f} % of the limit"
+    return (
+        f"<svg class='bar' viewBox='0 0 {_BAR_LENGTH} 13' role='img' aria-label='{escape(share)}'>"
+        f"<title>{escape(share)}</title><rect x='0.8' y='2' width='{max(length - 0.8, 0.4):.2f}' height='9' {look}/>"
+        f"<path d='M{scale:g} 0v13' stroke='#D55E00' stroke-width='1.8'/>{word}</svg>"
+    )
+
+
+def _opinion(report: Report) -> str:
+    opinion = report.opinion
+    verdict = {True: "EVERY OBJECT STAYS", False: "AN OBJECT MOVES", None: "NOT SIMULATED"}[opinion.ok]
+    table = ""
+    if opinion.table is not None:
+        table = f"{_table(opinion.table)}<p class='note'>{escape(opinion.table.note)}</p>"
+    return f"<section><h2>A second opinion</h2>{_banner(opinion.ok, verdict, opinion.message)}{table}</section>"
+
+
+def _not_proven() -> str:
+    entries = "".join(f"<li><b>{escape(short)}.</b> {escape(long)}</li>" for short, long in NOT_PROVEN)
+    return f"<section><h2>What the certificate does not prove</h2><ul>{entries}</ul></section>"

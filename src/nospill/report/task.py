@@ -1,0 +1,184 @@
+"""The scenario in words: what was asked, as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from nospill.cargo import Cargo
+from nospill.certificate import Certificate
+from nospill.constraints import CONSTRAINTS
+from nospill.containers.base import DiscFootprint
+from nospill.plans import shown_unit
+from nospill.plots.style import superscript
+from nospill.plots.text_pages import TextTable
+from nospill.scene import Scene
+from nospill.trajectory import Trajectory
+
+_FIDELITY = {
+    "deliverable": "the published equations, contact as if the liquid were frozen",
+    "full": "the whole physics: moving liquid pushes its cup, contact shares its friction",
+}
+_END = {
+    "still": "the liquids stand still at the end",
+    "published": "every surface passes through its rest shape at the end; it may still be moving",
+    "residual": "the liquids may still swing",
+}
+_SHOWN_ELSEWHERE = ("model", "urdf", "urdf_text", "limits")
+
+
+def task_table(scene: Scene) -> TextTable:
+    """What was asked, a line each: robot, tray, path, motion rules, physics."""
+    rows = [
+        ("robot", f"{scene.robot.title} ({scene.robot.name}), {len(scene.robot.joints)} joints"),
+        *_given_robot(scene),
+        ("tray", _tray(scene)),
+        ("path", _path(scene)),
+        ("attitude", _attitude(scene)),
+        ("at the end", _end(scene)),
+        ("smoothness", _jerks(scene)),
+        ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
+        ("output", f"{scene.output_rate:g} samples per second"),
+    ]
+    described = str(scene.source.get("description", "") or "")
+    if described:
+        rows.insert(0, ("about", " ".join(described.split())))
+    return TextTable("What was asked", (), tuple(rows))
+
+
+def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
+    """Every object: size, place, mass, friction, contents and how high its liquid came."""
+    columns = ("object", "size", "at x, y", "mass", "friction", "contents", "surface rises", "after the end")
+    return TextTable(
+        "On the tray",
+        columns,
+        tuple(_cargo(item, certificate) for item in scene.cargo),
+        note="Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use. "
+        "Surface: over its level at rest, of what is allowed.",
+    )
+
+
+def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) -> TextTable:
+    """Every joint: its range and the largest value of every limited quantity, against the limit."""
+    rows = {(row.constraint, row.subject): row for row in certificate.rows}
+    names = [item.name for item in CONSTRAINTS if item.name.startswith("joint ")]
+    limited = [name for name in names if name != "joint position" and any(key[0] == name for key in rows)]
+    columns = ["joint", "position [deg]", "allowed [deg]"]
+    for name in limited:
+        unit = next(row.unit for key, row in rows.items() if key[0] == name)
+        columns.append(f"{name.removeprefix('joint ')} [{superscript(shown_unit(unit)[1])}]")
+    table = []
+    for index, joint in enumerate(scene.robot.joints):
+        angles = np.degrees(trajectory.joint_position[:, index])
+        low, high = np.degrees((scene.robot.lower[index], scene.robot.upper[index]))
+        cells = [joint, _span(float(angles.min()), float(angles.max())), _span(float(low), float(high))]
+        for name in limited:
+            row = rows.get((name, joint))
+            if row is None:
+                cells.append("")
+                continue
+            factor = shown_unit(row.unit)[0]
+            value, limit = factor * abs(row.worst_value), factor * abs(row.limit)
+            cells.append(f"{value:.3g} of {limit:.4g} ({100 * row.use:.0f} %)")
+        table.append(tuple(cells))
+    unlimited = [name for name in names if name not in limited and name != "joint position"]
+    note = f"Not limited in this plan: {', '.join(unlimited)}." if unlimited else ""
+    sources = "; ".join(f"{quantity}: {source}" for quantity, source in scene.robot.sources.items())
+    return TextTable(
+        "Joints and their limits", tuple(columns), tuple(table), note=f"{note} Sources: {sources}.".strip()
+    )
+
+
+def _given_robot(scene: Scene) -> list[tuple[str, str]]:
+    """What the scenario says about the arm beyond its name, as it was written."""
+    given = scene.source.get("robot")
+    entries = given if isinstance(given, Mapping) else {}
+    keys = [key for key in entries if key not in _SHOWN_ELSEWHERE]
+    rows = [(f"robot, {str(key).replace('_', ' ')}", _written(entries[key])) for key in keys]
+    limits = entries.get("limits")
+    if isinstance(limits, Mapping):
+        rows += [(f"limit of {str(key).replace('_', ' ')}", _written(value)) for key, value in limits.items()]
+    return rows
+
+
+def _written(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return ", ".join(_written(item) for item in value)
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key}: {_written(item)}" for key, item in value.items())
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _tray(scene: Scene) -> str:
+    tray = scene.tray
+    sides = " x ".join(f"{1e3 * side:.4g}" for side in tray.size)
+    offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.offset)
+    board = f", board of {tray.mass:.3g} kg" if tray.mass else ""
+    turned = f", turned by {np.degrees(tray.yaw_on_flange):.3g} deg" if tray.yaw_on_flange else ""
+    return f"{sides} mm, surface at ({offset}) mm of the flange{turned}{board}"
+
+
+def _path(scene: Scene) -> str:
+    given = scene.source.get("path")
+    entries = given if isinstance(given, Mapping) else {}
+    kind = " ".join(str(entries[key]) for key in ("type", "name") if key in entries)
+    start, end = scene.path.at(0.0)[0], scene.path.at(1.0)[0]
+    places = [", ".join(f"{value:.3f}" for value in point[:3]).replace("-", "−") for point in (start, end)]
+    return (
+        f"{kind}, {scene.path.length:.2f} m long, from ({places[0]}) m to ({places[1]}) m of the base, "
+        f"yaw from {np.degrees(start[3]):.4g} to {np.degrees(end[3]):.4g} deg"
+    )
+
+
+def _attitude(scene: Scene) -> str:
+    if scene.motion.tilt_free:
+        return f"the tray may tilt, up to {np.degrees(scene.motion.max_tilt):.4g} deg about either axis"
+    return "the tray stays level"
+
+
+def _end(scene: Scene) -> str:
+    if not any(item.filling for item in scene.cargo):
+        return "at rest"
+    rest = f"{100 * scene.motion.residual_fraction:.4g} % of the height allowed before"
+    return f"{_END[scene.motion.end]}; afterwards no surface rises above {rest}"
+
+
+def _jerks(scene: Scene) -> str:
+    path = f"third derivative of the path parameter up to {scene.motion.path_jerk_limit:.4g} 1/s³"
+    tilt = f", of the tilt angles up to {scene.motion.tilt_jerk_limit:.4g} rad/s³" if scene.motion.tilt_free else ""
+    return path + tilt
+
+
+def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
+    footprint = item.container.footprint
+    height = f"{1e3 * item.container.height:.4g} high"
+    if isinstance(footprint, DiscFootprint):
+        size = f"{2e3 * footprint.radius:.4g} across, {height}"
+    else:
+        size = f"{2e3 * footprint.half_x:.4g} x {2e3 * footprint.half_y:.4g}, {height}"
+    turned = f", {np.degrees(item.yaw):.3g} deg" if item.yaw else ""
+    contents = "solid"
+    if item.filling is not None:
+        contents = f"{item.filling.liquid.name}, {1e3 * item.filling.liquid_height:.4g} deep"
+    return (
+        item.name,
+        size,
+        ", ".join(f"{1e3 * value:.4g}" for value in item.position).replace("-", "−") + turned,
+        f"{item.total.mass:.3f}",
+        f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
+        contents,
+        _height(certificate, "slosh height", item.name),
+        _height(certificate, "residual height", item.name),
+    )
+
+
+def _height(certificate: Certificate, constraint: str, name: str) -> str:
+    for row in certificate.rows:
+        if (row.constraint, row.subject) == (constraint, name):
+            return f"{1e3 * row.worst_value:.1f} of {1e3 * row.limit:.3g}"
+    return ""
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.1f} to {high:.1f}".replace("-", "−")

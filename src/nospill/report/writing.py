@@ -1,0 +1,77 @@
+"""Writing a report: HTML, and PDF where it is asked for, each whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from contextlib import suppress
+from pathlib import Path
+
+from nospill.errors import PlanFolderError
+from nospill.files import atomic_text
+from nospill.plots.report_pages import report_pdf, report_svgs
+from nospill.plots.text_pages import TextTable
+from nospill.report.contents import NOT_PROVEN, Report, certificate_table
+from nospill.report.page import html_page
+
+
+def save_report(report: Report, path: str | Path, *, pdf: str | Path | None = None) -> int:
+    """Write a report.
+
+    Args:
+        report: what it says.
+        path: of the HTML file; an earlier one is replaced.
+        pdf: of the PDF, if there is to be one.
+
+    Returns:
+        Size of the HTML file, bytes.
+
+    Raises:
+        PlanFolderError: a file cannot be written.
+    """
+    text = html_page(report, report_svgs(report.evidence))
+    atomic_text(path, text)
+    if pdf is not None:
+        _atomic_bytes(Path(pdf), report_pdf(report.evidence, pdf_tables(report)))
+    return len(text.encode())
+
+
+def pdf_tables(report: Report) -> tuple[TextTable, ...]:
+    """The tables of a report in the order of its pages, the verdict first."""
+    verdict = (
+        ("verdict", report.verdict.upper()),
+        ("", report.detail),
+        *((label, value) for value, label in report.tiles),
+    )
+    opinion = report.opinion
+    return (
+        TextTable("Verdict", (), verdict, failing=() if report.ok else (0, 1)),
+        report.task,
+        report.cargo,
+        certificate_table(report.certificate, everything=False),
+        TextTable("A second opinion", (), ((opinion.message,),)) if opinion.table is None else opinion.table,
+        report.joints,
+        report.planning,
+        TextTable("What the certificate does not prove", (), NOT_PROVEN),
+        report.versions,
+        certificate_table(report.certificate, everything=True),
+    )
+
+
+def _atomic_bytes(path: Path, data: bytes) -> None:
+    """Readers see the old or the new file, as with `files.atomic_text`."""
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.partial")
+    try:
+        with partial.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise PlanFolderError(
+            f"cannot write {path}: {reason}; make room, ask for permission or name another place"
+        ) from error
+    finally:
+        with suppress(OSError):
+            partial.unlink()

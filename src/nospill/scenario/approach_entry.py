@@ -1,0 +1,120 @@
+"""The keys of `[approach]`: where the arm comes from, what is on the tray meanwhile, and how fast it may go."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field
+
+from nospill.errors import ScenarioError
+from nospill.robots.robot import Robot
+from nospill.scenario.fields import ANGLE, JointValues, Measured, Table, WordOr
+from nospill.scene import ApproachRules
+from nospill.units import format_quantity
+
+HOME = "home"
+BUILD_UP = 0.1
+"""s; in this time the full acceleration is built up where nobody states a jerk."""
+
+
+def _limit(dimension: str, at_most: float) -> JointValues:
+    return JointValues(entry=Measured(dimension=dimension, above=0.0, at_most=at_most))
+
+
+_SCALE = Measured(dimension="ratio", at_least=0.01, at_most=1.0)
+
+
+class ApproachTable(Table):
+    """`[approach]`: how the arm gets from where it is to the start of the motion."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, serialize_by_alias=True)
+
+    start: Annotated[
+        str | tuple[float, ...],
+        WordOr(word=HOME, entry=ANGLE, several=True),
+        Field(alias="from", description='where the arm is: "home", or one angle for each moving joint'),
+    ]
+    tray: Annotated[
+        Literal["empty", "loaded"], Field(description='whether the cargo is on the tray: "empty" or "loaded"')
+    ]
+    speed_scale: Annotated[
+        float, _SCALE, Field(description="part of the joint speeds that the approach is planned with")
+    ] = 0.5
+    acceleration_scale: Annotated[float, _SCALE, Field(description="part of the joint accelerations, likewise")] = 0.5
+    acceleration: Annotated[
+        float | tuple[float, ...] | None,
+        _limit("angular_acceleration", 1e4),
+        Field(description="joint accelerations; needed where the robot's data have none"),
+    ] = None
+    jerk: Annotated[
+        float | tuple[float, ...] | None,
+        _limit("angular_jerk", 1e7),
+        Field(description="joint jerks; without any, the full acceleration is built up in 0.1 s"),
+    ] = None
+
+    def build(self, robot: Robot) -> ApproachRules:
+        """The rules for an arm; what the table states never goes beyond the robot's own limits.
+
+        Raises:
+            ScenarioError: a wrong number of values, a start outside the limits, no home or no acceleration known; the
+                message starts with the key.
+        """
+        acceleration = _stated(self.acceleration, "acceleration", robot, robot.max_acceleration)
+        if acceleration is None:
+            raise ScenarioError(
+                f"acceleration is missing: no joint accelerations are known for robot {robot.name!r}; "
+                'write one for all joints, for example acceleration = "5 rad/s^2", or a list, one for each'
+            )
+        jerk = _stated(self.jerk, "jerk", robot, robot.max_jerk)
+        return ApproachRules(
+            start=_constant(self._start(robot)),
+            loaded=self.tray == "loaded",
+            max_speed=robot.max_speed,
+            max_acceleration=_constant(acceleration),
+            max_jerk=_constant(acceleration / BUILD_UP if jerk is None else jerk),
+            speed_scale=self.speed_scale,
+            acceleration_scale=self.acceleration_scale,
+        )
+
+    def _start(self, robot: Robot) -> np.ndarray:
+        if isinstance(self.start, str):
+            if robot.home is None:
+                raise ScenarioError(
+                    f'from is "{HOME}", but no home is known for robot {robot.name!r}; '
+                    "give home under [robot], or the joint angles here"
+                )
+            return robot.home
+        _require_count(self.start, "from", robot)
+        for name, value, lower, upper in zip(robot.joints, self.start, robot.lower, robot.upper, strict=True):
+            if not lower <= value <= upper:
+                raise ScenarioError(
+                    f"from has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
+                    f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
+                )
+        return np.array(self.start)
+
+
+def _stated(
+    given: float | tuple[float, ...] | None, key: str, robot: Robot, known: np.ndarray | None
+) -> np.ndarray | None:
+    """The values (n,) of a key, none above the robot's own; the robot's where it is not given."""
+    if given is None:
+        return known
+    if isinstance(given, tuple):
+        _require_count(given, key, robot)
+    values = np.broadcast_to(np.array(given, dtype=float), len(robot.joints))
+    return values if known is None else np.minimum(values, known)
+
+
+def _require_count(given: tuple[float, ...], key: str, robot: Robot) -> None:
+    if len(given) != len(robot.joints):
+        values = "1 value" if len(given) == 1 else f"{len(given)} values"
+        names = ", ".join(robot.joints)
+        raise ScenarioError(f"{key} has {values} where {len(robot.joints)} are needed, one for each of {names}")
+
+
+def _constant(values: np.ndarray) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

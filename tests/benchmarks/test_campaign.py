@@ -1,0 +1,268 @@
+"""The campaign's machinery: lines that are whole, processes that may die, resuming, a cluster, the report."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import types
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.scenario import read_scenario
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+
+import campaign  # noqa: E402  # pyright: ignore[reportMissingImports]
+import campaign_case  # noqa: E402  # pyright: ignore[reportMissingImports]
+import campaign_process  # noqa: E402  # pyright: ignore[reportMissingImports]
+import campaign_report  # noqa: E402  # pyright: ignore[reportMissingImports]
+from campaign_lines import Lines  # noqa: E402  # pyright: ignore[reportMissingImports]
+from campaign_process import Job, line_of  # noqa: E402  # pyright: ignore[reportMissingImports]
+
+
+def line(seed: int, **changes: Any) -> dict[str, Any]:
+    planned = {
+        "seed": seed,
+        "scenario": {"name": f"campaign-{seed}"},
+        "structure": "ur5e, line of 0.50 m, 1 liquids, 0 solids, level, residual",
+        "unreachable": False,
+        "kind": "planned",
+        "reason": None,
+        "duration_s": 1.0,
+        "plan_time_s": 2.0,
+        "iterations": 50,
+        "rounds": 1,
+        "binding": "slip of c1",
+        "peak_memory_mb": 200.0,
+        "fine": {"ok": True, "broken": []},
+        "verify": {"ok": True, "message": "Every object stays"},
+        "commit": "abc",
+    }
+    return planned | changes
+
+
+def test_lines_are_kept_and_found_again(tmp_path: Path) -> None:
+    file = tmp_path / "results" / "campaign.jsonl"
+    with Lines.writer(file) as lines:
+        lines.append(line(3))
+        lines.append({"seed": 3, "starts_from": []})
+    with Lines.writer(file) as lines:
+        assert list(lines.cases) == [3] and list(lines.starts) == [3]
+    assert Lines.read(file)[0] == line(3)
+
+
+def test_half_a_line_of_a_killed_run_is_cut_off(tmp_path: Path) -> None:
+    file = tmp_path / "campaign.jsonl"
+    file.write_bytes(json.dumps(line(0)).encode() + b'\n{"seed": 1, "ki')
+    assert [found["seed"] for found in Lines.read(file)] == [0]
+    with Lines.writer(file) as lines:
+        lines.append(line(1))
+    assert [found["seed"] for found in Lines.read(file)] == [0, 1]
+
+
+def test_one_campaign_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "campaign.jsonl"
+    with Lines.writer(file), pytest.raises(SystemExit, match="another campaign is writing"), Lines.writer(file):
+        pass
+
+
+def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import os
+
+    file = tmp_path / "campaign.jsonl"
+    write = os.write
+    with Lines.writer(file) as lines:
+        lines.append(line(0))
+        monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[:20]))
+        with pytest.raises(OSError, match="only a part"):
+            lines.append(line(1))
+        monkeypatch.undo()
+        lines.append(line(2))
+    assert [found["seed"] for found in Lines.read(file)] == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("code", "limit", "kind", "reason"),
+    [
+        ('import os; print(\'{"structure": "s"}\', flush=True); os.abort()', 20.0, "crash", "exit code -6"),
+        ("raise ValueError('no such thing')", 20.0, "crash", "exit code 1: ValueError: no such thing"),
+        ('import time; print(\'{"structure": "s"}\', flush=True); time.sleep(60)', 0.7, "out of time", "0.7 s"),
+        ("pass", 20.0, "crash", "exit code 0: no message"),
+    ],
+)
+def test_whatever_a_process_does_is_a_line(
+    code: str, limit: float, kind: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "campaign_case.py").write_text(code)
+    monkeypatch.setattr(campaign_process, "__file__", str(tmp_path / "campaign_process.py"))
+    found = campaign_process.run_job(Job(5, limit))
+    assert found["seed"] == 5 and found["kind"] == kind and reason in found["reason"]
+    assert found.get("structure") == ("s" if "structure" in code else None)
+
+
+def test_noise_among_the_lines_of_a_process_is_passed_over() -> None:
+    out = '{"scenario": {"a": 1}, "structure": "s"}\n*** IPOPT says hello\n{"kind": "planned"}\n{"kind": '
+    assert line_of(Job(1, 9.0), out, "", 0) == {
+        "seed": 1,
+        "scenario": {"a": 1},
+        "structure": "s",
+        "kind": "planned",
+    }
+    starts = line_of(Job(1, 9.0, starts=2, table={"a": 1}), '{"start": 0}\n{"start": 1}\n', "", 0)
+    assert starts["starts_from"] == [{"start": 0}, {"start": 1}] and starts["kind"] == "starts"
+
+
+def test_failures_are_sorted_by_what_can_be_shown() -> None:
+    scene = read_scenario("matrix-rigid")
+    assert campaign_case.failure_of(NoSolutionError("No motion found: slip"), scene).kind == "not found"
+    assert campaign_case.failure_of(ScenarioError("path.degree"), scene).kind == "refused"
+
+
+@pytest.mark.slow
+def test_a_case_of_its_own_and_its_starts() -> None:
+    found = campaign_process.run_job(Job(0, 300.0))
+    assert found["kind"] == "planned" and found["fine"]["ok"] and found["verify"]["ok"], found
+    assert found["fine"]["grid_hz"] >= 8000.0 and found["scenario"]["name"] == "campaign-0"
+    starts = campaign_process.run_job(Job(0, 300.0, starts=2, table=found["scenario"]))
+    assert len(starts["starts_from"]) == 2
+    assert all(
+        outcome["duration_s"] == pytest.approx(found["duration_s"], rel=1e-3) for outcome in starts["starts_from"]
+    )
+
+
+def test_unreachable_case_says_so() -> None:
+    from campaign_scenes import draw_case  # pyright: ignore[reportMissingImports]
+
+    found = campaign_process.run_job(Job(38, 120.0))
+    assert draw_case(38).unreachable and found["unreachable"]
+    assert found["kind"] == "out of reach" and "out of reach of robot" in found["reason"]
+
+
+def stub(seed: int) -> dict[str, Any]:
+    return line(seed, scenario={"name": f"campaign-{seed}"})
+
+
+def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    asked: list[Job] = []
+
+    def run_job(job: Job) -> dict[str, Any]:
+        asked.append(job)
+        return (
+            stub(job.seed) if not job.starts else {"seed": job.seed, "kind": "starts", "starts_from": [], "asked": 10}
+        )
+
+    monkeypatch.setattr(campaign, "run_job", run_job)
+    file = tmp_path / "campaign.jsonl"
+    words = ["--out", str(file), "--live", "--cases"]
+    campaign.main([*words, "2"])
+    campaign.main([*words, "5", "--jobs", "2"])
+    assert sorted(job.seed for job in asked) == [0, 1, 2, 3, 4]
+    campaign.main([*words, "5", "--starts-check", "3"])
+    chosen = [job.seed for job in asked if job.starts]
+    campaign.main([*words, "5", "--starts-check", "3"])
+    assert [job.seed for job in asked if job.starts] == chosen and len(set(chosen)) == 3
+    assert asked[-1].table is not None
+    capsys.readouterr()
+    campaign.main(["--out", str(file), "--live", "--only", "3"])
+    assert json.loads(capsys.readouterr().out)["seed"] == 3 and len(Lines.read(file)) == 8
+
+
+def test_starts_are_drawn_from_cases_with_a_way() -> None:
+    cases = {seed: line(seed, kind="out of reach" if seed % 2 else "not found") for seed in range(40)}
+    chosen = campaign.starts_seeds(cases, 10)
+    assert len(chosen) == 10 and all(seed % 2 == 0 for seed in chosen)
+    assert chosen == campaign.starts_seeds(cases, 10) and campaign.starts_seeds({}, 5) == []
+
+
+def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a stand-in for dask.distributed: what is sent to the workers, and that a dead worker is a line."""
+    sent: dict[str, Any] = {"files": [], "folders": []}
+
+    class Client:
+        def __init__(self, address: str) -> None:
+            sent["address"] = address
+
+        def __enter__(self) -> Client:
+            return self
+
+        def __exit__(self, *_: object) -> None: ...
+
+        def upload_file(self, name: str) -> None:
+            sent["files"].append(Path(name).name)
+
+        def submit(self, function: Any, job: Job, **_: object) -> Future[Any]:
+            future: Future[Any] = Future()
+            sent["folders"].append(job.folder)
+            if job.seed == 1:
+                future.set_exception(RuntimeError("worker died"))
+            else:
+                future.set_result(stub(job.seed))
+            return future
+
+    fake = types.ModuleType("dask.distributed")
+    fake.Client, fake.as_completed = Client, iter  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "dask", types.ModuleType("dask"))
+    monkeypatch.setitem(sys.modules, "dask.distributed", fake)
+    file = tmp_path / "campaign.jsonl"
+    campaign.main(["--out", str(file), "--live", "--cases", "3", "--scheduler", "tcp://there:8786"])
+    assert sent["address"] == "tcp://there:8786" and set(sent["files"]) == set(campaign.MODULES)
+    assert sent["folders"] == [None] * 3
+    kinds = {found["seed"]: found["kind"] for found in Lines.read(file)}
+    assert kinds == {0: "planned", 1: "crash", 2: "planned"}
+
+
+def test_modules_for_the_workers_are_all_that_a_case_imports() -> None:
+    code = "import campaign_case, campaign_process, campaign_scenes, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=BENCHMARKS, capture_output=True, text=True, check=True)
+    assert {f"{name}.py" for name in done.stdout.split() if name.startswith("campaign")} == set(campaign.MODULES)
+
+
+def test_without_dask_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "dask", None)
+    monkeypatch.setitem(sys.modules, "dask.distributed", None)
+    with pytest.raises(SystemExit, match="pip install distributed"):
+        campaign.on_cluster("tcp://nowhere:1")
+
+
+def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = [line(seed, plan_time_s=float(seed)) for seed in range(20)]
+    lines += [
+        line(20, verify={"ok": False, "message": "c1 moves from t = 0.1 s on"}),
+        line(21, fine={"ok": False, "broken": ["slip of c1 uses 100.2 %"]}),
+        line(22, kind="crash", reason="exit code -11: Segmentation fault"),
+        line(23, kind="not found", reason="No motion found: residual height of c1 is 3 mm against a limit of 2 mm"),
+        line(24, kind="not found", reason="No motion found: residual height of c2 is 5 mm against a limit of 4 mm"),
+        line(25, kind="out of reach", reason="path: out of reach of robot 'ur5e' from s = 0.1 on", unreachable=True),
+    ]
+    starts = [{"start": index, "duration_s": duration} for index, duration in enumerate([0.9, 1.2, None])]
+    lines.append({"seed": 0, "kind": "starts", "starts_from": starts, "asked": 3})
+    lines.append({"seed": 23, "kind": "starts", "starts_from": [{"start": 0, "duration_s": 2.0}], "asked": 1})
+    page = tmp_path / "page.md"
+    marks = [campaign_report.BEGIN, campaign_report.END, campaign_report.DRAWN_BEGIN, campaign_report.DRAWN_END]
+    page.write_text("\n".join(["top", *marks, "bottom"]))
+    monkeypatch.setattr(campaign, "PAGE", page)
+    file = tmp_path / "campaign.jsonl"
+    file.write_text("".join(json.dumps(one) + "\n" for one in lines))
+    campaign.main(["--report", str(file)])
+    campaign.main(["--report", str(file)])  # writing again does not pile up
+    text = page.read_text()
+    assert text.startswith("top") and text.endswith("bottom") and text.count("| crash |") == 1 + 1 + 1
+    assert "| certified, rejected by the certificate at 8 kHz | 1 |" in text
+    assert "| certified, something moves in MuJoCo | 1 |" in text
+    assert "whose reason names no constraint and no limit of the arm | 1 of 4" in text
+    assert "| left out of reach on purpose and told so | 1 of 1 |" in text
+    assert "residual height of .. is # mm against a limit of # mm | 2 | 23 |" in text
+    worst = [row.split(" | ")[0] for row in text.split("worst ten: seed")[1].splitlines()[2:]]
+    assert {worst[0], worst[1]} == {"| 20", "| 21"} and worst[2] == "| 22"
+    assert "| solved by any start | 2 |" in text and "plain `plan` | 1 of 2 (50.0%)" in text
+    assert "within 1 % of the best duration | 0 of 1 (0.0%)" in text
+
+
+def test_report_of_nothing() -> None:
+    assert list(campaign_report.section([])) == ["No case has been run yet."]
