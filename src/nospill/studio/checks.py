@@ -24,6 +24,7 @@ from nospill.scenario.model import Scenario
 from nospill.scene import Scene
 from nospill.studio.draft import Key
 from nospill.tray import Tray
+from nospill.units import as_written
 
 _MORE = re.compile(r" \(and \d+ more\)$")
 _PLACE = re.compile(r'(?P<place>\[[a-z_.]+\]|cargo (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL)
@@ -80,7 +81,7 @@ def _refused(error: ValidationError, table: Mapping[str, Any]) -> tuple[Fault, .
     """What pydantic found; its locations tell the place, except for the tags of unions in them."""
     details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
     return tuple(
-        Fault(_without_tags(detail["loc"], detail["type"]), text, where)
+        Fault(_of_entry(_without_tags(detail["loc"], detail["type"]), text, detail["input"]), text, where)
         for detail, (where, text) in zip(details, faults_of(error, table), strict=True)
     )
 
@@ -95,6 +96,15 @@ def _without_tags(location: Key, kind: str) -> Key:
     if location[:1] == ("path",):
         return ("path", "type") if tagged else ("path", *location[2:])
     return location
+
+
+def _of_entry(key: Key, text: str, value: object) -> Key:
+    """The place of the coordinate a sentence about `at` speaks of, for it has a field of its own."""
+    if key[-1:] == ("at",) and isinstance(value, list):
+        for index, entry in enumerate(value):
+            if text.startswith(f"at {as_written(entry)} "):
+                return (*key, index)
+    return key
 
 
 def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _RIGHT = 400
 """px; width of the right panel."""
+_LAST = 1e6
+"""Order of what stands below fields that are added later."""
 
 
 class Controls:
@@ -80,15 +82,15 @@ class Controls:
 
     def _add_files(self, gui: viser.GuiApi, folder: Path, typed: Edited, opens: Sequence[str]) -> None:
         self.file_message = gui.add_html("")
-        with gui.add_folder("Open"):
+        with gui.add_folder("Open a scenario"):
             self.choice = gui.add_dropdown("Scenario", opens)
             self.open_button = gui.add_button("Open")
-            self.upload = gui.add_upload_button("Upload a scenario file", mime_type=".toml")
-        save = gui.add_folder("Save")
+            self.upload = gui.add_upload_button("Upload a file", mime_type=".toml")
+        save = gui.add_folder("Save the scenario")
         self.groups["File"] = FieldGroup(gui, save, edited=typed)
-        with gui.add_folder("Write the scenario"):
-            self.save_button = gui.add_button("Save", hint=f"as NAME.toml in {folder}")
-            self.download_button = gui.add_button("Download the scenario")
+        with save:
+            self.save_button = gui.add_button("Save", hint=f"as NAME.toml in {folder}", order=_LAST)
+            self.download_button = gui.add_button("Download", order=_LAST)
         with gui.add_folder("Export the plan"):
             self.format = gui.add_dropdown("Format", export_choices())
             self.export_button = gui.add_button("Export")

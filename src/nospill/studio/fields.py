@@ -15,7 +15,8 @@ from nospill.robots.catalog import ROBOTS
 from nospill.studio.checks import Fault
 from nospill.studio.draft import Draft, Key
 
-Kind = Literal["quantity", "whole", "list", "points", "text", "choice"]
+Kind = Literal["quantity", "whole", "list", "one or list", "points", "text", "choice"]
+"""How a text is read: a list is several quantities with commas between them, points are one list a line."""
 
 OWN_ROBOT, NO_LIQUID, OWN_LIQUID = "own URDF", "none (solid)", "own liquid"
 """Choices that stand for what the table holds in another form."""
@@ -47,11 +48,11 @@ def read_text(text: str, kind: Kind) -> Any:
         return None
     if kind == "points":
         return [read_text(line, "list") for line in text.splitlines() if line.strip()]
-    if kind == "list":
+    if kind == "list" or (kind == "one or list" and "," in text):
         return [_scalar(piece) for piece in text.split(",")]
     if kind == "whole":
         return int(text) if _WHOLE.fullmatch(text) else _scalar(text)
-    return _scalar(text) if kind == "quantity" else text
+    return text if kind in ("text", "choice") else _scalar(text)
 
 
 def shown_text(value: Any, kind: Kind) -> str:
@@ -79,7 +80,7 @@ def scenario_fields(draft: Draft) -> dict[str, list[Field]]:
         "Path": _path(draft),
         "Tray": [
             Field(("tray", "size"), "Size x, y", "list", hint="side lengths, for example 335 mm, 250 mm"),
-            Field(("tray", "offset"), "Offset", "list", hint="surface beyond the flange: z, or x, y, z; 108 mm"),
+            Field(("tray", "offset"), "Offset", "one or list", hint="surface beyond the flange: z, or x, y, z; 108 mm"),
             Field(("tray", "friction"), "Friction", hint="measured coefficient between tray and cargo"),
             Field(("tray", "friction_reserve"), "Reserve", hint="part of the friction that is kept back: 0.1 or 10 %"),
             Field(("tray", "mass"), "Mass", hint="of the board without its load; counts for payload and torque"),

@@ -126,9 +126,10 @@ class LayoutView:
         low, high = points.min(axis=0), points.max(axis=0)
         middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
         back = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
-        camera = self._client.camera
-        camera.look_at = middle
-        camera.position = middle + back * (1.35 * span + 0.5)
+        with self._client.atomic():
+            # in this order: a new position carries the point looked at along
+            self._client.camera.position = middle + back * (1.2 * span + 0.5)
+            self._client.camera.look_at = middle
 
 
 def _about_z(angle: float) -> np.ndarray:

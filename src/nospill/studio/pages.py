@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from html import escape
 
@@ -14,6 +15,7 @@ from nospill.viewer.colours import use_colours
 _TEXT = "padding:2px 10px;font-size:13px;line-height:1.4;color:#222"
 _WRONG = "#9A4300"
 _MOST_FAULTS = 8
+_COLUMNS = (("constraint", "left"), ("of", "left"), ("worst", "right"), ("limit", "right"), ("used", "right"))
 _PHASES = {
     "start": "starting",
     "kinematics": "joint paths",
@@ -118,7 +120,7 @@ def certificate_table(plan: Plan) -> str:
         )
     )
     return (
-        f"<div id='nospill-certificate' style='max-height:340px;overflow:auto;margin:4px 10px;border:1px solid #ddd'>"
+        f"<div id='nospill-certificate' style='max-height:62vh;overflow:auto;margin:4px 10px;border:1px solid #ddd'>"
         f"<table style='border-collapse:collapse;width:100%;font-size:12px;line-height:1.3;color:#222'>"
         f"<thead><tr>{head}</tr></thead><tbody>{cells}</tbody></table></div>"
     )
@@ -128,7 +130,9 @@ def _certificate_row(row: Row) -> str:
     factor, unit = shown_unit(row.unit, row.limit)
     red, green, blue = use_colours([row.use])[0]  # type: ignore[arg-type]
     worst, limit = (f"{factor * figure:.4g}" for figure in (row.worst_value, row.limit))
-    used = f"{100 * row.use:.0f} %" if row.use < 100.0 else "over"
+    # rounded so that it is 100 % at the very limit only
+    tenths = math.floor(1e3 * row.use) if row.ok else math.ceil(1e3 * row.use) if row.use < 10.0 else 9999
+    used = f"{tenths / 10:.1f} %"
     mark = "" if row.ok else f";color:{_WRONG};font-weight:600"
     cell = "padding:2px 4px;border-top:1px solid #eee"
     return (

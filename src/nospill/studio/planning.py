@@ -56,8 +56,11 @@ class Seats:
         """As many as there are cores, when not given."""
         self._free = threading.Semaphore(count or os.cpu_count() or 1)
 
-    def take(self, stopped: threading.Event) -> bool:
-        """Wait for a seat; False where it was stopped before."""
+    def take(self, stopped: threading.Event, *, waiting: Callable[[], None]) -> bool:
+        """Take a seat, or say that it is waited for and wait; False where it was stopped before."""
+        if self._free.acquire(blocking=False):
+            return True
+        waiting()
         while not stopped.is_set():
             if self._free.acquire(timeout=_LOOK_EVERY):
                 return True
@@ -105,7 +108,7 @@ class PlanningDesk:
                 self._planner = Planner()
             self._stop = threading.Event()
             self._began = time.monotonic()
-            self.state = PlanningState("waiting")
+            self.state = PlanningState("planning", phase="start")
             self._thread = threading.Thread(target=self._run, args=(scene, self._stop), daemon=True)
         self._report()
         self._thread.start()
@@ -126,7 +129,7 @@ class PlanningDesk:
             self._thread.join(timeout)
 
     def _run(self, scene: Scene, stopped: threading.Event) -> None:
-        if not self._seats.take(stopped):
+        if not self._seats.take(stopped, waiting=lambda: self._say(PlanningState("waiting"))):
             self._say(PlanningState("stopped", message="Stopped before it began."))
             return
         try:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nospill.errors import NospillError
+from nospill.plans import Plan
 from nospill.scene import Scene
 from nospill.studio import documents
 from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
@@ -92,7 +93,7 @@ class Session:
                     "Remove": lambda: self.draft.remove(self.draft.selected),
                 },
             ),
-            (controls.shown, {"Layout": self._show_layout, "Motion": self._motion.show}),
+            (controls.shown, {"Layout": self._show_layout, "Motion": self._show_motion}),
         )
         for handle, choices in groups:
             handle.on_click(self._chosen_of(choices))
@@ -168,8 +169,6 @@ class Session:
             if scene is None or not self.desk.start(scene, warm=self.controls.warm.value):
                 return
             self._planned = self.draft.table
-            last = self._motion.plan
-            self._before = last.duration if last is not None else None
 
     def _planning_changed(self) -> None:
         """From the planner's thread: what is quick at once, figures by and by."""
@@ -187,14 +186,25 @@ class Session:
             if not busy:
                 with self._lock:
                     if state.plan is not None:
-                        self._motion.take(state.plan)
-                        self._layout.visible = False
+                        self._show_plan(state.plan)
                     self._refresh(edited=False)
             else:
                 self.controls.show_busy(True)
             self.controls.progress.content = progress_note(state)
             self._client.flush()
             self._closed.wait(PROGRESS_EVERY if busy else 0.0)
+
+    def _show_plan(self, plan: Plan) -> None:
+        last = self._motion.plan
+        if plan is not last:
+            self._before = last.duration if last is not None else None
+            self._motion.take(plan)
+            self._layout.visible = False
+
+    def _show_motion(self) -> None:
+        if self._motion.plan is not None:
+            self._motion.show()
+            self._layout.visible = False
 
     def _show_layout(self) -> None:
         self._motion.hide()
