@@ -176,7 +176,7 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
 def _height(certificate: Certificate, constraint: str, name: str) -> str:
     for row in certificate.rows:
         if (row.constraint, row.subject) == (constraint, name):
-            return f"{1e3 * row.worst_value:.1f} of {1e3 * row.limit:.3g}"
+            return f"{1e3 * row.worst_value:.2f} of {1e3 * row.limit:.3g}"
     return ""
 
 
