@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from nospill.cli import main
+from nospill.cli import app
 from nospill.errors import PlanFolderError
 from nospill.plans import Plan, load_plan
 
@@ -151,7 +151,7 @@ def test_the_command_line_says_so_before_it_plans(capsys: pytest.CaptureFixture[
     (tmp_path / "thesis" / "chapter.tex").write_text("years of work")
     began = time.perf_counter()
     with pytest.raises(SystemExit) as caught:
-        main(["plan", "matrix-liquid", "-o", str(tmp_path / "thesis")])
+        app(["plan", "matrix-liquid", "-o", str(tmp_path / "thesis")])
     assert caught.value.code == 2 and time.perf_counter() - began < 2.0
     assert "holds files that nospill did not write" in capsys.readouterr().err
     assert content(tmp_path) == {"thesis/chapter.tex": b"years of work"}
@@ -159,7 +159,7 @@ def test_the_command_line_says_so_before_it_plans(capsys: pytest.CaptureFixture[
 
 def test_two_plans_into_one_folder(saved: Path, small_plan: Plan, tmp_path: Path) -> None:
     target = tmp_path / "out" / "plan"
-    writers = [run(WRITER, str(saved), str(target), "15") for _ in range(2)]
+    writers = [run(WRITER, str(saved), str(target), "8") for _ in range(2)]
     for writer in writers:
         out, errors = writer.communicate(timeout=60)
         assert out == "ready\ndone\n", errors
