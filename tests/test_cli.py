@@ -24,7 +24,22 @@ from nospill.errors import NoSolutionError, PlanFolderError, ScenarioError
 from nospill.files import atomic_folder
 from nospill.plans import SUMMARY_KEYS, describe, failed_summary, shown_unit
 
-COMMANDS = ("plan", "check", "plot", "simulate", "compare", "examples", "robots", "schema")
+COMMANDS = (
+    "plan",
+    "check",
+    "verify",
+    "margins",
+    "plot",
+    "view",
+    "studio",
+    "report",
+    "export",
+    "simulate",
+    "compare",
+    "examples",
+    "robots",
+    "schema",
+)
 
 
 @dataclass
@@ -38,6 +53,13 @@ class StandIn:
 
     duration = 1.8431
     message = "certified"
+    scene = SimpleNamespace(
+        name="tea",
+        robot=SimpleNamespace(name="arm", notes=()),
+        motion=SimpleNamespace(hold_before=0.0, hold_after=0.0),
+    )
+    report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
+    approach = None
 
     def __post_init__(self) -> None:
         self.rows = [row("slip", "c1", 0.3), row("slip", "c2", 0.1, ok=self.ok), row("slosh height", "[c1]", 1e-5)]
@@ -62,7 +84,7 @@ class StandIn:
     def modules(self) -> dict[str, ModuleType]:
         def read_scenario(path: str) -> SimpleNamespace:
             self.calls.append(f"read {path}")
-            return SimpleNamespace(name="tea")
+            return self.scene
 
         def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:
             self.calls.append("plan")
@@ -76,8 +98,8 @@ class StandIn:
                 raise PlanFolderError(f"{folder} is not a plan folder")
             return SimpleNamespace(trajectory="trajectory", scene="scene")
 
-        def certify(trajectory: str, scene: str) -> Certificate:
-            self.calls.append(f"certify {trajectory} {scene}")
+        def certify_whole(saved: SimpleNamespace) -> Certificate:
+            self.calls.append(f"certify {saved.trajectory} {saved.scene}")
             return self.certificate
 
         def save_figures(plan: object, folder: Path) -> None:
@@ -93,7 +115,7 @@ class StandIn:
                 "failed_summary": failed_summary,
                 "shown_unit": shown_unit,
             },
-            "certificate": {"certify": certify},
+            "approaching": {"certify_whole": certify_whole, "settling_time": lambda _: 0.0},
             "plots": {"save_figures": save_figures},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}
@@ -191,6 +213,29 @@ def test_certified_plan_is_written_with_its_figures(stand_in: StandIn, folder: P
         "certify ...",
         "write ...",
     ]
+
+
+@pytest.mark.parametrize("ok", [True, False])
+def test_report_of_a_plan_certified_or_not(
+    stand_in: StandIn, folder: Path, ok: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(found: StandIn, place: Path) -> Path:
+        assert found is stand_in and (place / "summary.json").exists()  # the plan is safe before the report is made
+        return place.with_name("tea.report.html")
+
+    monkeypatch.setattr("nospill.cli.planning.write_plan_report", write)
+    stand_in.ok = ok
+    stand_in.rows[1] = row("slip", "c2", 0.1, ok=ok)
+    result = nospill("plan", "tea.toml", "-o", "out/tea", "--report")
+    assert result.exit_code == (0 if ok else 1)
+    assert result.stdout.splitlines()[-1] == "written to out/tea.report.html"
+    assert nospill("plan", "tea.toml", "-o", "out/tea", "--report", "--json").stdout.startswith("{")
+
+
+def test_report_without_a_folder_plans_nothing(stand_in: StandIn) -> None:
+    result = nospill("plan", "tea.toml", "--report")
+    assert result.exit_code == 2 and "name one with -o DIR" in result.stderr
+    assert stand_in.calls == []
 
 
 def test_table_shows_the_worst_row_of_each_constraint(stand_in: StandIn) -> None:
@@ -387,6 +432,10 @@ def test_not_a_plan_folder(stand_in: StandIn, command: str) -> None:
 
 def test_version() -> None:
     assert nospill("--version").stdout == f"nospill {version('nospill')}\n"
+
+
+def test_every_command_is_in_the_list() -> None:
+    assert {command.callback.__name__ for command in app.registered_commands if command.callback} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
