@@ -24,22 +24,12 @@ from nospill.errors import NoSolutionError, PlanFolderError, ScenarioError
 from nospill.files import atomic_folder
 from nospill.plans import SUMMARY_KEYS, describe, failed_summary, shown_unit
 
+# fmt: off
 COMMANDS = (
-    "plan",
-    "check",
-    "verify",
-    "margins",
-    "plot",
-    "view",
-    "studio",
-    "report",
-    "export",
-    "simulate",
-    "compare",
-    "examples",
-    "robots",
-    "schema",
+    "plan", "check", "verify", "margins", "plot", "view", "studio", "report", "export", "simulate", "compare",
+    "examples", "robots", "schema",
 )
+# fmt: on
 
 
 @dataclass
@@ -53,11 +43,8 @@ class StandIn:
 
     duration = 1.8431
     message = "certified"
-    scene = SimpleNamespace(
-        name="tea",
-        robot=SimpleNamespace(name="arm", notes=()),
-        motion=SimpleNamespace(hold_before=0.0, hold_after=0.0),
-    )
+    motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
+    scene = SimpleNamespace(name="tea", robot=SimpleNamespace(name="arm", notes=()), motion=motion)
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     approach = None
 
