@@ -208,6 +208,16 @@ def test_export_refuses_what_is_not_there(moved, tmp_path):
     assert not (tmp_path / "out.mat").exists()
 
 
+def test_what_was_assumed_of_the_arm_is_said_once_on_stderr(changed_scene, tmp_path):
+    changes = {"robot.limits": {"upper": [2.9, 2.5, -1.9, 9.0, 2.2, 9.0]}, "path.offset": [3.0, 0.0, 0.0]}
+    scene = changed_scene("matrix-rigid", changes)
+    write_scenario(scene, tmp_path / "task.toml")
+    answer = CliRunner().invoke(app, ["plan", str(tmp_path / "task.toml"), "--json"])
+    assert answer.exit_code == 2 and answer.stdout == ""
+    (note,) = scene.robot.notes
+    assert answer.stderr.count(note) == 1 and "out of reach" in answer.stderr
+
+
 @pytest.mark.slow
 def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path: Path):
     home = [0.0, -0.26, -1.83, -3.1, 1.57, 3.0]
