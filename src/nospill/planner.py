@@ -99,31 +99,41 @@ def plan(
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
     require_possible(scene)
-    base_is_free, scene = has_free_base(scene), settled_base(scene)
-    run = _Run(scene, progress, frozenset(ignore))
+    base_is_free, began = has_free_base(scene), time.perf_counter()
+    if base_is_free:
+        if progress is not None:
+            progress(PlanningProgress("base yaw"))
+        scene = settled_base(scene)
+    run = _Run(scene, progress, frozenset(ignore), began=began)
+    if base_is_free:
+        run.phases["base yaw"] = time.perf_counter() - began
+    # a plan on a branch chosen for another start of the arm is no place to go on from
+    if warm is not None and not _same_start(warm.scene.start_near, scene.start_near):
+        warm = None
     solution = run.restart(warm) if warm is not None else None
     if solution is None:
         with run.phase("kinematics"):
-            found = joint_paths(
+            paths = joint_paths(
                 scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
             )
-            joint_path = preferred_path(found, scene.robot, scene.start_near)
+            joint_path = preferred_path(paths, scene.robot, scene.start_near)
         solution = run.find(joint_path)
     trajectory, judgement, solution = run.tighten(solution)
-    report = replace(
-        run.report(solution),
-        branch=branch_in_words(trajectory.joint_position[0]),
-        base_yaw=base_yaw_text(scene) if base_is_free else None,
-    )
-    motion = Plan(
+    found = Plan(
         scene=scene,
         trajectory=trajectory,
         certificate=judgement.certificate,
         maxima=motion_maxima(judgement, scene),
-        report=report,
+        report=run.report(solution),
         judgement=judgement,
     )
-    return with_approach(motion)
+    if scene.approach is not None:
+        with run.phase("approach"):
+            found = with_approach(found)
+    chosen = {"branch": branch_in_words(trajectory.joint_position[0])}
+    if base_is_free:
+        chosen["base_yaw"] = base_yaw_text(scene)
+    return replace(found, report=replace(run.report(solution), **chosen))
 
 
 class Planner:
@@ -470,6 +480,10 @@ def _resolving(scene: Scene, duration: float, swing: float) -> int:
         default=0.0,
     )
     return int(np.ceil(fastest * duration / swing))
+
+
+def _same_start(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+    return first is second if first is None or second is None else np.array_equal(first, second)
 
 
 def _usable(solution: Solution) -> bool:

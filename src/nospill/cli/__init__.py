@@ -17,6 +17,7 @@ from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
+from nospill.cli.studio import studio
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
@@ -27,6 +28,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     margins,
     plot,
     view,
+    studio,
     report,
     export,
     simulate,

@@ -73,9 +73,9 @@ def text_pages(tables: tuple[TextTable, ...], heading: str) -> list[Figure]:
 
 
 def printable(text: str) -> str:
-    """Text as the figures' font can print it: on one line, no formula signs, a box for letters that it lacks."""
+    """Text as the figures' font can print it: on one line, a box for letters that it lacks."""
     letters = _letters()
-    return "".join(c if ord(c) in letters else "\u25a1" for c in " ".join(text.split())).replace("$", r"\$")
+    return "".join(c if ord(c) in letters else "\u25a1" for c in " ".join(text.split()))
 
 
 @lru_cache(maxsize=1)
@@ -95,7 +95,7 @@ def _blocks(table: TextTable) -> Iterator[list[_Line]]:
         lines = head + _row(row, lefts, letters, bold=failing, color=DARK_RED if failing else "black")
         yield lines + tail if index == len(table.rows) - 1 else lines
         head = []
-    yield [_Line((), below=0.2)]
+    yield [*([] if table.rows else head + tail), _Line((), below=0.2)]
 
 
 def _row(
@@ -130,7 +130,7 @@ def _write(figure: Figure, line: _Line, y: float) -> None:
         figure.text(
             (_MARGIN + left) / PAPER[0],
             1 - y / PAPER[1],
-            text,
+            text.replace("$", r"\$"),  # after wrapping, which would part the two letters
             size=line.size,
             weight="bold" if line.bold else "normal",
             color=line.color,

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from nospill.certificate import Certificate, judge
+from nospill.approach import judge_segment
+from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.plans import Plan, describe
 from nospill.plots.evidence import Evidence
@@ -83,7 +84,7 @@ def make_report(
         ModelError: the liquids cannot be integrated along the trajectory.
         PlanFolderError: the trajectory does not fit the scene.
     """
-    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
+    evidence = Evidence(plan, _judged(plan))
     certificate = evidence.judgement.certificate
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
@@ -102,12 +103,21 @@ def make_report(
         detail=detail,
         tiles=_tiles(evidence),
         opinion=opinion,
-        task=task_table(plan.scene),
+        task=task_table(plan.scene, approach=plan.approach),
         cargo=cargo_table(plan.scene, certificate),
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
         versions=_versions(plan, controller_files or {}),
     )
+
+
+def _judged(plan: Plan) -> Judgement:
+    """The judgement of the motion, with the rows about the way to its start where there is one."""
+    judgement = plan.judgement or judge(plan.trajectory, plan.scene)
+    if plan.approach is None or plan.scene.approach is None:
+        return judgement
+    rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])
+    return replace(judgement, certificate=judgement.certificate.joined(rows))
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
@@ -157,6 +167,8 @@ def _planning(plan: Plan) -> TextTable:
         ("phases", phases),
         ("starts", f"{starts.tried} tried, {starts.converged} converged, {starts.agreed} agree within 0.5 %"),
         ("on the coarse grid", durations),
+        ("branch", report.branch),
+        ("base yaw, left free", report.base_yaw or ""),
         ("iterations", str(report.iterations)),
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),
         *((f"reserve, {name}", f"{100 * share:.2f} % kept back") for name, share in report.reserves.items()),

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from nospill.approach import Segment
 from nospill.cargo import Cargo
 from nospill.certificate import Certificate
 from nospill.constraints import CONSTRAINTS
@@ -28,8 +29,8 @@ _END = {
 _SHOWN_ELSEWHERE = ("model", "urdf", "urdf_text", "limits")
 
 
-def task_table(scene: Scene) -> TextTable:
-    """What was asked, a line each: robot, tray, path, motion rules, physics."""
+def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
+    """What was asked, a line each: robot, tray, path, motion rules, physics, the way to the start if there is one."""
     rows = [
         ("robot", f"{scene.robot.title} ({scene.robot.name}), {len(scene.robot.joints)} joints"),
         *_given_robot(scene),
@@ -37,6 +38,7 @@ def task_table(scene: Scene) -> TextTable:
         ("path", _path(scene)),
         ("attitude", _attitude(scene)),
         ("at the end", _end(scene)),
+        *_waiting(scene, approach),
         ("smoothness", _jerks(scene)),
         ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
         ("output", f"{scene.output_rate:g} samples per second"),
@@ -144,6 +146,16 @@ def _end(scene: Scene) -> str:
     return f"{_END[scene.motion.end]}; afterwards no surface rises above {rest}"
 
 
+def _waiting(scene: Scene, approach: Segment | None) -> list[tuple[str, str]]:
+    rules, rows = scene.motion, []
+    if rules.hold_before or rules.hold_after:
+        rows.append(("holds", f"{rules.hold_before:g} s at rest before and {rules.hold_after:g} s after, in the files"))
+    if approach is not None:
+        tray = "loaded" if approach.loaded else "empty"
+        rows.append(("approach", f"{approach.duration:.3f} s in joint space to the start, with the tray {tray}"))
+    return rows
+
+
 def _jerks(scene: Scene) -> str:
     path = f"third derivative of the path parameter up to {scene.motion.path_jerk_limit:.4g} 1/s³"
     tilt = f", of the tilt angles up to {scene.motion.tilt_jerk_limit:.4g} rad/s³" if scene.motion.tilt_free else ""
@@ -176,7 +188,7 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
 def _height(certificate: Certificate, constraint: str, name: str) -> str:
     for row in certificate.rows:
         if (row.constraint, row.subject) == (constraint, name):
-            return f"{1e3 * row.worst_value:.1f} of {1e3 * row.limit:.3g}"
+            return f"{1e3 * row.worst_value:.2f} of {1e3 * row.limit:.3g}"
     return ""
 
 

@@ -117,13 +117,14 @@ def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | 
 
     Returns:
         The best one; with `near`, among those whose speed figure is at most `NEARLY_AS_FAST` times the best, the one
-        whose start the arm reaches soonest from there, every joint at its full speed (of equals the better one).
+        whose start is nearest to it: each joint's way is measured by the time it takes at full speed, and the root of
+        the sum of squares counts, so that no joint's way is hidden behind a longer one (of equals the better one).
     """
     if near is None:
         return paths[0]
     able = [path for path in paths if path.speed_figure <= NEARLY_AS_FAST * paths[0].speed_figure]
     # rounded, so that branches as near as each other keep their order
-    return min(able, key=lambda path: float(f"{(np.abs(path.q[0] - near) / robot.max_speed).max():.6g}"))
+    return min(able, key=lambda path: float(f"{np.linalg.norm((path.q[0] - near) / robot.max_speed):.6g}"))
 
 
 def branch_in_words(q: np.ndarray) -> str:

@@ -226,7 +226,7 @@ class PlanView:
         )
         scene.add_frame(f"{root}/names", show_axes=False)
         self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
-        self._paths = _add_path(scene, f"{root}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
+        self._paths = add_path(scene, f"{root}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
         if title:
             scene.add_label(
                 f"{root}/title", title, position=(0.0, 0.0, -0.05), anchor="top-center", font_screen_scale=1.1
@@ -278,7 +278,7 @@ def prepare(scene: viser.SceneApi) -> None:
     )
 
 
-def _add_path(scene: viser.SceneApi, root: str, points: np.ndarray) -> list[viser.SceneNodeHandle]:
+def add_path(scene: viser.SceneApi, root: str, points: np.ndarray) -> list[viser.SceneNodeHandle]:
     """The path as a line, with its start (green) and end (purple)."""
     segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
     ends = [("start", points[0], GREEN), ("end", points[-1], PURPLE)]

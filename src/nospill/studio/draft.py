@@ -1,0 +1,187 @@
+"""What is being edited: the table of a scenario file, its history, and which object is selected."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from nospill.units import as_written
+
+Key = tuple[str | int, ...]
+"""Place of a value in the table: ("tray", "friction"), ("cargo", 0, "at", 1)."""
+
+LONGEST_HISTORY = 200
+"""Steps that can be undone; a table takes a few kilobytes."""
+
+
+class Draft:
+    """A scenario table under edit. Tables handed out are never changed afterwards; every edit makes a new one.
+
+    Consecutive edits of one value, or of one drag, are one step of the history.
+
+    Attributes:
+        selected: number of the object whose values are shown.
+    """
+
+    def __init__(self, table: Mapping[str, Any]) -> None:
+        """Start from a table, which is copied."""
+        self._history: list[dict[str, Any]] = [copy.deepcopy(dict(table))]
+        self._position = 0
+        self._open: object = None
+        self.selected = 0
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """The table as it stands; not to be changed."""
+        return self._history[self._position]
+
+    @property
+    def cargo(self) -> list[dict[str, Any]]:
+        """The entries `[[cargo]]`."""
+        return self.table["cargo"]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is an earlier table."""
+        return self._position > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether a step was undone."""
+        return self._position < len(self._history) - 1
+
+    def value(self, key: Key) -> Any:
+        """The value at a place, None where there is none."""
+        found: Any = self.table
+        for part in key:
+            if isinstance(found, dict):
+                found = found.get(str(part))
+            elif isinstance(found, list) and isinstance(part, int) and part < len(found):
+                found = found[part]
+            else:
+                return None
+        return found
+
+    def change(self, values: Mapping[Key, Any], *, step: object = None) -> bool:
+        """Put values in their places, None to remove a key; tables on the way are made, emptied ones stay.
+
+        Args:
+            values: by their place.
+            step: edits in a row with an equal one that is not None are undone together.
+
+        Returns:
+            Whether anything changed.
+        """
+        table = copy.deepcopy(self.table)
+        for key, value in values.items():
+            _put(table, key, value)
+        return self._take(table, step)
+
+    def type_in(self, key: Key, value: Any) -> bool:
+        """`change` of one value as it is typed: one step until another value is edited."""
+        return self.change({key: value}, step=key)
+
+    def move(self, index: int, x: float, y: float, *, ended: bool = True) -> bool:
+        """Put an object at x, y in m on the tray, written in mm to a hundredth; one drag is one step."""
+        at = [millimetres(x), millimetres(y)]
+        changed = self.change({("cargo", index, "at"): at}, step=("drag", index))
+        if ended:
+            self.close_step()
+        return changed
+
+    def close_step(self) -> None:
+        """What is edited next is undone on its own."""
+        self._open = None
+
+    def open(self, table: Mapping[str, Any]) -> None:
+        """Take another table, which is copied; the old one is one step back."""
+        self._take(copy.deepcopy(dict(table)), None)
+        self.selected = 0
+
+    def add(self, entry: Mapping[str, Any]) -> None:
+        """Add an object under a name that is free, and select it."""
+        named = copy.deepcopy(dict(entry)) | {"name": self._free_name(str(entry["name"]))}
+        table = copy.deepcopy(self.table)
+        table["cargo"].append(named)
+        self._take(table, None)
+        self.selected = len(self.cargo) - 1
+
+    def remove(self, index: int) -> bool:
+        """Take an object away; the last one stays, a tray needs a load."""
+        if len(self.cargo) < 2:
+            return False
+        table = copy.deepcopy(self.table)
+        del table["cargo"][index]
+        self._take(table, None)
+        self.selected = min(self.selected, len(self.cargo) - 1)
+        return True
+
+    def undo(self) -> bool:
+        """Go one step back; False at the beginning."""
+        return self._go(-1)
+
+    def redo(self) -> bool:
+        """Take an undone step again; False where there is none."""
+        return self._go(1)
+
+    def _go(self, by: int) -> bool:
+        if not 0 <= self._position + by < len(self._history):
+            return False
+        self._position += by
+        self._open = None
+        self.selected = min(self.selected, len(self.cargo) - 1)
+        return True
+
+    def _take(self, table: dict[str, Any], step: object) -> bool:
+        if table == self.table and _same_types(table, self.table):
+            return False
+        together = step is not None and step == self._open and self._position > 0 and not self.can_redo
+        del self._history[self._position + (0 if together else 1) :]
+        self._history.append(table)
+        del self._history[:-LONGEST_HISTORY]
+        self._position = len(self._history) - 1
+        self._open = step
+        return True
+
+    def _free_name(self, wanted: str) -> str:
+        taken = {entry.get("name") for entry in self.cargo}
+        if wanted not in taken:
+            return wanted
+        stem = wanted.rstrip("0123456789") or "object"
+        return next(name for number in range(2, len(taken) + 3) if (name := f"{stem}{number}") not in taken)
+
+
+def millimetres(length: float) -> str:
+    """A length in m as text in mm, to a hundredth."""
+    return f"{round(1e3 * length, 2) + 0.0:.10g} mm"
+
+
+def label_of(entry: Mapping[str, Any], index: int) -> str:
+    """How an object is called while its name may be wrong."""
+    name = entry.get("name")
+    return name if isinstance(name, str) and name else f"object {index + 1} ({as_written(name)})"
+
+
+def _put(table: dict[str, Any], key: Key, value: Any) -> None:
+    place: Any = table
+    for part, following in pairwise(key):
+        if isinstance(part, int):
+            place = place[part]
+            continue
+        inner = place.get(part)
+        if not isinstance(inner, dict | list) or isinstance(inner, list) != isinstance(following, int):
+            inner = place[part] = [0.0, 0.0] if isinstance(following, int) else {}
+        place = inner
+    if isinstance(key[-1], int):
+        place[key[-1]] = "" if value is None else value
+    elif value is None:
+        place.pop(key[-1], None)
+    else:
+        place[key[-1]] = value
+
+
+def _same_types(one: Any, other: Any) -> bool:
+    """Whether equal tables write alike: 1 and 1.0 are equal, but a whole number and a real one in a file."""
+    return repr(one) == repr(other)

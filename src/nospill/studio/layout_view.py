@@ -1,0 +1,137 @@
+"""The scene before it moves: the arm where the path starts, the tray with what stands on it, the path."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nospill.errors import NospillError
+from nospill.robots.inverse import joint_paths
+from nospill.scene import Scene
+from nospill.viewer.robot_model import read_chain
+from nospill.viewer.scene_view import ArmView, TrayView, add_path
+
+if TYPE_CHECKING:
+    import viser
+
+_ROOT = "/layout"
+_PATH_POINTS = 120
+
+
+class LayoutView:
+    """Draws scenes one after the other in a thread of its own; of several that came meanwhile only the last."""
+
+    def __init__(self, client: viser.ClientHandle, *, said: Callable[[str], None]) -> None:
+        """Nothing is drawn yet.
+
+        Args:
+            client: whose browser.
+            said: called with what is in the way of the arm on this path, "" for nothing, from the thread of `run`.
+        """
+        self._client, self._said = client, said
+        self._root = client.scene.add_frame(_ROOT, show_axes=False)
+        self._drawn: dict[str, str] = {}
+        self._nodes: dict[str, viser.FrameHandle] = {}
+        self._tray_place = np.zeros(3)
+        self._turn = 0.0
+        self._looked = False
+        self._wanted: Scene | None = None
+        self._news = threading.Condition()
+
+    def show(self, scene: Scene) -> None:
+        """Ask for a scene; it comes soon."""
+        with self._news:
+            self._wanted = scene
+            self._news.notify()
+
+    @property
+    def visible(self) -> bool:
+        """Whether it is to be seen."""
+        return self._root.visible
+
+    @visible.setter
+    def visible(self, wanted: bool) -> None:
+        if self._root.visible != wanted:
+            self._root.visible = wanted
+
+    def run(self, stop: threading.Event) -> None:
+        """Draw what is asked for until `stop` is set and `show` or `wake` was called after it."""
+        while True:
+            with self._news:
+                self._news.wait_for(lambda: self._wanted is not None or stop.is_set())
+                scene, self._wanted = self._wanted, None
+            if stop.is_set() or scene is None:
+                return
+            with suppress(RuntimeError):  # the browser went away in the middle of it
+                self._draw(scene)
+
+    def wake(self) -> None:
+        """Let `run` look at its stop."""
+        with self._news:
+            self._news.notify()
+
+    def _draw(self, scene: Scene) -> None:
+        """Draw what differs from what is there."""
+        source = scene.source
+        way = repr((source["robot"], source["path"], source["tray"]))
+        load = repr((way, source["cargo"], scene.fidelity, scene.slosh_modes))
+        if self._drawn.get("way") != way:
+            self._draw_way(scene)
+        if self._drawn.get("load") != load:
+            with self._client.atomic():
+                node = self._fresh("load")
+                node.position, node.wxyz = self._tray_place, _about_z(self._turn)
+                TrayView(self._client.scene, scene.tray, cargo=scene.cargo, root=node.name)
+        self._drawn = {"way": way, "load": load}
+
+    def _draw_way(self, scene: Scene) -> None:
+        points = scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))
+        self._tray_place, self._turn = points[0, :3], float(points[0, 3])
+        chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
+        try:
+            q = joint_paths(
+                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+            )[0].q[0]
+        except NospillError as error:
+            q = None
+            self._said(" ".join(str(error).split()))
+        else:
+            self._said("")
+        with self._client.atomic():
+            arm = self._fresh("arm")
+            if q is not None:
+                ArmView(self._client.scene, scene.robot, root=arm.name, tray=scene.tray, chain=chain).set_joints(q)
+            self._fresh("path")
+            add_path(self._client.scene, f"{_ROOT}/path/way", points[:, :3])
+        if not self._looked:
+            self._looked = True
+            posture = np.zeros(len(scene.robot.joints)) if q is None else q
+            joints = np.concatenate([position for position, _ in chain.frames(posture[None])])
+            self._look_at(np.concatenate([joints, points[:, :3]]))
+
+    def _fresh(self, name: str) -> viser.FrameHandle:
+        """An empty node in place of the one there was."""
+        old = self._nodes.pop(name, None)
+        if old is not None:
+            old.remove()
+        self._nodes[name] = self._client.scene.add_frame(f"{_ROOT}/{name}", show_axes=False)
+        return self._nodes[name]
+
+    def _look_at(self, points: np.ndarray) -> None:
+        """From the front, a little from the side and from above, far enough for all points, (n, 3) in m."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
+        back = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
+        with self._client.atomic():
+            # in this order: a new position carries the point looked at along
+            self._client.camera.position = middle + back * (1.2 * span + 0.5)
+            self._client.camera.look_at = middle
+
+
+def _about_z(angle: float) -> np.ndarray:
+    """Quaternion (w, x, y, z) of a turn about z, rad."""
+    return np.array([np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)])

@@ -1,0 +1,85 @@
+"""The last plan as it moves: built once it is there, replaced by the next one, hidden while the tray is laid out."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+from nospill.certificate import judge
+from nospill.plans import Plan
+from nospill.viewer.charts import draw_charts
+from nospill.viewer.film import make_film
+from nospill.viewer.live import LIVE_RATE, short_titles
+from nospill.viewer.playback import Player
+from nospill.viewer.scene_view import PlanView
+
+if TYPE_CHECKING:
+    import viser
+
+_AFTER_END = 0.5
+"""s; how long the liquids are shown after the motion."""
+
+
+class MotionView:
+    """Scene and player of one plan in one client.
+
+    Attributes:
+        plan: the last one, or None.
+    """
+
+    def __init__(self, client: viser.ClientHandle, tab: Any) -> None:
+        """Nothing is shown yet; the player will be added to `tab`, a container of viser."""
+        self._client, self._tab = client, tab
+        self.plan: Plan | None = None
+        self._view: PlanView | None = None
+        self._player: Player | None = None
+        self._number = 0
+        self._stop = threading.Event()
+
+    @property
+    def shown(self) -> bool:
+        """Whether the motion is to be seen."""
+        return self._view is not None and self._root().visible
+
+    def take(self, plan: Plan) -> None:
+        """Show a plan from its start, in place of the one before; nothing where it is the one shown."""
+        if plan is self.plan:
+            return
+        film = make_film(
+            plan,
+            plan.judgement or judge(plan.trajectory, plan.scene),
+            rate=LIVE_RATE,
+            length=plan.duration + _AFTER_END,
+        )
+        old, self.plan = self._view, plan
+        self._number += 1
+        with self._client.atomic():
+            self._view = PlanView(self._client.scene, film, root=f"/motion_{self._number}")
+        charts = draw_charts([film], short_titles([film]))
+        if self._player is None:
+            with self._tab:
+                self._player = Player(self._client.gui, [self._view], charts=charts, atomic=self._client.atomic)
+            threading.Thread(target=self._player.run, args=(self._stop,), daemon=True).start()
+        else:
+            self._player.replace([self._view], charts=charts)
+        if old is not None:
+            old.remove()
+
+    def show(self) -> None:
+        """Show the plan, if there is one."""
+        if self._view is not None:
+            self._root().visible = True
+
+    def hide(self) -> None:
+        """Stand still and out of sight."""
+        if self._view is not None and self._player is not None:
+            self._player.clock.playing = False
+            self._root().visible = False
+
+    def close(self) -> None:
+        """Stop playing for good."""
+        self._stop.set()
+
+    def _root(self) -> Any:
+        assert self._view is not None
+        return self._client.scene.get_handle_by_name(self._view.root)

@@ -1,0 +1,121 @@
+"""Where objects stand on the tray while it is laid out: footprints, what is off the tray, what overlaps, snapping."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from nospill.cargo import Cargo
+from nospill.containers.base import DiscFootprint
+from nospill.errors import ScenarioError
+from nospill.scenario.cargo_entries import CARGO_TABLES
+from nospill.scenario.cargo_reader import read_cargo
+from nospill.scenario.layout import overhang, overlap
+from nospill.studio.draft import label_of
+from nospill.tray import Tray
+from nospill.units import quantity
+
+GRID = 0.005
+"""m; distance of the points that objects snap to, counted from the tray's centre."""
+
+_TOUCHING = 1e-9
+_SIZES = ("radius", "length", "width", "height")
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """An object as the plan of the tray shows it.
+
+    Attributes:
+        index: of its entry. label: its name. position: (2,) m on the tray.
+        radius: of a disc, m, or None. corners: (4, 2) of a box, m, on the tray, or None.
+        filled: whether it holds a liquid.
+        off_tray: how far it stands over the edge, m; 0 where it does not. overlaps: labels of what it reaches into.
+    """
+
+    index: int
+    label: str
+    position: np.ndarray
+    radius: float | None
+    corners: np.ndarray | None
+    filled: bool
+    off_tray: float
+    overlaps: tuple[str, ...]
+
+    @property
+    def fits(self) -> bool:
+        """Whether it stands on the tray and apart from the others."""
+        return self.off_tray == 0.0 and not self.overlaps
+
+
+def snapped(x: float, y: float, *, grid: float | None) -> tuple[float, float]:
+    """The nearest point of the grid, m; the point itself without one."""
+    if grid is None:
+        return x, y
+    return round(x / grid) * grid + 0.0, round(y / grid) * grid + 0.0
+
+
+def tray_size(table: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Side lengths of the tray, m; None while they cannot be read."""
+    try:
+        x, y = (quantity(side, "length") for side in table["tray"]["size"])
+    except (ScenarioError, KeyError, TypeError, ValueError):
+        return None
+    return (x, y) if 0.0 < x < 100.0 and 0.0 < y < 100.0 else None
+
+
+def place_objects(table: Mapping[str, Any]) -> list[Placed]:
+    """Every object whose place and sides can be read, whatever else is wrong with it."""
+    size = tray_size(table)
+    tray = None if size is None else Tray(np.array(size), np.zeros(3), 0.0)
+    bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
+    names = [label_of(entry, index) for index, entry in enumerate(table["cargo"])]
+    met: dict[int, list[str]] = {index: [] for index in bodies}
+    for first, second in combinations(bodies, 2):
+        if overlap(bodies[first], bodies[second]) > _TOUCHING:
+            met[first].append(names[second])
+            met[second].append(names[first])
+    found = []
+    for index, body in bodies.items():
+        out = overhang(body, tray) if tray is not None else 0.0
+        footprint = body.container.footprint
+        round_one = isinstance(footprint, DiscFootprint)
+        found.append(
+            Placed(
+                index=index,
+                label=names[index],
+                position=body.position,
+                radius=footprint.radius if isinstance(footprint, DiscFootprint) else None,
+                corners=None if round_one else _corners(body),
+                filled=table["cargo"][index].get("liquid") is not None,
+                off_tray=out if out > _TOUCHING else 0.0,
+                overlaps=tuple(met[index]),
+            )
+        )
+    return found
+
+
+def _corners(body: Cargo) -> np.ndarray:
+    cosine, sine = math.cos(body.yaw), math.sin(body.yaw)
+    return body.position + body.container.outline @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _body(entry: Mapping[str, Any]) -> Cargo | None:
+    """A solid body of the entry's sides at its place, read by the same reader; None while they are wrong."""
+    shape = entry.get("shape")
+    if shape not in CARGO_TABLES:
+        return None
+    sizes = {key: entry[key] for key in _SIZES if key in entry and key in CARGO_TABLES[shape].model_fields}
+    # A height that is being typed does not matter seen from above.
+    sides = {"name": "body", "shape": shape, "at": entry.get("at"), "yaw": entry.get("yaw", 0.0), "mass": 1.0}
+    try:
+        read = CARGO_TABLES[shape].model_validate(sides | sizes | {"height": 0.1})
+        return read_cargo(read, friction=1.0, friction_reserve=0.0, fidelity="full", slosh_modes=1)
+    except (ValidationError, ScenarioError):
+        return None

@@ -1,0 +1,65 @@
+"""The studio's server: one session for every browser tab."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nospill.studio.planning import Seats
+from nospill.studio.session import Session
+from nospill.viewer.live import running_server
+from nospill.viewer.scene_view import prepare
+
+if TYPE_CHECKING:
+    import viser
+
+
+@contextmanager
+def studio(
+    table: Mapping[str, Any],
+    *,
+    folder: Path,
+    port: int = 8080,
+    host: str = "127.0.0.1",
+    sessions: dict[int, Session] | None = None,
+) -> Iterator[str]:
+    """A running studio: its address. Every tab starts with the same scenario and is on its own from then on.
+
+    Args:
+        table: of that scenario, without other files.
+        folder: where scenario files are opened and saved.
+        port: the next free one is taken where it is in use; 0 for any.
+        host: address to listen on; anybody who can reach it can plan, and write scenario files in `folder`.
+        sessions: filled with those that are open, by the number of the client.
+
+    Raises:
+        MissingExtraError: viser is not installed.
+    """
+    seats, opened, lock = Seats(), {} if sessions is None else sessions, threading.Lock()
+    with running_server(port=port, host=host) as server:
+        server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        prepare(server.scene)
+
+        @server.on_client_connect
+        def _(client: viser.ClientHandle) -> None:
+            session = Session(client, table, folder=folder, seats=seats)
+            with lock:
+                opened[client.client_id] = session
+
+        @server.on_client_disconnect
+        def _(client: viser.ClientHandle) -> None:
+            with lock:
+                session = opened.pop(client.client_id, None)
+            if session is not None:
+                session.close()
+
+        try:
+            yield f"http://{host}:{server.get_port()}"
+        finally:
+            with lock:
+                left = list(opened.values())
+            for session in left:
+                session.close()

@@ -1,0 +1,314 @@
+"""One browser tab: its draft, its planner, and what it sees. Tabs share nothing but the number of seats."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nospill.errors import NospillError
+from nospill.plans import Plan
+from nospill.scene import Scene
+from nospill.studio import documents
+from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
+from nospill.studio.checks import Check, check
+from nospill.studio.controls import Controls
+from nospill.studio.draft import Draft, label_of
+from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields
+from nospill.studio.layout_view import LayoutView
+from nospill.studio.motion_view import MotionView
+from nospill.studio.pages import certificate_table, fault_list, file_note, progress_note, verdict
+from nospill.studio.placing import GRID, place_objects, snapped, tray_size
+from nospill.studio.planning import PlanningDesk, Seats
+from nospill.studio.tray_plan import draw_plan, read_drag
+
+if TYPE_CHECKING:
+    import viser
+
+PROGRESS_EVERY = 0.1
+"""s; how often the figures of a running plan are written anew."""
+
+
+class Session:
+    """Connects the model to the controls of one client. Every callback of the browser ends in `_refresh`."""
+
+    def __init__(self, client: viser.ClientHandle, table: Mapping[str, Any], *, folder: Path, seats: Seats) -> None:
+        """Build the controls and show the scenario.
+
+        Args:
+            client: the browser tab.
+            table: of the scenario it starts with.
+            folder: where scenario files are opened and saved.
+            seats: shared by all sessions of the server.
+        """
+        self._client, self._folder = client, folder
+        self.draft = Draft(table)
+        self.checked: Check = check(self.draft.table)
+        self.desk = PlanningDesk(seats, report=self._planning_changed)
+        self._path = self.checked.scene.path if self.checked.scene else None
+        self._planned: dict[str, Any] | None = None
+        self._snapping = True
+        self._before: float | None = None
+        self._lock = threading.RLock()
+        self._closed = threading.Event()
+        self._progress_due = threading.Event()
+        self.controls = Controls(client.gui, folder, typed=self._typed, opens=documents.scenario_choices(folder))
+        self._layout = LayoutView(client, said=self._reach_changed)
+        self._motion = MotionView(client, self.controls.motion_tab)
+        self._connect()
+        threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True).start()
+        threading.Thread(target=self._write_progress, daemon=True).start()
+        self._refresh()
+
+    def close(self) -> None:
+        """Stop what runs; the browser is gone."""
+        self._closed.set()
+        self._progress_due.set()
+        self.desk.stop()
+        self._layout.wake()
+        self._motion.close()
+
+    def _connect(self) -> None:
+        """Let the controls do what they say."""
+        controls = self.controls
+        actions: tuple[tuple[Any, Callable[[], None]], ...] = (
+            (controls.plan_button, self._plan),
+            (controls.stop_button, self.desk.stop),
+            (controls.open_button, self._open),
+            (controls.save_button, self._save),
+            (controls.download_button, self._download),
+            (controls.export_button, self._export),
+        )
+        for handle, action in actions:
+            handle.on_click(self._guarded(action))
+        groups: tuple[tuple[Any, dict[str, Callable[[], object]]], ...] = (
+            (controls.history, {"Undo": self.draft.undo, "Redo": self.draft.redo}),
+            (
+                controls.objects,
+                {
+                    "Cup": lambda: self.draft.add(NEW_CUP),
+                    "Solid": lambda: self.draft.add(NEW_SOLID),
+                    "Copy": self._copy_object,
+                    "Remove": lambda: self.draft.remove(self.draft.selected),
+                },
+            ),
+            (controls.shown, {"Layout": self._show_layout, "Motion": self._show_motion}),
+        )
+        for handle, choices in groups:
+            handle.on_click(self._chosen_of(choices))
+        controls.drag.on_update(self._from_browser(self._dragged))
+        controls.snap.on_update(self._from_browser(self._snap))
+        controls.selection.on_update(self._from_browser(self._select))
+        controls.upload.on_upload(self._uploaded)
+
+    def _guarded(self, action: Callable[[], None]) -> Callable[[Any], None]:
+        def run(_event: Any) -> None:
+            action()
+
+        return run
+
+    def _chosen_of(self, choices: Mapping[str, Callable[[], object]]) -> Callable[[Any], None]:
+        def run(event: Any) -> None:
+            with self._lock:
+                choices[event.target.value]()
+                self._refresh(edited=event.target is not self.controls.shown)
+
+        return run
+
+    def _from_browser(self, action: Callable[[Any], None]) -> Callable[[Any], None]:
+        def run(event: Any) -> None:
+            if event.client is not None:  # what this side sets carries none
+                with self._lock:
+                    action(event.target.value)
+
+        return run
+
+    def _typed(self, field: Field, text: str) -> None:
+        with self._lock:
+            if field.kind == "choice":
+                self.draft.change(choose(self.draft, field, text, path=self._path))
+            else:
+                self.draft.type_in(field.key, read_text(text, field.kind))
+            self._refresh()
+
+    def _dragged(self, text: str) -> None:
+        report = read_drag(text, objects=len(self.draft.cargo))
+        if report is None:
+            return
+        self.draft.selected = report.index
+        if report.at is not None:
+            x, y = snapped(*report.at, grid=GRID if self._snapping else None)
+            self.draft.move(report.index, x, y, ended=report.ended)
+        self._refresh()
+
+    def _snap(self, wanted: bool) -> None:
+        self._snapping = wanted
+        self._refresh(edited=False)
+
+    def _select(self, choice: str) -> None:
+        choices = self._object_choices()
+        if choice in choices:
+            self.draft.selected = choices.index(choice)
+            self._refresh(edited=False)
+
+    def _object_choices(self) -> tuple[str, ...]:
+        return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(self.draft.cargo))
+
+    def _copy_object(self) -> None:
+        """Beside the old one, as far as its place can be read."""
+        index = self.draft.selected
+        self.draft.add(self.draft.cargo[index])
+        here = next((item for item in place_objects(self.draft.table) if item.index == index), None)
+        if here is not None:
+            self.draft.move(self.draft.selected, float(here.position[0]) + 2 * GRID, float(here.position[1]) + 2 * GRID)
+
+    def _plan(self) -> None:
+        with self._lock:
+            scene = self.checked.scene
+            if scene is None or not self.desk.start(scene, warm=self.controls.warm.value):
+                return
+            self._planned = self.draft.table
+
+    def _planning_changed(self) -> None:
+        """From the planner's thread: what is quick at once, figures by and by."""
+        self._progress_due.set()
+
+    def _write_progress(self) -> None:
+        """Bring the state of planning to the browser; a state that lasted shorter than a moment may be left out."""
+        while not self._closed.is_set():
+            self._progress_due.wait()
+            self._progress_due.clear()
+            if self._closed.is_set():
+                return
+            state = self.desk.state
+            busy = self.desk.busy
+            if not busy:
+                with self._lock:
+                    if state.plan is not None:
+                        self._show_plan(state.plan)
+                    self._refresh(edited=False)
+            else:
+                self.controls.show_busy(True)
+            self.controls.progress.content = progress_note(state)
+            self._client.flush()
+            self._closed.wait(PROGRESS_EVERY if busy else 0.0)
+
+    def _show_plan(self, plan: Plan) -> None:
+        last = self._motion.plan
+        if plan is not last:
+            self._before = last.duration if last is not None else None
+            self._motion.take(plan)
+            self._layout.visible = False
+
+    def _show_motion(self) -> None:
+        if self._motion.plan is not None:
+            self._motion.show()
+            self._layout.visible = False
+
+    def _show_layout(self) -> None:
+        self._motion.hide()
+        self._layout.visible = True
+
+    def _reach_changed(self, text: str) -> None:
+        self.controls.reach.content = file_note(text, wrong=True)
+
+    def _refresh(self, *, edited: bool = True) -> None:
+        """Check the draft and show everything anew that depends on it."""
+        controls, draft = self.controls, self.draft
+        with self._lock, self._client.atomic():
+            if edited:
+                self.checked = check(draft.table)
+                if self.checked.scene is not None:
+                    self._path = self.checked.scene.path
+                    self._layout.show(self.checked.scene)
+                if self._motion.shown and draft.table != self._planned:
+                    self._show_layout()
+            groups = scenario_fields(draft) | {"Object": object_fields(draft, draft.selected), "File": [documents.NAME]}
+            notes, _ = faults_by_field([field for fields in groups.values() for field in fields], self.checked.faults)
+            for title, fields in groups.items():
+                controls.groups[title].show(fields, draft, notes)
+            controls.show_objects(self._object_choices(), draft.selected)
+            controls.set_content(
+                controls.plan_picture,
+                draw_plan(
+                    place_objects(draft.table),
+                    tray_size(draft.table),
+                    selected=draft.selected,
+                    snapping=self._snapping,
+                ),
+            )
+            controls.set_content(controls.faults, fault_list(self.checked.faults))
+            controls.show_possible(plan=self.checked.scene is not None, export=self._motion.plan is not None)
+            controls.show_busy(self.desk.busy)
+            self._show_result()
+
+    def _show_result(self) -> None:
+        plan = self._motion.plan
+        if plan is None:
+            return
+        stale = plan.scene.source != (self.checked.scene.source if self.checked.scene else None)
+        self.controls.set_content(self.controls.verdict, verdict(plan, before=self._before, stale=stale))
+        self.controls.set_content(self.controls.certificate, certificate_table(plan))
+
+    def _say(self, text: str, *, wrong: bool = False) -> None:
+        self.controls.file_message.content = file_note(text, wrong=wrong)
+
+    def _open(self) -> None:
+        self._take(
+            lambda: documents.open_scenario(self.controls.choice.value, self._folder), self.controls.choice.value
+        )
+
+    def _uploaded(self, event: Any) -> None:
+        file = event.target.value
+        self._take(lambda: documents.read_upload(file.name, file.content), file.name)
+
+    def _take(self, read: Callable[[], dict[str, Any]], name: str) -> None:
+        """Open what can be opened, or say why not and keep the draft."""
+        try:
+            table = read()
+        except NospillError as error:
+            self._say(" ".join(str(error).split()), wrong=True)
+            return
+        with self._lock:
+            self.draft.open(table)
+            self._refresh()
+        self._say(f"{name} opened; Undo brings the old one back")
+
+    def _scene_to_write(self) -> Scene | None:
+        if self.checked.scene is None:
+            self._say(f"Not written: {self.checked.faults[0].sentence}", wrong=True)
+        return self.checked.scene
+
+    def _save(self) -> None:
+        with self._lock:
+            scene = self._scene_to_write()
+        if scene is None:
+            return
+        try:
+            path = documents.save_scenario(scene, self._folder)
+        except NospillError as error:
+            self._say(str(error), wrong=True)
+            return
+        self.controls.show_choices(documents.scenario_choices(self._folder))
+        self._say(f"Written to {path}")
+
+    def _download(self) -> None:
+        with self._lock:
+            scene = self._scene_to_write()
+        if scene is not None:
+            self._send(documents.scenario_download(scene))
+
+    def _export(self) -> None:
+        plan = self._motion.plan
+        if plan is None:
+            return
+        self._say("Writing and judging ...")
+        try:
+            self._send(documents.export_plan(plan, self.controls.format.value))
+        except NospillError as error:
+            self._say(" ".join(str(error).split()), wrong=True)
+
+    def _send(self, download: documents.Download) -> None:
+        self._client.send_file_download(download.name, download.content, save_immediately=True)
+        self._say(download.message)

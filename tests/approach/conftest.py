@@ -1,0 +1,47 @@
+"""Scenes with an approach, and where their motion starts; no solver is involved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.robots.inverse import joint_paths, preferred_path
+from nospill.scene import ApproachRules, Scene
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A scene that asks for an approach, its rules, and the joints at which the motion starts."""
+
+    scene: Scene
+    rules: ApproachRules
+    end: np.ndarray
+
+
+@pytest.fixture(scope="session")
+def asked(changed_scene) -> Callable[..., Asked]:
+    """Make the scene of an example with a table [approach]; `shift` (rad) is taken from the start of the motion."""
+
+    @cache
+    def start(name: str) -> np.ndarray:
+        scene = changed_scene(name, {})
+        tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+        return joint_paths(scene.robot, scene.path, **tool)[0].q[0]
+
+    def make(name: str = "matrix-liquid", *, shift: list[float] | None = None, **table: Any) -> Asked:
+        own = start(name)
+        came = "home" if shift is None else [float(value) for value in own + np.array(shift)]
+        entry = {"from": came, "tray": "empty", "acceleration": "6 rad/s^2"} | table
+        scene = changed_scene(name, {"approach": entry})
+        assert scene.approach is not None
+        if shift is None:
+            tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+            own = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, scene.start_near).q[0]
+        return Asked(scene, scene.approach, own)
+
+    return make

@@ -1,0 +1,205 @@
+"""Texts of fields, faults beside them, and choices that bring keys along."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nospill.containers import SHAPES
+from nospill.examples import EXAMPLES
+from nospill.liquids import LIQUIDS
+from nospill.paths import PRESETS
+from nospill.robots.catalog import ROBOTS
+from nospill.scenario import read_scenario
+from nospill.studio.changes import choose
+from nospill.studio.checks import check
+from nospill.studio.documents import NAME
+from nospill.studio.draft import Draft, Key
+from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields, shown_text
+
+DraftOf = Callable[[str], Draft]
+
+
+def all_fields(draft: Draft) -> list[Field]:
+    """Every field there is, of all objects."""
+    whole = [field for fields in scenario_fields(draft).values() for field in fields]
+    return [NAME, *whole, *[field for index in range(len(draft.cargo)) for field in object_fields(draft, index)]]
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_every_value_reads_back_as_itself(draft_of: DraftOf, name: str) -> None:
+    draft = draft_of(name)
+    for field in all_fields(draft):
+        value = draft.value(field.key)
+        if field.kind != "choice":
+            assert repr(read_text(shown_text(value, field.kind), field.kind)) == repr(value), field
+
+
+@given(st.one_of(st.integers(-(10**17), 10**17), st.floats(allow_nan=False, allow_infinity=False)))
+def test_numbers_read_back(number: float) -> None:
+    assert repr(read_text(shown_text(number, "quantity"), "quantity")) == repr(number)
+    assert read_text(shown_text([[number, "3 mm"]], "points"), "points") == [[number, "3 mm"]]
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_what_is_right_has_no_fault(draft_of: DraftOf, name: str) -> None:
+    found = check(draft_of(name).table)
+    assert found.faults == () and found.scene is not None
+    assert found.scene.source == read_scenario(name).source
+
+
+@pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups"])
+def test_nonsense_is_marked_where_it_is_typed(draft_of: DraftOf, name: str) -> None:
+    for field in all_fields(draft_of(name)):
+        if field.kind == "choice":
+            continue
+        draft = draft_of(name)
+        draft.type_in(field.key, read_text("12 bananas", field.kind))
+        found = check(draft.table)
+        notes, homeless = faults_by_field(all_fields(draft), found.faults)
+        assert found.scene is None and homeless == []
+        # a list is one value: its fault is that of the list or of its first entry's field
+        assert field.key in notes, (field, notes)
+        assert any("bananas" in sentence for sentence in notes[field.key])
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "says"),
+    [
+        (("cargo", 0, "liquid_height"), "120 mm", "above the rim"),
+        (("cargo", 0, "max_slosh_height"), "60 mm", "more than the 50.1 mm"),
+        (("cargo", 0, "at", 0), "150 mm", "over the edge of the tray"),
+        (("cargo", 1, "at", 1), "60 mm", "overlaps"),
+        (("cargo", 1, "name"), "left", "already taken"),
+        (("cargo", 0, "mass"), "10 g", "less than its liquid"),
+        (("cargo", 0, "radius"), "", "is missing"),
+        (("tray", "friction"), "3", "out of range"),
+        (("tray", "size"), "300 mm", "where 2 are needed"),
+        (("tray", "size"), "30 mm, 20 mm", None),
+        (("motion", "max_duration"), "-1 s", "out of range"),
+        (("planning", "intervals"), "20.5", "not a whole number"),
+        (("name",), "two words", "is not a name"),
+        (("path", "yaw"), "0 deg", "2 are needed"),
+        (("path", "yaw"), "0 deg, x", '"x"'),
+        (("robot", "limits", "speed_scale"), "120 %", "out of range"),
+    ],
+)
+def test_each_fault_stands_beside_its_field(draft_of: DraftOf, key: Key, text: str, says: str | None) -> None:
+    draft = draft_of("pp-two-cups")
+    field = next(field for field in all_fields(draft) if field.key == key)
+    draft.type_in(key, read_text(text, field.kind))
+    found = check(draft.table)
+    assert found.scene is None
+    notes, homeless = faults_by_field(all_fields(draft), found.faults)
+    assert homeless == []
+    if says is not None:
+        assert says in " ".join(notes[key if key[2:] != ("at", 1) else (*key[:3], 0)])
+
+
+def test_several_faults_are_all_told(draft_of: DraftOf) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.type_in(("cargo", 0, "liquid_height"), "120 mm")
+    draft.type_in(("cargo", 1, "liquid_height"), "130 mm")
+    keys = [fault.key for fault in check(draft.table).faults]
+    assert keys == [("cargo", 0, "liquid_height"), ("cargo", 1, "liquid_height")]
+    draft.type_in(("cargo", 0, "radius"), "x")
+    draft.type_in(("tray", "friction"), "y")
+    assert {fault.key for fault in check(draft.table).faults} == {("cargo", 0, "radius"), ("tray", "friction")}
+
+
+def test_a_load_too_heavy_is_told(draft_of: DraftOf) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.type_in(("tray", "mass"), "500 kg")
+    (fault,) = check(draft.table).faults
+    assert fault.key == ("tray", "mass") and "may carry" in fault.sentence
+
+
+PIECES = st.text(st.sampled_from("0123456789.,- mkgde\n%\"'<&ü[]x"), max_size=12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_no_text_breaks_the_check(data: st.DataObject) -> None:
+    draft = Draft(copy.deepcopy(read_scenario("mixed-tray").source))
+    fields = [field for field in all_fields(draft) if field.kind != "choice"]
+    for _ in range(3):
+        field = data.draw(st.sampled_from(fields))
+        draft.type_in(field.key, read_text(data.draw(PIECES), field.kind))
+    found = check(draft.table)
+    assert (found.scene is None) == bool(found.faults)
+    notes, homeless = faults_by_field(all_fields(draft), found.faults)
+    assert sum(map(len, notes.values())) + len(homeless) == len(found.faults)
+
+
+def chosen(draft: Draft, key: Key, choice: str) -> Draft:
+    """After a choice in the field of a key."""
+    field = next(field for field in all_fields(draft) if field.key == key)
+    assert choice in field.choices
+    scene = check(draft.table).scene
+    draft.change(choose(draft, field, choice, path=scene.path if scene else None))
+    return draft
+
+
+@pytest.mark.parametrize("choice", ["line", "arc", "waypoints"])
+def test_another_path_goes_through_points_of_the_old_one(draft_of: DraftOf, choice: str) -> None:
+    draft = draft_of("matrix-liquid")
+    old = check(draft.table).scene
+    new = check(chosen(draft, ("path", "type"), choice).table).scene
+    assert old is not None and new is not None
+    for s in (0.0, 1.0):
+        assert new.path.at(s)[0, :3] == pytest.approx(old.path.at(s)[0, :3], abs=6e-4)
+    assert new.path.at(1.0)[0, 3] == pytest.approx(old.path.at(1.0)[0, 3])
+    assert check(chosen(draft, ("path", "type"), "preset").table).scene is not None
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_every_preset_can_be_chosen(draft_of: DraftOf, preset: str) -> None:
+    assert check(chosen(draft_of("matrix-liquid"), ("path", "name"), preset).table).scene is not None
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_every_robot_can_be_chosen(draft_of: DraftOf, robot: str) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.change({("robot", "home"): [0] * 6, ("robot", "tip"): "nowhere"})
+    found = check(chosen(draft, ("robot", "model"), robot).table)
+    assert found.scene is not None and found.scene.robot.name == robot
+
+
+@pytest.mark.parametrize("liquid", LIQUIDS)
+def test_solids_become_cups_and_back(draft_of: DraftOf, liquid: str) -> None:
+    draft = draft_of("matrix-rigid")
+    whole = check(chosen(draft, ("cargo", 0, "liquid"), liquid).table)
+    assert whole.scene is not None and whole.scene.cargo[0].filling is not None
+    assert whole.scene.cargo[0].filling.liquid.name == liquid
+    solid = check(chosen(draft, ("cargo", 0, "liquid"), "none (solid)").table)
+    assert solid.scene is not None and solid.scene.cargo[0].filling is None
+
+
+def test_shapes_keep_their_width(draft_of: DraftOf) -> None:
+    draft = draft_of("pp-two-cups")
+    assert set(SHAPES) == {"cylinder", "box"}
+    boxed = check(chosen(draft, ("cargo", 0, "shape"), "box").table).scene
+    assert boxed is not None
+    assert (draft.cargo[0]["length"], draft.cargo[0]["width"]) == ("70 mm", "70 mm")
+    again = chosen(draft, ("cargo", 0, "shape"), "cylinder")
+    assert again.cargo[0]["radius"] == "35 mm" and "length" not in again.cargo[0]
+
+
+def test_keys_without_a_field_survive(draft_of: DraftOf) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.change({("planning", "slosh_modes"): 2, ("description",): "kept", ("cargo", 0, "damping"): 0.01})
+    draft.type_in(("cargo", 0, "liquid_height"), "45 mm")
+    draft.move(1, 0.0, -0.08)
+    scene = check(draft.table).scene
+    assert scene is not None
+    source: Any = scene.source
+    assert (source["planning"]["slosh_modes"], source["description"], source["cargo"][0]["damping"]) == (
+        2,
+        "kept",
+        0.01,
+    )
