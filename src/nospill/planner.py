@@ -14,18 +14,19 @@ from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.certificate import Certificate, Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.residual_height import EndDisplacement
+from nospill.constraints.slosh_height import SloshHeight
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, estimate_duration, from_trajectory, resample, smooth_start
 from nospill.ocp.layout import layout_of
-from nospill.ocp.problem import Reserves, build_problem
+from nospill.ocp.problem import Problem, Reserves, build_problem
 from nospill.ocp.stages import Stages
 from nospill.plans import Plan, PlanningReport, Starts, describe, motion_maxima
 from nospill.robots.inverse import JointPath, branch_in_words, joint_paths, preferred_path
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
-from nospill.solvers import Solution, SolveOptions, solve
+from nospill.solvers import Solution, SolveOptions, row_slack, solve
 from nospill.trajectory import Trajectory
 
 FIRST_RESERVE = 1e-3
@@ -54,6 +55,7 @@ _REFINE_ITERATIONS = 100
 _FIXED_STARTS = (Start(stretch=0.7), Start(stretch=0.6, skew=-0.45), Start(stretch=0.5, skew=0.25))
 _SAME = 1e-3
 _NEAR = 0.3
+_NEAR_AT_START = 0.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,21 +199,9 @@ class _Run:
         warm: Solution | None = None,
         iterations: int | None = None,
     ) -> Solution:
-        """Solve on the start's grid."""
-        scene, options = self.scene, self.scene.planning
-        if EndDisplacement.name in self.ignored:
-            # Its equalities are bounds of the variables, which only another end condition takes away.
-            scene = replace(scene, motion=replace(scene.motion, end="residual"))
-        with self.phase("build"):
-            problem = build_problem(
-                scene,
-                start.intervals,
-                nominal_duration=start.duration,
-                reserves=self.reserves,
-                kept=frozenset(self.kept),
-                self_motion=start.self_motion,
-                least_determinant=self.least_determinant if self.regular else None,
-            )
+        """Solve on the start's grid, with the rows that are kept."""
+        options = self.scene.planning
+        problem = self._problem(start, self.kept)
         with self.phase("solve"):
             solution = solve(
                 problem,
@@ -228,6 +218,47 @@ class _Run:
         self.solve_time += solution.solve_time_s
         self.iterations += solution.iterations
         return solution
+
+    def _problem(self, start: Stages, kept: Collection[tuple[str, int]]) -> Problem:
+        scene = self.scene
+        if EndDisplacement.name in self.ignored:
+            # Its equalities are bounds of the variables, which only another end condition takes away.
+            scene = replace(scene, motion=replace(scene.motion, end="residual"))
+        with self.phase("build"):
+            return build_problem(
+                scene,
+                start.intervals,
+                nominal_duration=start.duration,
+                reserves=self.reserves,
+                kept=frozenset(kept),
+                self_motion=start.self_motion,
+                least_determinant=self.least_determinant if self.regular else None,
+            )
+
+    def _slack(self, motion: Stages) -> dict[tuple[str, int], float]:
+        """Of every row, kept or not, on a motion."""
+        return row_slack(self._problem(motion, self._all()), motion)
+
+    def solve_near(self, start: Stages, *, iterations: int) -> Solution:
+        """Solve with the rows that come near their limits on the start; what the answer breaks is added, and again.
+
+        Most rows of most objects are far from their limits all the time, and an interior point method pays for each.
+        """
+        slack = self._slack(start)
+        # The start's liquids are at rest: their height says nothing.
+        self.kept |= {key for key, value in slack.items() if value <= _NEAR_AT_START or key[0] == SloshHeight.name}
+        self.kept &= self._all()
+        barrier: float | None = None
+        while True:
+            solution = self.solve(start, barrier=barrier, iterations=iterations)
+            if not _usable(solution):
+                return solution
+            solution = replace(solution, slack=self._slack(solution.stages))
+            broken = {key for key, value in solution.slack.items() if value < -_FEASIBLE} & self._all()
+            if broken <= self.kept:
+                return solution
+            self.kept |= broken
+            start, barrier = solution.stages, _REFINE_BARRIERS[1]
 
     def _determinants(self, stages: Stages) -> np.ndarray:
         layout = layout_of(structure_of(self.scene))
@@ -258,7 +289,7 @@ class _Run:
         """Solve from several starts on a coarse grid and return the best answer."""
         options = self.scene.planning
         self.durations.clear()
-        self._keep_all()
+        self.kept = set()
         tried = 0
         expected = estimate_duration(self.scene, joint_path)
         # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
@@ -274,7 +305,7 @@ class _Run:
             tried += 1
             motion = smooth_start(self.scene, joint_path, intervals, start)
             self.least_determinant = clearance(self._determinants(motion))
-            last = self.solve(motion, iterations=patience)
+            last = self.solve_near(motion, iterations=patience)
             if _usable(last):
                 self.durations.append(last.stages.duration)
                 if best is None or last.objective < best.objective:
@@ -317,8 +348,11 @@ class _Run:
         subjects = next(item.subjects(self.scene) for item in CONSTRAINTS if item.name == key[0])
         return f"{key[0]} | {subjects[key[1]]}"
 
+    def _all(self) -> set[tuple[str, int]]:
+        return {key for key in self.reserves if key[0] not in self.ignored}
+
     def _keep_all(self) -> None:
-        self.kept = {key for key in self.reserves if key[0] not in self.ignored}
+        self.kept = self._all()
 
     def _keep_near(self, certificate: Certificate) -> None:
         """Leave rows far from their limits to the judge: they come back if he objects. Fewer rows, faster steps."""
@@ -332,7 +366,7 @@ class _Run:
         """Carry the coarse answer to the full grid."""
         fewest = _resolving(self.scene, coarse.stages.duration, _FINE_SWING)
         intervals = max(self.scene.planning.intervals, fewest)
-        self.kept -= {key for key, slack in coarse.slack.items() if slack > _NEAR}
+        self.kept = {key for key, slack in coarse.slack.items() if slack <= _NEAR} & self._all()
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
         solution = coarse
         for barrier in (*_REFINE_BARRIERS, None):
