@@ -186,6 +186,15 @@ def solve(
     )
 
 
+FEASIBLE = 1e-5
+"""Largest scaled violation of a motion that is worth going on with."""
+
+
+def usable(solution: Solution) -> bool:
+    """Whether an answer keeps its constraints well enough to go on with."""
+    return solution.violation <= FEASIBLE
+
+
 @contextmanager
 def _interruptible() -> Iterator[None]:
     """Raise KeyboardInterrupt after a call into CasADi during which one came: CasADi would swallow it and go on.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,12 @@ class Start:
     stretch: float = 1.0
     skew: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
+
+
+USUAL_START = Start(stretch=0.7)
+"""The start that is tried first."""
+
+_FIXED_STARTS = (USUAL_START, Start(stretch=0.6, skew=-0.45), Start(stretch=0.5, skew=0.25))
 
 
 def quintic(tau: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -83,8 +90,9 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         change = np.gradient(speeds @ direction, duration / intervals)
         chains.append((joints @ direction, speeds @ direction, change))
     for index, chain in enumerate(chains):
-        table[:, 3 * index : 3 * index + 3] = np.column_stack(chain)
-        table[:-1, layout.jerks.start + index] = np.diff(chain[2]) * intervals / duration
+        states, jerks = _closed(np.column_stack(chain), duration / intervals)
+        table[:, 3 * index : 3 * index + 3] = states
+        table[:-1, layout.jerks.start + index] = jerks
     table[:, layout.interval] = duration / intervals
     table[:, layout.joint_position], table[:, layout.joint_speed] = joints, speeds
     for order in range(2, layout.orders + 1):
@@ -92,6 +100,29 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
             table[:, layout.joint_derivative(order - 1)], duration / intervals, axis=0
         )
     return Stages(duration / intervals, table, direction)
+
+
+def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    """States (N + 1, 3) and jerks (N,) of a chain near the given states, each state following from the one before.
+
+    The jerks are the differences of the accelerations, with the least change that leads to the given end.
+    """
+    count, h = len(states) - 1, interval
+    step = np.array([[1.0, h, h * h / 2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
+    push = np.array([h**3 / 6, h * h / 2, h])
+    remaining = h * np.arange(count - 1, -1, -1)
+    # effect of each jerk on the end: the push of its interval, carried over what remains
+    reach = np.array([push[0] + push[1] * remaining + push[2] * remaining**2 / 2, push[1] + push[2] * remaining])
+    reach = np.vstack([reach, np.full(count, push[2])])
+    jerks = np.diff(states[:, 2]) / h
+    total = h * count
+    drift = np.array([[1.0, total, total * total / 2], [0.0, 1.0, total], [0.0, 0.0, 1.0]]) @ states[0]
+    jerks = jerks + np.linalg.lstsq(reach, states[-1] - drift - reach @ jerks, rcond=None)[0]
+    closed = np.empty_like(states)
+    closed[0] = states[0]
+    for index in range(count):
+        closed[index + 1] = step @ closed[index] + push * jerks[index]
+    return closed, jerks
 
 
 def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
@@ -158,3 +189,29 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
     return Stages(interval, table, direction)
+
+
+def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
+    """Intervals in which no carried mode turns by more than `swing` rad over a motion of `duration` s."""
+    fastest = max(
+        (mode.frequency for cargo in scene.cargo if cargo.filling for mode in cargo.filling.modes.oscillators),
+        default=0.0,
+    )
+    return int(np.ceil(fastest * duration / swing))
+
+
+def starting_motions(scene: Scene, *, further: int) -> Iterator[Start]:
+    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed.
+
+    As many as the scenario asks for, and `further` ones for when all of those fail.
+    """
+    count = scene.planning.starts + further
+    yield from _FIXED_STARTS
+    random = np.random.default_rng(scene.planning.seed)
+    for _ in range(count - len(_FIXED_STARTS)):
+        lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
+        yield Start(
+            stretch=float(random.uniform(0.4, 1.6)),
+            skew=float(random.uniform(-0.6, 0.6)),
+            tilt=(float(lean[0]), float(lean[1])),
+        )
