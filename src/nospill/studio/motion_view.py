@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 _AFTER_END = 0.5
 """s; how long the liquids are shown after the motion."""
+_LAST_MOMENT = 2.0
+"""s; how long closing waits for the player."""
 
 
 class MotionView:
@@ -35,6 +37,7 @@ class MotionView:
         self._player: Player | None = None
         self._number = 0
         self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
 
     @property
     def shown(self) -> bool:
@@ -59,7 +62,8 @@ class MotionView:
         if self._player is None:
             with self._tab:
                 self._player = Player(self._client.gui, [self._view], charts=charts, atomic=self._client.atomic)
-            threading.Thread(target=self._player.run, args=(self._stop,), daemon=True).start()
+            self._thread = threading.Thread(target=self._player.run, args=(self._stop,), daemon=True)
+            self._thread.start()
         else:
             self._player.replace([self._view], charts=charts)
         if old is not None:
@@ -79,6 +83,8 @@ class MotionView:
     def close(self) -> None:
         """Stop playing for good."""
         self._stop.set()
+        if self._thread is not None:
+            self._thread.join(_LAST_MOMENT)
 
     def _root(self) -> Any:
         assert self._view is not None

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 PROGRESS_EVERY = 0.1
 """s; how often the figures of a running plan are written anew."""
 
+_LAST_MOMENT = 2.0
+"""s; how long a closing session waits for its threads."""
+
 
 class Session:
     """Connects the model to the controls of one client. Every callback of the browser ends in `_refresh`."""
@@ -57,8 +60,12 @@ class Session:
         self._layout = LayoutView(client, said=self._reach_changed)
         self._motion = MotionView(client, self.controls.motion_tab)
         self._connect()
-        threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True).start()
-        threading.Thread(target=self._write_progress, daemon=True).start()
+        self._threads = (
+            threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True),
+            threading.Thread(target=self._write_progress, daemon=True),
+        )
+        for thread in self._threads:
+            thread.start()
         self._refresh()
 
     def close(self) -> None:
@@ -68,6 +75,8 @@ class Session:
         self.desk.stop()
         self._layout.wake()
         self._motion.close()
+        for thread in self._threads:
+            thread.join(_LAST_MOMENT)
 
     def _connect(self) -> None:
         """Let the controls do what they say."""
