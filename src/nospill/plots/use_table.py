@@ -11,7 +11,7 @@ from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
 
 _SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
 _LONGEST_USE = 1.2
-_LONGEST_NAME = 21
+_LONGEST_NAME = 20
 """Letters of 8 points that the first column holds."""
 
 
@@ -54,7 +54,7 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
         (_TIME, f"{row.at_s:.3f}", "right"),
     ):
         # Names of the rows about an approach are longer than the column.
-        size = min(8.0, 8.0 * _LONGEST_NAME / len(cell)) if x == 0.0 else 8.0
+        size = min(8.0, 8.0 * _LONGEST_NAME / len(cell)) if x == 0.0 and len(cell) > 21 else 8.0
         axes.text(x, line, cell, ha=align, va="center", size=size, weight=weight, color=color)
     axes.barh(
         line,
