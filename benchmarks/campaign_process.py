@@ -20,7 +20,7 @@ class Job:
     """What a process does.
 
     Attributes:
-        seed: of the case. limit: longest time, s.
+        seed: of the case. limit: longest time of the process, s.
         folder: where the package is taken from; None: the one that is installed.
         starts: number of further random starts; 0: the case itself.
         table: its scenario; drawn from the seed where there is none.

@@ -255,7 +255,7 @@ def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert text.startswith("top") and text.endswith("bottom") and text.count("| crash |") == 1 + 1 + 1
     assert "| certified, rejected by the certificate at 8 kHz | 1 |" in text
     assert "| certified, something moves in MuJoCo | 1 |" in text
-    assert "whose reason names no constraint and no limit of the arm | 1 of 4" in text
+    assert "| failures that do not name what is in the way | 1 of 4" in text
     assert "| left out of reach on purpose and told so | 1 of 1 |" in text
     assert "residual height of .. is # mm against a limit of # mm | 2 | 23 |" in text
     worst = [row.split(" | ")[0] for row in text.split("worst ten: seed")[1].splitlines()[2:]]
