@@ -75,7 +75,9 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, default=REPOSITORY / "benchmarks" / "results" / "campaign.jsonl")
     parser.add_argument("--cases", type=int, default=1000, help="seeds from 0 to this less one")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time on this machine")
-    parser.add_argument("--limit", type=float, default=900.0, help="longest time of a case, or of one further start, s")
+    parser.add_argument(
+        "--limit", type=float, default=900.0, help="longest processor time of a case, s; of a further start too"
+    )
     parser.add_argument("--starts-check", type=int, default=0, metavar="COUNT", help="cases to start again at random")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster whose workers have nospill installed")
     parser.add_argument("--only", type=int, metavar="SEED", help="run one case alone and print its line")
