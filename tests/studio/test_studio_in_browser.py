@@ -6,6 +6,7 @@ import contextlib
 import json
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -122,17 +123,16 @@ def planned(page: Any) -> float:
 @contextlib.contextmanager
 def command(*arguments: str) -> Iterator[str]:
     """A running `nospill studio`, ended as by Ctrl-C; its address."""
-    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
         yield process.stdout.readline().split()[0]
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=15)
+        assert (process.returncode, errors) == (0, "")
     finally:
-        process.send_signal(2)
-        try:
-            assert process.wait(10) == 0
-        finally:
-            process.kill()
-            process.stdout.close()  # type: ignore[union-attr]
+        process.kill()
+        process.communicate()
 
 
 def test_move_fill_plan_save_and_plan_again_on_the_command_line(
@@ -170,10 +170,14 @@ def test_move_fill_plan_save_and_plan_again_on_the_command_line(
 
 
 @pytest.fixture
-def running(tmp_path: Path, table: dict[str, Any]) -> Iterator[tuple[str, dict[int, Session]]]:
+def running(
+    tmp_path: Path, table: dict[str, Any], capfd: pytest.CaptureFixture[str]
+) -> Iterator[tuple[str, dict[int, Session]]]:
+    """A studio, its address and its sessions; at the end no thread of it may have complained."""
     sessions: dict[int, Session] = {}
     with studio(table, folder=tmp_path, port=0, sessions=sessions) as address:
         yield address, sessions
+    assert capfd.readouterr().err == ""
 
 
 def test_wrong_values_are_marked_where_they_are_typed_and_plan_nothing(

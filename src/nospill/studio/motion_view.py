@@ -9,13 +9,15 @@ from nospill.certificate import judge
 from nospill.plans import Plan
 from nospill.viewer.charts import draw_charts
 from nospill.viewer.film import make_film
-from nospill.viewer.live import LIVE_RATE, short_titles
+from nospill.viewer.live import short_titles
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView
 
 if TYPE_CHECKING:
     import viser
 
+RATE = 30.0
+"""Pictures per second: fewer than the viewer's, as planning and several tabs share the machine."""
 _AFTER_END = 0.5
 """s; how long the liquids are shown after the motion."""
 _LAST_MOMENT = 2.0
@@ -51,7 +53,7 @@ class MotionView:
         film = make_film(
             plan,
             plan.judgement or judge(plan.trajectory, plan.scene),
-            rate=LIVE_RATE,
+            rate=RATE,
             length=plan.duration + _AFTER_END,
         )
         old, self.plan = self._view, plan

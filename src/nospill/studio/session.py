@@ -238,19 +238,22 @@ class Session:
             for title, fields in groups.items():
                 controls.groups[title].show(fields, draft, notes)
             controls.show_objects(self._object_choices(), draft.selected)
-            controls.set_content(
-                controls.plan_picture,
-                draw_plan(
-                    place_objects(draft.table),
-                    tray_size(draft.table),
-                    selected=draft.selected,
-                    snapping=self._snapping,
-                ),
-            )
+            controls.set_content(controls.plan_picture, self._picture())
             controls.set_content(controls.faults, fault_list(self.checked.faults))
             controls.show_possible(plan=self.checked.scene is not None, export=self._motion.plan is not None)
             controls.show_busy(self.desk.busy)
             self._show_result()
+
+    def _picture(self) -> str:
+        placed = place_objects(self.draft.table)
+        there = {item.index for item in placed}
+        return draw_plan(
+            placed,
+            tray_size(self.draft.table),
+            selected=self.draft.selected,
+            snapping=self._snapping,
+            missing=[label_of(entry, index) for index, entry in enumerate(self.draft.cargo) if index not in there],
+        )
 
     def _show_result(self) -> None:
         plan = self._motion.plan
