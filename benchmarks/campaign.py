@@ -53,7 +53,8 @@ def main(words: list[str] | None = None) -> None:
         kept = known.get(arguments.only, {})
         with package(live=arguments.live) as folder:
             starts = _STARTS if arguments.starts_check else 0
-            job = Job(arguments.only, arguments.limit, str(folder), starts=starts, table=kept.get("scenario"))
+            limit = arguments.limit * max(1, starts)
+            job = Job(arguments.only, limit, str(folder), starts=starts, table=kept.get("scenario"))
             print(json.dumps(run_job(job), indent=1))
         return
     with Lines.writer(arguments.out) as lines, package(live=arguments.live) as folder:
@@ -74,7 +75,9 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, default=REPOSITORY / "benchmarks" / "results" / "campaign.jsonl")
     parser.add_argument("--cases", type=int, default=1000, help="seeds from 0 to this less one")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time on this machine")
-    parser.add_argument("--limit", type=float, default=900.0, help="longest time of a case or of a set of starts, s")
+    parser.add_argument(
+        "--limit", type=float, default=900.0, help="longest processor time of a case, s; of a further start too"
+    )
     parser.add_argument("--starts-check", type=int, default=0, metavar="COUNT", help="cases to start again at random")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster whose workers have nospill installed")
     parser.add_argument("--only", type=int, metavar="SEED", help="run one case alone and print its line")
@@ -93,7 +96,7 @@ def _wanted(lines: Lines, arguments: argparse.Namespace, folder: str | None) -> 
         return [Job(seed, limit, folder) for seed in range(arguments.cases) if seed not in lines.cases]
     chosen = starts_seeds(lines.cases, arguments.starts_check)
     tables = {seed: lines.cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
-    return [Job(seed, limit, folder, starts=_STARTS, table=table) for seed, table in tables.items()]
+    return [Job(seed, _STARTS * limit, folder, starts=_STARTS, table=table) for seed, table in tables.items()]
 
 
 def starts_seeds(cases: dict[int, dict[str, Any]], count: int) -> list[int]:

@@ -153,8 +153,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("seed", type=int)
     parser.add_argument("--starts", type=int, default=0, metavar="COUNT")
+    parser.add_argument("--processor-time", type=int, metavar="SECONDS", help="longest, then the system ends us")
     parser.add_argument("--given", action="store_true", help="read the scenario from the standard input")
     arguments = parser.parse_args()
+    if arguments.processor_time is not None:
+        # The hard limit is later: at the soft one the system says SIGXCPU, which cannot be mistaken for a crash.
+        resource.setrlimit(resource.RLIMIT_CPU, (arguments.processor_time, arguments.processor_time + 5))
     name = f"campaign-{arguments.seed}"
     if arguments.given:
         table = json.load(sys.stdin)

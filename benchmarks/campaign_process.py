@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -13,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 _LAST_WORDS = 400
+_PATIENCE = 5.0
+"""Time that may pass over the processor time of a process: the machine may have other work to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +23,7 @@ class Job:
     """What a process does.
 
     Attributes:
-        seed: of the case. limit: longest time, s.
+        seed: of the case. limit: longest processor time, s; five times as long may pass meanwhile.
         folder: where the package is taken from; None: the one that is installed.
         starts: number of further random starts; 0: the case itself.
         table: its scenario; drawn from the seed where there is none.
@@ -36,6 +39,7 @@ class Job:
 def run_job(job: Job) -> dict[str, Any]:
     """Run a job in a process of its own and return its line; never raises for what the process does."""
     command = [sys.executable, str(Path(__file__).with_name("campaign_case.py")), str(job.seed)]
+    command += ["--processor-time", str(math.ceil(job.limit))]
     command += ["--starts", str(job.starts)] if job.starts else []
     command += ["--given"] if job.table is not None else []
     began = time.perf_counter()
@@ -49,7 +53,9 @@ def run_job(job: Job) -> dict[str, Any]:
         start_new_session=True,
     ) as process:
         try:
-            out, errors = process.communicate(json.dumps(job.table) if job.table is not None else "", timeout=job.limit)
+            out, errors = process.communicate(
+                json.dumps(job.table) if job.table is not None else "", timeout=_PATIENCE * job.limit
+            )
             late = False
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
@@ -73,7 +79,7 @@ def line_of(job: Job, out: str, errors: str, code: int | None) -> dict[str, Any]
     head = {"seed": job.seed}
     if job.table is None and found:
         head |= found.pop(0)
-    if code is None:
+    if code is None or -code == signal.SIGXCPU:
         failed = {"kind": "out of time", "reason": f"no answer within {job.limit:g} s"}
     else:
         words = (errors.strip().splitlines() or ["no message"])[-1][:_LAST_WORDS]

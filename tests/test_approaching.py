@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from nospill.approaching import certify_whole, hand_over_approach, require_possible, settling_time, with_approach
+from nospill.approaching import (
+    certify_whole,
+    hand_over_approach,
+    require_possible,
+    settling_time,
+    starts_alike,
+    with_approach,
+)
 from nospill.certificate import APPROACH, judge
 from nospill.cli import app
 from nospill.errors import MissingExtraError, NoSolutionError, PlanFolderError, ScenarioError
@@ -216,6 +223,13 @@ def test_what_was_assumed_of_the_arm_is_said_once_on_stderr(changed_scene, tmp_p
     assert answer.exit_code == 2 and answer.stdout == ""
     (note,) = scene.robot.notes
     assert answer.stderr.count(note) == 1 and "out of reach" in answer.stderr
+
+
+def test_scenes_start_alike_where_they_say_the_same(whole, changed_scene):
+    silent, same = changed_scene(EXAMPLE, {}), replace(whole.scene, start_near=whole.scene.start_near.copy())
+    assert starts_alike(silent, changed_scene("mixed-tray", {})) and starts_alike(whole.scene, same)
+    assert not starts_alike(silent, same) and not starts_alike(same, silent)
+    assert not starts_alike(same, replace(same, start_near=same.start_near + 0.1))
 
 
 @pytest.mark.slow

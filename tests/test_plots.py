@@ -28,6 +28,7 @@ from nospill.plans import Plan, PlanningReport, Starts, motion_maxima, shown_uni
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
+from nospill.plots.joints import _quietest
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
 from nospill.robots.inverse import joint_paths
 from nospill.scenario import scene_from_table
@@ -381,3 +382,57 @@ def test_slosh_curve_is_the_judges(tilting: Evidence, pictures: dict[str, Figure
     line = next(line for line in next(panels(pictures["slosh-heights"])).lines if line.get_color() == BLUE)
     assert np.array_equal(np.asarray(line.get_ydata()), 1e3 * trace.value)
     assert np.array_equal(np.asarray(line.get_xdata()), trace.t)
+
+
+def test_long_names_of_constraints_leave_their_peak_inside_the_panel(pictures: dict[str, Figure]) -> None:
+    """The column is too narrow for "apparent gravity" beside its largest figure; nothing may be printed over it."""
+    axes = next(axes for axes in panels(pictures["margins"]) if axes.get_title(loc="left") == "apparent gravity")
+    assert axes.get_title(loc="right") == ""
+    peak = next(item for item in axes.texts if item.get_text().startswith("max "))
+    inside, box = peak.get_window_extent(), axes.get_window_extent()
+    assert box.x0 < inside.x0 and inside.x1 < box.x1 and inside.y1 < box.y1
+
+
+def with_further_limits(evidence: Evidence) -> Evidence:
+    """The same motion of an arm of whose accelerations, jerks and torques limits are known; traces are made up."""
+    played, joints = evidence.judgement.replay, evidence.plan.scene.robot.joints
+    made = []
+    for name, unit, limit in (("joint acceleration", "rad/s^2", 10.0), ("joint torque", "N m", 80.0)):
+        for index, joint in enumerate(joints):
+            value = limit * np.sin(played.t * (1 + index)) * 0.9
+            made.append(Trace(name, joint, unit, played.t, value, np.full(len(value), limit), limit - np.abs(value)))
+    kept = [trace for trace in evidence.judgement.traces if trace.constraint != "joint acceleration"]
+    return Evidence(evidence.plan, dataclasses.replace(evidence.judgement, traces=(*kept, *made)))
+
+
+def test_every_limit_of_the_joints_has_its_panel(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
+    figure = drawn(with_further_limits(tilting))["joints"]
+    titles = [axes.get_title(loc="left") for axes in panels(figure)]
+    assert titles[1:] == ["joint speed", "joint acceleration", "joint torque"]
+    for axes in list(panels(figure))[1:]:
+        assert {"limit 1", "limit −1"} <= {item.get_text() for item in axes.texts}
+        assert len(series(axes)) == len(tilting.plan.scene.robot.joints)
+    (torque,) = (axes for axes in panels(figure) if axes.get_title(loc="left") == "joint torque")
+    assert max(float(np.max(np.abs(line.get_ydata()))) for line in series(torque)) == pytest.approx(0.9, abs=1e-3)
+    assert figure.get_tightbbox().x1 <= figure.get_size_inches()[0] + 0.01
+
+
+def test_names_of_position_limits_keep_apart() -> None:
+    """Every corner that is given lies at its limit, and no two names lie on each other while there is room."""
+    t, y = np.linspace(0, 1, 200), np.full(200, 0.5)
+    taken: list[tuple[float, float]] = []
+    for at in (0.5, 0.5, 0.75, 0.9):
+        left, bottom = _quietest(t, y, at, True, taken)
+        assert bottom in (at, at - 0.1) and 0.0 <= left <= 0.64
+        assert all(abs(left - x) >= 0.36 or abs(bottom - z) >= 0.1 for x, z in taken)
+        taken.append((left, bottom))
+
+
+@pytest.mark.parametrize("name", ["margins", "joints", "slosh-heights", "tilt"])
+def test_letters_stay_readable_in_a_column(pictures: dict[str, Figure], name: str) -> None:
+    """Printed 85 mm wide no letter is below 5.5 points."""
+    figure = pictures[name]
+    scale = 85 / 25.4 / figure.get_size_inches()[0]
+    shown = [item for item in figure.findobj(Text) if isinstance(item, Text) and item.get_text() and item.get_visible()]
+    assert min(float(item.get_fontsize()) for item in shown) * scale > 5.5

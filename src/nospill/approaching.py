@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.certificate import APPROACH, Certificate, certify
 from nospill.constraints.residual_height import STILL_FRACTION, ResidualHeight
@@ -25,6 +27,12 @@ def require_possible(scene: Scene) -> None:
     """
     if scene.approach is not None:
         require_ruckig()
+
+
+def starts_alike(first: Scene, second: Scene) -> bool:
+    """Whether two scenes say the same of where the arm comes from, so that they prefer the same branch."""
+    ours, theirs = first.start_near, second.start_near
+    return ours is theirs if ours is None or theirs is None else np.array_equal(ours, theirs)
 
 
 def with_approach(plan: Plan) -> Plan:

@@ -34,6 +34,9 @@ SPEED_TOLERANCE = 1e-3
 """rad/s; recorded joint speeds against the derivative of the recorded positions, and the speed left at both ends."""
 ACCELERATION_TOLERANCE = 0.5
 """rad/s^2; recorded joint accelerations likewise (the jerk jumps, a spline through samples rounds the corner)."""
+TOLERANCE_RATE = 500.0
+"""Hz; where samples are farther apart, the spline rounds more: its derivatives are allowed to differ by the square of
+the period for speeds, and by the period for accelerations."""
 PROGRESS_TOLERANCE = 1e-9
 """The path parameter runs from 0 to 1 within this."""
 
@@ -381,14 +384,17 @@ def _record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played:
     progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
     both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
+    coarser = max(1.0, TOLERANCE_RATE / trajectory.rate)
     written = _pose_error(played, per_sample, trajectory.tray_position, Rotation.from_quat(trajectory.tray_quaternion))
     return [
         limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
         limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
-        limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, trajectory.t, speed),
-        limit_row("recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE, trajectory.t, acceleration),
+        limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE * coarser**2, trajectory.t, speed),
+        limit_row(
+            "recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE * coarser, trajectory.t, acceleration
+        ),
         limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
         limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
         limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection
 from dataclasses import replace
 
-import numpy as np
-
-from nospill.approaching import require_possible, with_approach
+from nospill.approaching import require_possible, starts_alike, with_approach
 from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ScenarioError
@@ -45,18 +42,12 @@ def plan(
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
     require_possible(scene)
-    base_is_free, began = has_free_base(scene), time.perf_counter()
+    run, base_is_free = PlanningRun(scene, progress, frozenset(ignore)), has_free_base(scene)
     if base_is_free:
-        if progress is not None:
-            progress(PlanningProgress("base yaw"))
-        scene = settled_base(scene)
-    run = PlanningRun(scene, progress, frozenset(ignore), began=began)
-    if base_is_free:
-        run.phases["base yaw"] = time.perf_counter() - began
+        with run.phase("base yaw"):
+            run.scene = scene = settled_base(scene)
     # a plan on a branch chosen for another start of the arm is no place to go on from
-    if warm is not None and not _same_start(warm.scene.start_near, scene.start_near):
-        warm = None
-    solution = run.restart(warm) if warm is not None else None
+    solution = run.restart(warm) if warm is not None and starts_alike(warm.scene, scene) else None
     if solution is None:
         with run.phase("kinematics"):
             paths = joint_paths(
@@ -98,7 +89,3 @@ class Planner:
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
         self.last = plan(scene, warm=self.last if similar else None, progress=progress)
         return self.last
-
-
-def _same_start(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    return first is second if first is None or second is None else np.array_equal(first, second)

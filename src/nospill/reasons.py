@@ -68,7 +68,7 @@ def explained(run: PlanningRun, joint_path: JointPath, last: Solution | None) ->
     changes = _found_changes(run, joint_path, last, hasty)
     if changes:
         broken = "" if hasty is None or hasty.ok else f"; in a smooth motion of that length {describe(hasty.worst)}"
-        text = f"No motion found within max_duration {limit:.3g} s{broken}. "
+        text = f"No motion found: none within max_duration {limit:.3g} s{broken}. "
         return NoSolutionError(text + _advice(changes), "in motion", tuple(changes))
     status = "nothing was tried" if last is None else f"{last.status} after {last.iterations} iterations"
     text = (

@@ -25,6 +25,12 @@ import campaign_report  # noqa: E402  # pyright: ignore[reportMissingImports]
 from campaign_lines import Lines  # noqa: E402  # pyright: ignore[reportMissingImports]
 from campaign_process import Job, line_of  # noqa: E402  # pyright: ignore[reportMissingImports]
 
+LIMITED = """
+import resource, sys
+seconds = int(sys.argv[sys.argv.index("--processor-time") + 1])
+resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
+"""
+
 
 def line(seed: int, **changes: Any) -> dict[str, Any]:
     planned = {
@@ -92,8 +98,10 @@ def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.Monk
     [
         ('import os; print(\'{"structure": "s"}\', flush=True); os.abort()', 20.0, "crash", "exit code -6"),
         ("raise ValueError('no such thing')", 20.0, "crash", "exit code 1: ValueError: no such thing"),
-        ('import time; print(\'{"structure": "s"}\', flush=True); time.sleep(60)', 0.7, "out of time", "0.7 s"),
+        ('import time; print(\'{"structure": "s"}\', flush=True); time.sleep(60)', 0.2, "out of time", "0.2 s"),
         ("pass", 20.0, "crash", "exit code 0: no message"),
+        ("import os; os.kill(os.getpid(), 9)", 20.0, "crash", "exit code -9"),
+        (f"{LIMITED}\nwhile True: pass", 0.5, "out of time", "no answer within 0.5 s"),
     ],
 )
 def test_whatever_a_process_does_is_a_line(
@@ -255,7 +263,7 @@ def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert text.startswith("top") and text.endswith("bottom") and text.count("| crash |") == 1 + 1 + 1
     assert "| certified, rejected by the certificate at 8 kHz | 1 |" in text
     assert "| certified, something moves in MuJoCo | 1 |" in text
-    assert "whose reason names no constraint and no limit of the arm | 1 of 4" in text
+    assert "| failures that do not name what is in the way | 1 of 4" in text
     assert "| left out of reach on purpose and told so | 1 of 1 |" in text
     assert "residual height of .. is # mm against a limit of # mm | 2 | 23 |" in text
     worst = [row.split(" | ")[0] for row in text.split("worst ten: seed")[1].splitlines()[2:]]

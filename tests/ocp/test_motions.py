@@ -93,11 +93,10 @@ def test_smooth_start_is_a_motion_from_rest_to_rest(tilting, start):
     assert table[0, 0] == 0.0 and table[-1, 0] == pytest.approx(1.0, abs=1e-14)
     np.testing.assert_allclose(table[[0, -1], 1 : layout.interval], 0.0, atol=1e-12)
     assert np.all(np.diff(table[:, 0]) > 0)
-    # Jerks make the accelerations meet exactly, rates and values to the error of a cubic.
+    # Every state follows from the one before, and the last one is the end.
     gaps = np.abs(chain_gaps(stages, layout)).max(axis=(0, 1)) * stages.duration ** np.arange(3)
-    assert gaps[2] < 1e-10
-    assert gaps[1] < 600 / 100**3
-    assert gaps[0] < 600 / 100**4
+    assert gaps.max() < 1e-10
+    np.testing.assert_allclose(table[-1, :3], [1.0, 0.0, 0.0], atol=1e-10)
     np.testing.assert_array_equal(table[:, layout.displacement], 0.0)
     positions, _ = kinematics(scene.robot).poses(
         table[:-1, layout.joint_position], tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange

@@ -140,7 +140,7 @@ def test_tables_of_a_plan_folder_that_say_something_else(saved: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(EXPORTERS))
 @given(noise=NOISE, at=st.integers(0, 100_000), cut=st.integers(0, 200))
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_exported_files(
     small_plan: Plan, written: dict[str, bytes], name: str, noise: bytes, at: int, cut: int
 ) -> None:

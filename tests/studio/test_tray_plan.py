@@ -74,6 +74,8 @@ def test_other_faults_do_not_hide_an_object() -> None:
     assert len(place_objects(draft.table)) == 2
     draft.type_in(("cargo", 0, "radius"), "x")
     assert [item.index for item in place_objects(draft.table)] == [1]
+    page = draw_plan(place_objects(draft.table), (0.335, 0.25), selected=1, snapping=False, missing=["cup"])
+    assert "cup cannot be drawn" in page and "data-grid='0'" in page
     draft.type_in(("tray", "size"), ["x", "y"])
     assert tray_size(draft.table) is None
     assert len(objects(drawn(place_objects(draft.table), None))) == 1

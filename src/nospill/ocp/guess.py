@@ -83,14 +83,16 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
         bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
+    closed = [_closed(np.column_stack(chain), duration / intervals) for chain in chains]
+    s, rate = closed[0][0][:, 0], closed[0][0][:, 1]
     slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
-    joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * chains[0][1][:, None]
+    joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * rate[:, None]
     direction = self_motion(scene.robot, joints) if layout.redundant else None
     if direction is not None:
         change = np.gradient(speeds @ direction, duration / intervals)
-        chains.append((joints @ direction, speeds @ direction, change))
-    for index, chain in enumerate(chains):
-        states, jerks = _closed(np.column_stack(chain), duration / intervals)
+        own = np.column_stack([joints @ direction, speeds @ direction, change])
+        closed.append((own, np.diff(change) * intervals / duration))
+    for index, (states, jerks) in enumerate(closed):
         table[:, 3 * index : 3 * index + 3] = states
         table[:-1, layout.jerks.start + index] = jerks
     table[:, layout.interval] = duration / intervals

@@ -128,7 +128,7 @@ def _dress(axes: Any) -> None:
     for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", strict=True):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis.set_label_text(f"{name} [m]", size=8)
-        axis.set_tick_params(labelsize=7, pad=-2)
+        axis.set_tick_params(labelsize=7.5, pad=-2)
         # The label of the upright axis stands across its ticks and would be far off.
         axis.labelpad = -7 if name == "z" else -3
         axis.line.set_color(GREY)

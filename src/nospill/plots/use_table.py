@@ -11,6 +11,8 @@ from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
 
 _SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
 _LONGEST_USE = 1.2
+_LONGEST_NAME = 20
+"""Letters of 8 points that the first column holds."""
 
 
 def draw_use_table(axes: Axes, evidence: Evidence) -> None:
@@ -51,7 +53,9 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
         (_UNIT, unit, "left"),
         (_TIME, f"{row.at_s:.3f}", "right"),
     ):
-        axes.text(x, line, cell, ha=align, va="center", size=8, weight=weight, color=color)
+        # Names of the rows about an approach are longer than the column.
+        size = min(8.0, 8.0 * _LONGEST_NAME / len(cell)) if x == 0.0 and len(cell) > 21 else 8.0
+        axes.text(x, line, cell, ha=align, va="center", size=size, weight=weight, color=color)
     axes.barh(
         line,
         min(max(row.use, 0.0), _LONGEST_USE) * unit_use,

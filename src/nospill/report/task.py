@@ -82,7 +82,8 @@ def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) 
                 continue
             factor = shown_unit(row.unit)[0]
             value, limit = factor * abs(row.worst_value), factor * abs(row.limit)
-            cells.append(f"{value:.3g} of {limit:.4g} ({100 * row.use:.0f} %)")
+            # Rounded down: 100 % is the very limit.
+            cells.append(f"{value:.4g} of {limit:.4g} ({int(100 * row.use)} %)")
         table.append(tuple(cells))
     unlimited = [name for name in names if name not in limited and name != "joint position"]
     note = f"Not limited in this plan: {', '.join(unlimited)}." if unlimited else ""

@@ -30,7 +30,7 @@ START = "pp-two-cups"
 PLAN_FOLDER = "plan folder"
 """The choice beside the exporters: everything that `nospill plan -o` writes."""
 
-NAME = Field(("name",), "Name", "text", hint="of the scenario, and of its file")
+NAME = Field(("name",), "Save as", "text", hint="of the scenario, and of its file")
 """The field of the scenario's name."""
 
 _LARGEST_UPLOAD = 10_000_000

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _ROOT = "/layout"
 _PATH_POINTS = 120
+_ANGLE, _SPARE = float(np.radians(40.0)), 0.15
+"""Vertical angle of view, as in the viewer; m beyond what is looked at."""
 
 
 class LayoutView:
@@ -127,8 +129,9 @@ class LayoutView:
         middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
         back = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
         with self._client.atomic():
+            self._client.camera.fov = _ANGLE
             # in this order: a new position carries the point looked at along
-            self._client.camera.position = middle + back * (1.2 * span + 0.5)
+            self._client.camera.position = middle + back * (0.6 * span + _SPARE) / np.tan(_ANGLE / 2)
             self._client.camera.look_at = middle
 
 

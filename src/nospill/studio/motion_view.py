@@ -9,15 +9,19 @@ from nospill.certificate import judge
 from nospill.plans import Plan
 from nospill.viewer.charts import draw_charts
 from nospill.viewer.film import make_film
-from nospill.viewer.live import LIVE_RATE, short_titles
+from nospill.viewer.live import short_titles
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView
 
 if TYPE_CHECKING:
     import viser
 
+RATE = 30.0
+"""Pictures per second: fewer than the viewer's, as planning and several tabs share the machine."""
 _AFTER_END = 0.5
 """s; how long the liquids are shown after the motion."""
+_LAST_MOMENT = 2.0
+"""s; how long closing waits for the player."""
 
 
 class MotionView:
@@ -35,6 +39,7 @@ class MotionView:
         self._player: Player | None = None
         self._number = 0
         self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
 
     @property
     def shown(self) -> bool:
@@ -48,7 +53,7 @@ class MotionView:
         film = make_film(
             plan,
             plan.judgement or judge(plan.trajectory, plan.scene),
-            rate=LIVE_RATE,
+            rate=RATE,
             length=plan.duration + _AFTER_END,
         )
         old, self.plan = self._view, plan
@@ -59,7 +64,8 @@ class MotionView:
         if self._player is None:
             with self._tab:
                 self._player = Player(self._client.gui, [self._view], charts=charts, atomic=self._client.atomic)
-            threading.Thread(target=self._player.run, args=(self._stop,), daemon=True).start()
+            self._thread = threading.Thread(target=self._player.run, args=(self._stop,), daemon=True)
+            self._thread.start()
         else:
             self._player.replace([self._view], charts=charts)
         if old is not None:
@@ -79,6 +85,8 @@ class MotionView:
     def close(self) -> None:
         """Stop playing for good."""
         self._stop.set()
+        if self._thread is not None:
+            self._thread.join(_LAST_MOMENT)
 
     def _root(self) -> Any:
         assert self._view is not None

@@ -95,7 +95,7 @@ def verdict(plan: Plan, *, before: float | None, stale: bool) -> str:
         f"<span id='nospill-status' style='font-size:13px;font-weight:600;padding:2px 8px;border-radius:9px;color:#fff;"
         f"background:{'#00684D' if good else '#A63C00'}'>{plan.status}</span>"
     )
-    note = "<div style='color:#9A4300'>The scenario was changed since; plan again.</div>" if stale else ""
+    note = "<div style='color:#9A4300'>The scenario was changed since.</div>" if stale else ""
     report = plan.report
     effort = f"planned in {report.plan_time:.2f} s, {report.iterations} iterations"
     return (
@@ -111,13 +111,7 @@ def certificate_table(plan: Plan) -> str:
     cells = "".join(_certificate_row(row) for row in rows)
     head = "".join(
         f"<th style='text-align:{side};padding:2px 4px;position:sticky;top:0;background:#fff'>{text}</th>"
-        for text, side in (
-            ("limit", "left"),
-            ("of", "left"),
-            ("worst", "right"),
-            ("at most", "right"),
-            ("used", "right"),
-        )
+        for text, side in _COLUMNS
     )
     return (
         f"<div id='nospill-certificate' style='max-height:62vh;overflow:auto;margin:4px 10px;border:1px solid #ddd'>"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,7 +40,9 @@ def studio(
         MissingExtraError: viser is not installed.
     """
     seats, opened, lock = Seats(), {} if sessions is None else sessions, threading.Lock()
-    with running_server(port=port, host=host) as server:
+    with warnings.catch_warnings(), running_server(port=port, host=host) as server:
+        # what still plays in a tab that is being closed goes nowhere, which is right
+        warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         prepare(server.scene)
 

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 PROGRESS_EVERY = 0.1
 """s; how often the figures of a running plan are written anew."""
 
+_LAST_MOMENT = 2.0
+"""s; how long a closing session waits for its threads."""
+
 
 class Session:
     """Connects the model to the controls of one client. Every callback of the browser ends in `_refresh`."""
@@ -57,8 +60,12 @@ class Session:
         self._layout = LayoutView(client, said=self._reach_changed)
         self._motion = MotionView(client, self.controls.motion_tab)
         self._connect()
-        threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True).start()
-        threading.Thread(target=self._write_progress, daemon=True).start()
+        self._threads = (
+            threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True),
+            threading.Thread(target=self._write_progress, daemon=True),
+        )
+        for thread in self._threads:
+            thread.start()
         self._refresh()
 
     def close(self) -> None:
@@ -68,6 +75,8 @@ class Session:
         self.desk.stop()
         self._layout.wake()
         self._motion.close()
+        for thread in self._threads:
+            thread.join(_LAST_MOMENT)
 
     def _connect(self) -> None:
         """Let the controls do what they say."""
@@ -229,19 +238,22 @@ class Session:
             for title, fields in groups.items():
                 controls.groups[title].show(fields, draft, notes)
             controls.show_objects(self._object_choices(), draft.selected)
-            controls.set_content(
-                controls.plan_picture,
-                draw_plan(
-                    place_objects(draft.table),
-                    tray_size(draft.table),
-                    selected=draft.selected,
-                    snapping=self._snapping,
-                ),
-            )
+            controls.set_content(controls.plan_picture, self._picture())
             controls.set_content(controls.faults, fault_list(self.checked.faults))
             controls.show_possible(plan=self.checked.scene is not None, export=self._motion.plan is not None)
             controls.show_busy(self.desk.busy)
             self._show_result()
+
+    def _picture(self) -> str:
+        placed = place_objects(self.draft.table)
+        there = {item.index for item in placed}
+        return draw_plan(
+            placed,
+            tray_size(self.draft.table),
+            selected=self.draft.selected,
+            snapping=self._snapping,
+            missing=[label_of(entry, index) for index, entry in enumerate(self.draft.cargo) if index not in there],
+        )
 
     def _show_result(self) -> None:
         plan = self._motion.plan

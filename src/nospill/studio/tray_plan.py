@@ -57,7 +57,14 @@ def read_drag(text: str, *, objects: int) -> DragReport | None:
     return DragReport(index, at, ended)
 
 
-def draw_plan(placed: Sequence[Placed], size: tuple[float, float] | None, *, selected: int, snapping: bool) -> str:
+def draw_plan(
+    placed: Sequence[Placed],
+    size: tuple[float, float] | None,
+    *,
+    selected: int,
+    snapping: bool,
+    missing: Sequence[str] = (),
+) -> str:
     """The picture as HTML, followed by the words for what is wrong.
 
     Args:
@@ -65,6 +72,7 @@ def draw_plan(placed: Sequence[Placed], size: tuple[float, float] | None, *, sel
         size: of the tray, m; None while it cannot be read.
         selected: number of the object that is marked.
         snapping: whether drags keep to the grid.
+        missing: labels of objects whose place or sides cannot be read.
     """
     x, y = (1e3 * side for side in size or (0.3, 0.3))
     wide, high = x + 2 * _MARGIN, y + 2 * _MARGIN
@@ -82,7 +90,8 @@ def draw_plan(placed: Sequence[Placed], size: tuple[float, float] | None, *, sel
         f"patternTransform='rotate(45)'><rect width='6' height='6' fill='#fff'/><rect width='3' height='6' "
         f"fill='{RED}' fill-opacity='0.45'/></pattern></defs>{''.join(pieces)}</svg>"
     )
-    return f"<div id='nospill-plan' style='padding:4px 10px'><style>{_HIDE}</style>{picture}{_words(placed)}</div>"
+    words = _words(placed, missing)
+    return f"<div id='nospill-plan' style='padding:4px 10px'><style>{_HIDE}</style>{picture}{words}</div>"
 
 
 _HIDE = "div:has(>#nospill-plan)+div{display:none}"
@@ -144,12 +153,13 @@ def _object(item: Placed, *, marked: bool) -> str:
     )
 
 
-def _words(placed: Sequence[Placed]) -> str:
+def _words(placed: Sequence[Placed], missing: Sequence[str]) -> str:
     lines = [
         f"{item.label} stands {1e3 * item.off_tray:.3g} mm over the edge" for item in placed if item.off_tray > 0.0
     ]
     pairs = {tuple(sorted((item.label, other))) for item in placed for other in item.overlaps}
     lines += [f"{first} and {second} overlap" for first, second in sorted(pairs)]
+    lines += [f"{label} cannot be drawn: its place or its sides are wrong" for label in missing]
     text = "; ".join(lines) if lines else "Drag an object to move it; click it to edit it below."
     look = "color:#9A4300;font-weight:600" if lines else "color:#555"
     return (

@@ -1,0 +1,241 @@
+"""The studio in headless Chromium: a cup is dragged, filled, planned and saved; wrong values; two tabs."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("viser", reason="viser is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path; apt-get install chromium"),
+    # Playwright's own loop leaves sockets to the garbage collector.
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
+
+from nospill.scenario import scene_from_table, write_scenario  # noqa: E402
+from nospill.studio.server import studio  # noqa: E402
+from nospill.studio.session import Session  # noqa: E402
+
+COMMAND = [sys.executable, "-c", "from nospill.cli import main; main()"]
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+PATIENCE = 30.0
+SOON = 0.3
+"""s; from pressing Plan to the first progress."""
+WATCH = """
+() => {
+  const button = [...document.querySelectorAll('button')].find(found => found.textContent.trim() == 'Plan');
+  button.addEventListener('click', () => {
+    const pressed = performance.now();
+    window.nospillSoon = null;
+    const look = setInterval(() => {
+      if (document.querySelector('#nospill-progress b')) {
+        window.nospillSoon = (performance.now() - pressed) / 1e3;
+        clearInterval(look);
+      }
+    }, 5);
+  }, {once: true});
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def open_tab(browser: Any) -> Iterator[Callable[[str], Any]]:
+    """Open a tab at an address; at the end none of them may have met an error."""
+    tabs, errors = [], []
+
+    def new(address: str) -> Any:
+        page = browser.new_page(viewport={"width": 900, "height": 800})
+        page.set_default_timeout(1e3 * PATIENCE)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(address)
+        page.wait_for_selector("#nospill-object-0")
+        page.add_style_tag(content="[class*=Notifications-root]{display:none}")  # the one about software rendering
+        tabs.append(page)
+        return page
+
+    yield new
+    for page in tabs:
+        page.close()
+    assert errors == []
+
+
+def field(page: Any, label: str, tag: str = "input") -> Any:
+    """The input behind a label; the browser knows no connection between the two."""
+    named = page.locator("label", has_text=re.compile(f"^{re.escape(label)}$")).first
+    return named.locator(f"xpath=ancestor::div[.//{tag}][1]").locator(tag)
+
+
+def press(page: Any, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def drag(page: Any, number: int, right: float, up: float) -> None:
+    """Drag an object by so many mm."""
+    shape = page.locator(f"#nospill-object-{number} circle").first.bounding_box()
+    scale = page.evaluate("document.getElementById('nospill-tray').getScreenCTM().a")  # px per mm
+    x, y = shape["x"] + shape["width"] / 2, shape["y"] + shape["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 0.5 * scale * right, y - 0.5 * scale * up, steps=4)
+    page.mouse.move(x + scale * right, y - scale * up, steps=4)
+    page.mouse.up()
+
+
+def until(page: Any, true: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < end, what
+        page.wait_for_timeout(30)
+
+
+def planned(page: Any) -> float:
+    """Press Plan, wait for the verdict; the duration, s."""
+    page.evaluate(WATCH)
+    press(page, "Plan")
+    page.wait_for_function("window.nospillSoon")
+    page.get_by_role("button", name="Plan", exact=True).wait_for()
+    page.wait_for_function("document.getElementById('nospill-status')?.textContent == 'certified'")
+    return float(page.get_attribute("#nospill-verdict", "data-duration"))
+
+
+@contextlib.contextmanager
+def command(*arguments: str) -> Iterator[str]:
+    """A running `nospill studio`, ended as by Ctrl-C; its address."""
+    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        yield process.stdout.readline().split()[0]
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=15)
+        assert (process.returncode, errors) == (0, "")
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_move_fill_plan_save_and_plan_again_on_the_command_line(
+    tmp_path: Path, table: dict[str, Any], open_tab: Callable[[str], Any]
+) -> None:
+    file = tmp_path / "table.toml"
+    write_scenario(scene_from_table(table | {"name": "table"}, name="table"), file)
+    with command("studio", str(file), "--port", "0", "--no-browser") as address:
+        assert address.startswith("http://127.0.0.1:")
+        page = open_tab(address)
+        assert field(page, "x").input_value() == "0 mm"
+        drag(page, 0, 38.0, -12.0)
+        until(page, lambda: field(page, "x").input_value() == "40 mm", "the cup has moved")
+        until(page, lambda: field(page, "y").input_value() == "60 mm", "the cup has moved")
+        field(page, "Fill").fill("45 mm")
+        duration, soon = planned(page), page.evaluate("window.nospillSoon")
+        field(page, "Slosh limit").fill("14 mm")
+        page.get_by_text("The scenario was changed since").wait_for()
+        again = planned(page)
+        assert again > duration  # less may slosh
+        assert min(soon, page.evaluate("window.nospillSoon")) < SOON
+        press(page, "Undo")
+        until(page, lambda: field(page, "Slosh limit").input_value() == "15 mm", "undone")
+        page.get_by_text("Certificate", exact=True).click()
+        assert page.locator("#nospill-certificate tbody tr").count() > 10
+        page.get_by_text("Files", exact=True).click()
+        field(page, "Save as").fill("saved")
+        press(page, "Save")
+        page.get_by_text(f"Written to {tmp_path / 'saved.toml'}").wait_for()
+        page.goto("about:blank")
+    subprocess.run([*COMMAND, "plan", str(tmp_path / "saved.toml"), "-o", str(tmp_path / "plan")], check=True)
+    summary = json.loads((tmp_path / "plan" / "summary.json").read_text())
+    assert summary["status"] == "certified"
+    assert summary["duration_s"] == pytest.approx(duration, abs=1e-6)
+
+
+@pytest.fixture
+def running(
+    tmp_path: Path, table: dict[str, Any], capfd: pytest.CaptureFixture[str]
+) -> Iterator[tuple[str, dict[int, Session]]]:
+    """A studio, its address and its sessions; at the end no thread of it may have complained."""
+    sessions: dict[int, Session] = {}
+    with studio(table, folder=tmp_path, port=0, sessions=sessions) as address:
+        yield address, sessions
+    assert capfd.readouterr().err == ""
+
+
+def test_wrong_values_are_marked_where_they_are_typed_and_plan_nothing(
+    running: tuple[str, dict[int, Session]], open_tab: Callable[[str], Any]
+) -> None:
+    address, sessions = running
+    page = open_tab(address)
+    (session,) = sessions.values()
+    button = page.get_by_role("button", name="Plan", exact=True)
+    for label, wrong, says, right in (
+        ("Fill", "120 mm", "above the rim", "49 mm"),
+        ("Radius", "35 bananas", "unknown unit", "35 mm"),
+        ("x", "160 mm", "over the edge", "0 mm"),
+        ("y", "-50 mm", "", "70 mm"),
+        ("Speed scale", "120 %", "out of range", ""),
+    ):
+        entry = field(page, label)
+        entry.fill(wrong)
+        page.get_by_text("to correct before planning").wait_for()
+        note = page.locator(".nospill-fault").first
+        if says:
+            assert says in note.inner_text()
+            box, below = entry.bounding_box(), note.bounding_box()
+            assert 0.0 <= below["y"] - (box["y"] + box["height"]) < 15.0  # right below what was typed
+        assert button.is_disabled()
+        button.click(force=True)
+        page.wait_for_timeout(150)
+        assert session.desk.state.stage == "idle"
+        assert page.locator("#nospill-verdict").count() == 0
+        entry.fill(right)
+        page.wait_for_function("!document.getElementById('nospill-faults')")
+        assert page.locator(".nospill-fault").count() == 0
+        assert button.is_enabled()
+    drag(page, 0, 0.0, -100.0)
+    page.get_by_text("left and right overlap").wait_for()
+    assert page.locator("#nospill-tray [data-fits=false]").count() == 2
+    assert button.is_disabled()
+
+
+def test_two_tabs_are_independent(running: tuple[str, dict[int, Session]], open_tab: Callable[[str], Any]) -> None:
+    address, sessions = running
+    one, two = open_tab(address), open_tab(address)
+    assert len(sessions) == 2
+    first, second = sessions.values()
+    drag(one, 0, 50.0, 0.0)
+    until(one, lambda: first.draft.value(("cargo", 0, "at")) == ["50 mm", "70 mm"], "moved in one tab")
+    field(two, "Fill").fill("40 mm")
+    until(two, lambda: second.draft.value(("cargo", 0, "liquid_height")) == "40 mm", "filled in the other")
+    assert second.draft.value(("cargo", 0, "at")) == ["0 mm", "70 mm"]
+    assert first.draft.value(("cargo", 0, "liquid_height")) == "49 mm"
+    assert field(one, "Fill").input_value() == "49 mm"
+    assert field(two, "x").input_value() == "0 mm"
+    for page in (one, two):
+        press(page, "Plan")
+    durations = []
+    for page in (one, two):
+        page.wait_for_function("document.getElementById('nospill-status')?.textContent == 'certified'")
+        durations.append(float(page.get_attribute("#nospill-verdict", "data-duration")))
+    assert abs(durations[0] - durations[1]) > 1e-6
+    two.close()
+    until(one, lambda: len(sessions) == 1, "the session of the closed tab has ended")

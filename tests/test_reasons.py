@@ -1,0 +1,65 @@
+"""Why there is no motion: tasks made impossible in a known way, and changes that make them possible."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planner import plan
+from nospill.scene import Scene
+
+pytestmark = pytest.mark.slow
+
+Changed = Callable[..., Scene]
+
+FEW = {"planning.intervals": 40}
+
+
+def refusal(scene: Scene) -> NoSolutionError:
+    with pytest.raises(NoSolutionError) as raised:
+        plan(scene)
+    assert "\n" not in str(raised.value)
+    return raised.value
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "named", "key"),
+    [
+        ("matrix-rigid", {"tray.friction": 1e-4}, "slip of", "tray.friction"),
+        ("matrix-rigid", {"robot.limits": {"speed": "4 deg/s"}}, "joint speed of joint_1", "robot.limits.speed"),
+        ("matrix-rigid", {"motion.path_jerk_limit": 0.001}, "path jerk of path", "motion.path_jerk_limit"),
+        ("matrix-liquid", {"cargo.1.max_slosh_height": "0.01 mm"}, "slosh height of c2", "cargo.max_slosh_height"),
+    ],
+)
+def test_what_is_impossible_at_any_speed_is_named(
+    name: str, changes: dict[str, Any], named: str, key: str, changed_scene: Changed
+) -> None:
+    error = refusal(changed_scene(name, FEW | changes))
+    assert error.kind == "slow motion" and named in str(error)
+    assert [change.place for change in error.changes] == [key]
+
+
+def test_a_suggested_friction_is_enough(changed_scene: Changed) -> None:
+    changes = FEW | {"tray.friction": 1e-4}
+    error = refusal(changed_scene("matrix-rigid", changes))
+    assert plan(changed_scene("matrix-rigid", changes | {"tray.friction": error.changes[0].value})).certificate.ok
+
+
+def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Changed) -> None:
+    changes = FEW | {"motion.max_duration": 1.2, "motion.path_jerk_limit": 500}
+    error = refusal(changed_scene("matrix-rigid", changes))
+    assert error.kind == "in motion"
+    longest = next(change for change in error.changes if change.place == "motion.max_duration")
+    assert "max_duration" in longest.text and longest.text in str(error)
+    found = plan(changed_scene("matrix-rigid", changes | {"motion.max_duration": longest.value}))
+    assert found.certificate.ok and 1.2 < found.duration <= longest.value
+    # and no more than needed
+    assert longest.value < 1.05 * found.duration
+
+
+def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
+    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on, by up to \d+"):
+        plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
