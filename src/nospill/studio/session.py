@@ -133,8 +133,9 @@ class Session:
 
         return run
 
-    def _typed(self, field: Field, text: str) -> None:
+    def _typed(self, field: Field, read: Callable[[], str]) -> None:
         with self._lock:
+            text = read()
             if field.kind == "choice":
                 self.draft.change(choose(self.draft, field, text, path=self._path))
             else:
