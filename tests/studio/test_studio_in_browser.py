@@ -211,6 +211,9 @@ def test_wrong_values_are_marked_where_they_are_typed_and_plan_nothing(
         page.wait_for_function("!document.getElementById('nospill-faults')")
         assert page.locator(".nospill-fault").count() == 0
         assert button.is_enabled()
+    field(page, "Fill").fill("")
+    field(page, "Fill").press_sequentially("47.125 mm")  # as fast as the browser can
+    until(page, lambda: session.draft.value(("cargo", 0, "liquid_height")) == "47.125 mm", "every key has arrived")
     drag(page, 0, 0.0, -100.0)
     page.get_by_text("left and right overlap").wait_for()
     assert page.locator("#nospill-tray [data-fits=false]").count() == 2

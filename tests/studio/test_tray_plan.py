@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.scenario import read_scenario
+from nospill.studio.changes import NEW_CUP
 from nospill.studio.checks import check
 from nospill.studio.draft import Draft
-from nospill.studio.placing import GRID, Placed, place_objects, snapped, tray_size
+from nospill.studio.placing import GRID, Placed, free_place, place_objects, snapped, tray_size
 from nospill.studio.tray_plan import DragReport, draw_plan, read_drag
 
 
@@ -90,6 +91,17 @@ def test_what_is_wrong_is_coloured_and_named() -> None:
     assert [nodes[number].attrib["data-fits"] for number in "01"] == ["false", "false"]
     assert page.count("fill='url(#nospill-wrong)'") == 2
     assert "right stands 10 mm over the edge; left and right overlap" in page
+
+
+def test_one_more_object_stands_where_there_is_room() -> None:
+    draft = Draft(read_scenario("pp-two-cups").source)
+    for _ in range(6):
+        x, y = free_place(draft.table, NEW_CUP)
+        draft.add(NEW_CUP | {"at": [x, y]})
+        assert all(item.fits for item in place_objects(draft.table))
+    draft.type_in(("tray", "size"), ["80 mm", "80 mm"])
+    assert free_place(draft.table, NEW_CUP) == (0.0, 0.0)  # no room
+    assert free_place(draft.table, {"shape": "?"}) == (0.0, 0.0)
 
 
 def test_names_are_no_markup() -> None:

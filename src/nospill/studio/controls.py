@@ -33,7 +33,7 @@ class Controls:
         Args:
             gui: of one client.
             folder: of the scenario files, for its name.
-            typed: called with what is typed or chosen in a field.
+            typed: called when something is typed or chosen in a field.
             opens: what can be opened.
         """
         self.groups: dict[str, FieldGroup] = {}

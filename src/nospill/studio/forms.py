@@ -13,8 +13,8 @@ from nospill.studio.pages import fault_note
 if TYPE_CHECKING:
     import viser
 
-Edited = Callable[[Field, str], None]
-"""Called with a field and what was typed or chosen in it."""
+Edited = Callable[[Field, Callable[[], str]], None]
+"""Called with a field and what reads its text: viser calls from several threads, so it is read under the lock."""
 
 
 @dataclass(slots=True)
@@ -72,7 +72,7 @@ class FieldGroup:
         @entry.on_update
         def _(event: Any) -> None:
             if event.client is not None:  # what this side sets carries none
-                self._edited(field, str(event.target.value))
+                self._edited(field, lambda: str(entry.value))
 
         return _Shown(field, entry, self._gui.add_html("", visible=False))
 

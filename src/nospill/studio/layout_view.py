@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 _ROOT = "/layout"
 _PATH_POINTS = 120
-_ANGLE, _SPARE = float(np.radians(40.0)), 0.15
-"""Vertical angle of view, as in the viewer; m beyond what is looked at."""
+_ANGLE, _SPARE, _NARROW = float(np.radians(40.0)), 0.1, 0.6
+"""Vertical angle of view, as in the viewer; m beyond what is looked at; width over height there is room for."""
 
 
 class LayoutView:
@@ -69,7 +69,14 @@ class LayoutView:
             if stop.is_set() or scene is None:
                 return
             with suppress(RuntimeError):  # the browser went away in the middle of it
-                self._draw(scene)
+                try:
+                    self._draw(scene)
+                except NospillError as error:
+                    self._said(" ".join(str(error).split()))
+
+    def look_again(self) -> None:
+        """Put the camera where the next scene is seen whole."""
+        self._looked = False
 
     def wake(self) -> None:
         """Let `run` look at its stop."""
@@ -81,7 +88,7 @@ class LayoutView:
         source = scene.source
         way = repr((source["robot"], source["path"], source["tray"]))
         load = repr((way, source["cargo"], scene.fidelity, scene.slosh_modes))
-        if self._drawn.get("way") != way:
+        if self._drawn.get("way") != way or not self._looked:
             self._draw_way(scene)
         if self._drawn.get("load") != load:
             with self._client.atomic():
@@ -128,10 +135,12 @@ class LayoutView:
         low, high = points.min(axis=0), points.max(axis=0)
         middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
         back = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
+        # the panels leave a part of the window, often narrower than high
+        slope = np.tan(_ANGLE / 2) * _NARROW
         with self._client.atomic():
             self._client.camera.fov = _ANGLE
             # in this order: a new position carries the point looked at along
-            self._client.camera.position = middle + back * (0.6 * span + _SPARE) / np.tan(_ANGLE / 2)
+            self._client.camera.position = middle + back * (0.6 * span + _SPARE) / slope
             self._client.camera.look_at = middle
 
 

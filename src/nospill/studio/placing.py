@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -24,6 +24,7 @@ from nospill.units import quantity
 GRID = 0.005
 """m; distance of the points that objects snap to, counted from the tray's centre."""
 
+_SEARCH, _MOST_STEPS = 2 * GRID, 60
 _TOUCHING = 1e-9
 _SIZES = ("radius", "length", "width", "height")
 
@@ -99,6 +100,26 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
             )
         )
     return found
+
+
+def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[float, float]:
+    """The place on the grid nearest to the tray's centre where one more object fits, m; the centre if there is none."""
+    size, body = tray_size(table), _body({**entry, "at": [0.0, 0.0]})
+    others = [other for item in table["cargo"] if (other := _body(item)) is not None]
+    if size is None or body is None:
+        return 0.0, 0.0
+    tray = Tray(np.array(size), np.zeros(3), 0.0)
+    most = [min(int(side / 2 / _SEARCH), _MOST_STEPS) for side in size]
+    places = [
+        (_SEARCH * column, _SEARCH * row)
+        for column in range(-most[0], most[0] + 1)
+        for row in range(-most[1], most[1] + 1)
+    ]
+    for place in sorted(places, key=lambda place: math.hypot(*place)):
+        there = replace(body, position=np.array(place))
+        if overhang(there, tray) <= 0.0 and all(overlap(there, other) <= 0.0 for other in others):
+            return place
+    return 0.0, 0.0
 
 
 def _corners(body: Cargo) -> np.ndarray:

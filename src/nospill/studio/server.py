@@ -46,18 +46,20 @@ def studio(
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         prepare(server.scene)
 
+        @server.on_client_disconnect
+        def end(client: viser.ClientHandle) -> None:
+            with lock:
+                session = opened.pop(client.client_id, None)
+            if session is not None:
+                session.close()
+
         @server.on_client_connect
         def _(client: viser.ClientHandle) -> None:
             session = Session(client, table, folder=folder, seats=seats)
             with lock:
                 opened[client.client_id] = session
-
-        @server.on_client_disconnect
-        def _(client: viser.ClientHandle) -> None:
-            with lock:
-                session = opened.pop(client.client_id, None)
-            if session is not None:
-                session.close()
+            if client.client_id not in server.get_clients():  # it left while the session was built
+                end(client)
 
         try:
             yield f"http://{host}:{server.get_port()}"

@@ -14,19 +14,19 @@ from nospill.studio import documents
 from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
 from nospill.studio.checks import Check, check
 from nospill.studio.controls import Controls
-from nospill.studio.draft import Draft, label_of
+from nospill.studio.draft import Draft, label_of, millimetres
 from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields
 from nospill.studio.layout_view import LayoutView
 from nospill.studio.motion_view import MotionView
 from nospill.studio.pages import certificate_table, fault_list, file_note, progress_note, verdict
-from nospill.studio.placing import GRID, place_objects, snapped, tray_size
-from nospill.studio.planning import PlanningDesk, Seats
+from nospill.studio.placing import GRID, free_place, place_objects, snapped, tray_size
+from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
 from nospill.studio.tray_plan import draw_plan, read_drag
 
 if TYPE_CHECKING:
     import viser
 
-PROGRESS_EVERY = 0.1
+PROGRESS_EVERY = 0.05
 """s; how often the figures of a running plan are written anew."""
 
 _LAST_MOMENT = 2.0
@@ -96,9 +96,9 @@ class Session:
             (
                 controls.objects,
                 {
-                    "Cup": lambda: self.draft.add(NEW_CUP),
-                    "Solid": lambda: self.draft.add(NEW_SOLID),
-                    "Copy": self._copy_object,
+                    "Cup": lambda: self._add_object(NEW_CUP),
+                    "Solid": lambda: self._add_object(NEW_SOLID),
+                    "Copy": lambda: self._add_object(self.draft.cargo[self.draft.selected]),
                     "Remove": lambda: self.draft.remove(self.draft.selected),
                 },
             ),
@@ -133,8 +133,9 @@ class Session:
 
         return run
 
-    def _typed(self, field: Field, text: str) -> None:
+    def _typed(self, field: Field, read: Callable[[], str]) -> None:
         with self._lock:
+            text = read()
             if field.kind == "choice":
                 self.draft.change(choose(self.draft, field, text, path=self._path))
             else:
@@ -164,13 +165,10 @@ class Session:
     def _object_choices(self) -> tuple[str, ...]:
         return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(self.draft.cargo))
 
-    def _copy_object(self) -> None:
-        """Beside the old one, as far as its place can be read."""
-        index = self.draft.selected
-        self.draft.add(self.draft.cargo[index])
-        here = next((item for item in place_objects(self.draft.table) if item.index == index), None)
-        if here is not None:
-            self.draft.move(self.draft.selected, float(here.position[0]) + 2 * GRID, float(here.position[1]) + 2 * GRID)
+    def _add_object(self, entry: Mapping[str, Any]) -> None:
+        """Add an object where there is room for it."""
+        x, y = free_place(self.draft.table, entry)
+        self.draft.add({**entry, "at": [millimetres(x), millimetres(y)]})
 
     def _plan(self) -> None:
         with self._lock:
@@ -191,17 +189,23 @@ class Session:
             if self._closed.is_set():
                 return
             state = self.desk.state
-            busy = self.desk.busy
-            if not busy:
-                with self._lock:
-                    if state.plan is not None:
-                        self._show_plan(state.plan)
-                    self._refresh(edited=False)
-            else:
-                self.controls.show_busy(True)
-            self.controls.progress.content = progress_note(state)
-            self._client.flush()
-            self._closed.wait(PROGRESS_EVERY if busy else 0.0)
+            try:
+                self._show_state(state)
+            except Exception as error:  # a tab that hangs in "planning" would be worse; a closed one takes nothing
+                if not self._closed.is_set():
+                    self._say(f"Internal error: {type(error).__name__}: {error}", wrong=True)
+            self._closed.wait(PROGRESS_EVERY if state.stage in BUSY else 0.0)
+
+    def _show_state(self, state: PlanningState) -> None:
+        if state.stage in BUSY:
+            self.controls.show_busy(True)
+        else:
+            with self._lock:
+                if state.plan is not None:
+                    self._show_plan(state.plan)
+                self._refresh(edited=False)
+        self.controls.progress.content = progress_note(state)
+        self._client.flush()
 
     def _show_plan(self, plan: Plan) -> None:
         last = self._motion.plan
@@ -219,6 +223,13 @@ class Session:
         self._motion.hide()
         self._layout.visible = True
 
+    def _forget_attempt(self) -> None:
+        """What is on the screen is no longer what was planned, nor what failed."""
+        if self._motion.shown:
+            self._show_layout()
+        if not self.desk.busy:
+            self.controls.set_content(self.controls.progress, "")
+
     def _reach_changed(self, text: str) -> None:
         self.controls.reach.content = file_note(text, wrong=True)
 
@@ -231,8 +242,8 @@ class Session:
                 if self.checked.scene is not None:
                     self._path = self.checked.scene.path
                     self._layout.show(self.checked.scene)
-                if self._motion.shown and draft.table != self._planned:
-                    self._show_layout()
+                if draft.table != self._planned:
+                    self._forget_attempt()
             groups = scenario_fields(draft) | {"Object": object_fields(draft, draft.selected), "File": [documents.NAME]}
             notes, _ = faults_by_field([field for fields in groups.values() for field in fields], self.checked.faults)
             for title, fields in groups.items():
@@ -284,6 +295,7 @@ class Session:
             return
         with self._lock:
             self.draft.open(table)
+            self._layout.look_again()
             self._refresh()
         self._say(f"{name} opened; Undo brings the old one back")
 
