@@ -9,20 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from nospill.certificate import Certificate, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import Change, ModelError, NoSolutionError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
+from nospill.ocp.problem import Reserves
+from nospill.ocp.stages import Stages
 from nospill.plans import describe, shown_unit
 from nospill.robots.inverse import JointPath
 from nospill.scene import Scene
 from nospill.solvers import Solution, usable
-
-if TYPE_CHECKING:
-    from nospill.planning_run import PlanningRun
 
 _SLOW = 20.0
 """s; a motion of this length is slow enough to tell what is impossible at any speed."""
@@ -34,6 +33,29 @@ _BISECTIONS = 3
 _PATIENCE = 60
 _SPARE = 1.02
 """Suggested values go this much beyond the least that was found enough."""
+
+
+class Searcher(Protocol):
+    """What trying a changed task takes; a `planning_run.PlanningRun` is one.
+
+    Attributes:
+        scene: the task. reserves: fraction of each budget kept back; a negative one widens it.
+    """
+
+    scene: Scene
+    reserves: Reserves
+
+    def trial(self, scene: Scene) -> Searcher:
+        """A searcher of its own for a scene."""
+        ...
+
+    def start(self, joint_path: JointPath) -> Stages:
+        """A smooth starting motion."""
+        ...
+
+    def solve_near(self, start: Stages, *, iterations: int) -> Solution:
+        """Solve from a start."""
+        ...
 
 
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
@@ -54,7 +76,7 @@ def slow_verdict(scene: Scene, joint_path: JointPath) -> Certificate | None:
     return Certificate(all(row.ok for row in rows), verdict.grid_hz, rows)
 
 
-def explained(run: PlanningRun, joint_path: JointPath, last: Solution | None) -> NoSolutionError:
+def explained(run: Searcher, joint_path: JointPath, last: Solution | None) -> NoSolutionError:
     """The error that says why a search found nothing; `last` is its last attempt, None before the first."""
     scene, limit = run.scene, run.scene.motion.max_duration
     slow = max(limit, _SLOW)
@@ -86,7 +108,7 @@ def _advice(changes: list[Change]) -> str:
 
 
 def _found_changes(
-    run: PlanningRun, joint_path: JointPath, last: Solution | None, hasty: Certificate | None
+    run: Searcher, joint_path: JointPath, last: Solution | None, hasty: Certificate | None
 ) -> list[Change]:
     """Single changes with which a motion was found, smallest first."""
     found: list[tuple[float, Change]] = []
@@ -102,7 +124,7 @@ def _found_changes(
     return [change for _, change in sorted(found, key=lambda entry: entry[0])]
 
 
-def _longer(run: PlanningRun, joint_path: JointPath) -> tuple[float, Change] | None:
+def _longer(run: Searcher, joint_path: JointPath) -> tuple[float, Change] | None:
     """How much longer the motion would have to be allowed to be."""
     limit = run.scene.motion.max_duration
     roomy = replace(run.scene, motion=replace(run.scene.motion, max_duration=min(_LARGEST * limit, 600.0)))
@@ -133,7 +155,7 @@ def _suspects(scene: Scene, last: Solution | None, hasty: Certificate | None) ->
     return dict(named[:_SUSPECTS])
 
 
-def _least_widening(run: PlanningRun, joint_path: JointPath, name: str) -> float | None:
+def _least_widening(run: Searcher, joint_path: JointPath, name: str) -> float | None:
     """Least share by which a constraint's budgets have to grow for a motion to be found; None: no growth helps."""
 
     def works(share: float) -> bool:
