@@ -26,6 +26,13 @@ def test_a_wrong_scenario_is_told_in_one_line(tmp_path: Path) -> None:
     assert code == 2 and "no such file" in errors
 
 
+@pytest.mark.parametrize("host", ["203.0.113.7", "no such host"])
+def test_an_address_of_another_machine_is_refused(host: str) -> None:
+    pytest.importorskip("viser", reason="viser is not installed")
+    code, errors = run("--no-browser", "--port", "0", "--host", host)
+    assert code == 2 and errors.startswith(f'host "{host}" cannot be listened on') and errors.count("\n") == 1
+
+
 def test_without_viser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 

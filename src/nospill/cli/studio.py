@@ -14,7 +14,7 @@ import typer
 def studio(
     scenario: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENARIO]", help="A scenario file, or the name of an example.", show_default=False),
+        typer.Argument(metavar="SCENARIO", help="A scenario file, or the name of an example.", show_default=False),
     ] = None,
     port: Annotated[
         int, typer.Option("--port", min=0, max=65535, help="Port; the next free one if it is taken.")

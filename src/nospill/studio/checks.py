@@ -26,7 +26,7 @@ from nospill.studio.draft import Key
 from nospill.tray import Tray
 from nospill.units import as_written
 
-_MORE = re.compile(r" \(and \d+ more\)$")
+_MORE = re.compile(r" \(and \d+ more mistakes?\)$")
 _PLACE = re.compile(r'(?P<place>\[[a-z_.]+\]|cargo (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL)
 _LABEL = "studio"
 _MAIN_KEY = {"robot": "model", "path": "type", "tray": "mass"}
@@ -135,7 +135,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
 
 
 def _from_sentence(line: str, table: Mapping[str, Any]) -> Fault:
-    """The fault of a reader's line "studio: place: text (and 2 more)"."""
+    """The fault of a reader's line "studio: place: text (and 2 more mistakes)"."""
     line = _MORE.sub("", line.removeprefix(f"{_LABEL}: "))
     match = _PLACE.match(line)
     return _placed(match["place"], match["text"], table) if match else Fault((), line, "")

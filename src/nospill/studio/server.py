@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 import warnings
 from collections.abc import Iterator, Mapping
@@ -9,8 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nospill.errors import ScenarioError
 from nospill.studio.planning import Seats
 from nospill.studio.session import Session
+from nospill.units import as_written
 from nospill.viewer.live import running_server
 from nospill.viewer.scene_view import prepare
 
@@ -38,7 +41,9 @@ def studio(
 
     Raises:
         MissingExtraError: viser is not installed.
+        ScenarioError: `host` is no address of this machine.
     """
+    _require_own(host)
     seats, opened, lock = Seats(), {} if sessions is None else sessions, threading.Lock()
     with warnings.catch_warnings(), running_server(port=port, host=host) as server:
         # what still plays in a tab that is being closed goes nowhere, which is right
@@ -62,9 +67,23 @@ def studio(
                 end(client)
 
         try:
-            yield f"http://{host}:{server.get_port()}"
+            yield f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}"
         finally:
             with lock:
                 left = list(opened.values())
             for session in left:
                 session.close()
+
+
+def _require_own(host: str) -> None:
+    """Try the address: viser's own thread would fail on it, and who waits for that thread would wait for ever."""
+    try:
+        family = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][0]
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            trial.bind((host, 0))
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ScenarioError(
+            f"host {as_written(host)} cannot be listened on: {reason}; give an address of this machine, 127.0.0.1 for "
+            "itself alone or 0.0.0.0 for all of its networks"
+        ) from None
