@@ -24,8 +24,9 @@ FOLDER = Path(__file__).resolve().parents[1] / "benchmarks"
 sys.path.insert(0, str(FOLDER))
 
 import baseline  # noqa: E402  # pyright: ignore[reportMissingImports]
-import report  # noqa: E402  # pyright: ignore[reportMissingImports]
 import scenes  # noqa: E402  # pyright: ignore[reportMissingImports]
+
+import report  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 POINTS = [np.random.default_rng(seed).uniform(-1, 1, 32) for seed in range(4)]
 
