@@ -12,7 +12,7 @@ import pytest
 
 from nospill.frames import SX
 from nospill.numbers import constants
-from nospill.ocp.stage import TrayState, tray_state
+from nospill.ocp.tray_state import TrayState, tray_state
 from nospill.robots.kinematics import kinematics
 from nospill.sample import object_motion, sample_objects, split_states
 from nospill.scenario import read_scenario
