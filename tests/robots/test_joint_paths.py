@@ -135,7 +135,7 @@ def test_out_of_reach_says_from_where_and_how_far():
     with pytest.raises(ScenarioError) as caught:
         joint_paths(ROBOT, path, **TOOL)
     message = str(caught.value)
-    assert f"from s = {(stretched - 0.9) / 1.1:.3f} on" in message
+    assert f"from s = {(stretched - 0.9) / 1.1:.3f} on (start 0, end 1)" in message
     assert f"by up to {1000 * beyond:.4g} mm at s = 1.000" in message
     assert "\n" not in message
 

@@ -101,7 +101,7 @@ def _out_of_reach(
     worst = int(np.argmax(shortfall))
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return (
-        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on, by up to "
+        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on (start 0, end 1), by up to "
         f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f}; "
         "move the path nearer to the robot's base or away from its axis"
     )

@@ -26,7 +26,8 @@ Location = tuple[int | str, ...]
 def report(label: str, faults: Sequence[Fault]) -> ScenarioError:
     """The error for a scenario called `label` (its file as the user named it): the first fault, and how many more."""
     place, text = faults[0]
-    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    others = len(faults) - 1
+    more = f" (and {others} more mistake{'s' if others > 1 else ''})" if others else ""
     line = ": ".join(part for part in (label, place, text) if part) + more
     return ScenarioError(" ".join(line.splitlines()))
 

@@ -136,7 +136,7 @@ class Scenario(Table):
     robot: Annotated[RobotTable, Field(description="the arm, with the key model or urdf")]
     tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
     cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
-    path: Annotated[PathEntry, Field(description="the way the tray goes, with the key type")]
+    path: Annotated[PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline or waypoints")]
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
