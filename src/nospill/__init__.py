@@ -12,6 +12,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from nospill.errors import Change as Change
+from nospill.errors import MissingExtraError as MissingExtraError
 from nospill.errors import ModelError as ModelError
 from nospill.errors import NoSolutionError as NoSolutionError
 from nospill.errors import NospillError as NospillError
@@ -46,6 +48,8 @@ _PLACES = {
 
 __all__ = [
     "Certificate",
+    "Change",
+    "MissingExtraError",
     "ModelError",
     "NoSolutionError",
     "NospillError",

@@ -9,8 +9,8 @@ from nospill.approaching import require_possible, starts_alike, with_approach
 from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ScenarioError
+from nospill.planning_run import Memory, PlanningRun, Progress
 from nospill.planning_run import PlanningProgress as PlanningProgress
-from nospill.planning_run import PlanningRun, Progress
 from nospill.plans import Plan, motion_maxima
 from nospill.robots.inverse import branch_in_words, joint_paths, preferred_path
 from nospill.scene import Scene
@@ -37,6 +37,13 @@ def plan(
         NoSolutionError: no start led to a motion, or no approach to it; names what is in the way.
         MissingExtraError: an approach is asked for, and ruckig is not installed.
     """
+    return _planned(scene, warm=warm, memory=None, ignore=ignore, progress=progress)[0]
+
+
+def _planned(
+    scene: Scene, *, warm: Plan | None, memory: Memory | None, ignore: Collection[str], progress: Progress | None
+) -> tuple[Plan, Memory]:
+    """`plan`, with what the next one may start from."""
     unknown = set(ignore) - {constraint.name for constraint in CONSTRAINTS}
     if unknown:
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
@@ -47,7 +54,7 @@ def plan(
         with run.phase("base yaw"):
             run.scene = scene = settled_base(scene)
     # a plan on a branch chosen for another start of the arm is no place to go on from
-    solution = run.restart(warm) if warm is not None and starts_alike(warm.scene, scene) else None
+    solution = run.restart(warm, memory) if warm is not None and starts_alike(warm.scene, scene) else None
     if solution is None:
         with run.phase("kinematics"):
             paths = joint_paths(
@@ -70,7 +77,7 @@ def plan(
     chosen = {"branch": branch_in_words(trajectory.joint_position[0])}
     if base_is_free:
         chosen["base_yaw"] = base_yaw_text(scene)
-    return replace(found, report=replace(run.report(solution), **chosen))
+    return replace(found, report=replace(run.report(solution), **chosen)), run.memory(solution)
 
 
 class Planner:
@@ -83,9 +90,12 @@ class Planner:
     def __init__(self, last: Plan | None = None) -> None:
         """Start with nothing, or with an earlier plan (for example `load_plan(folder)`)."""
         self.last = last
+        self._memory: Memory | None = None
 
     def plan(self, scene: Scene, *, progress: Progress | None = None) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
-        self.last = plan(scene, warm=self.last if similar else None, progress=progress)
+        self.last, self._memory = _planned(
+            scene, warm=self.last if similar else None, memory=self._memory, ignore=(), progress=progress
+        )
         return self.last

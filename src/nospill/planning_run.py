@@ -14,6 +14,7 @@ from nospill.constraints import CONSTRAINTS
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.errors import NoSolutionError
+from nospill.numbers import Structure
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import (
     USUAL_START,
@@ -57,6 +58,7 @@ _LAST_ITERATIONS = 500
 _LAST_STARTS = 4
 _REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
+_AGAIN_BARRIER = 1e-6
 _TIGHTEN_ITERATIONS = 40
 _REFINE_ITERATIONS = 100
 _SAME = 1e-3
@@ -78,6 +80,16 @@ class PlanningProgress:
 
 
 Progress = Callable[[PlanningProgress], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What one planning leaves for the next one of the same structure: answer with multipliers, rows, reserves."""
+
+    structure: Structure
+    solution: Solution
+    kept: frozenset[tuple[str, int]]
+    reserves: Reserves
 
 
 @dataclass(slots=True)
@@ -263,19 +275,39 @@ class PlanningRun:
             return False
         return sum(duration <= min(self.durations) * (1 + _SAME) for duration in self.durations) >= 2
 
-    def restart(self, earlier: Plan) -> Solution | None:
-        """Solve from an earlier plan; None where that does not converge."""
+    def memory(self, solution: Solution) -> Memory:
+        """What the next run on a similar scene may start from."""
+        return Memory(structure_of(self.scene), solution, frozenset(self.kept), dict(self.reserves))
+
+    def restart(self, earlier: Plan, memory: Memory | None) -> Solution | None:
+        """Solve from an earlier plan, with its multipliers where they are at hand; None where neither converges."""
+        if memory is not None and memory.structure == structure_of(self.scene) and not self.ignored:
+            self.kept = set(memory.kept)
+            self.reserves = dict(memory.reserves)
+            if self._wanted_intervals(earlier.duration) == memory.solution.stages.intervals:
+                found = self._restarted(memory.solution.stages, warm=memory.solution)
+                if found is not None:
+                    return found
         self._keep_near(earlier.certificate)
         self._recall(earlier.report.reserves)
-        fewest = resolving_intervals(self.scene, earlier.duration, _FINE_SWING)
-        start = from_trajectory(self.scene, earlier.trajectory, max(self.scene.planning.intervals, fewest))
+        start = from_trajectory(self.scene, earlier.trajectory, self._wanted_intervals(earlier.duration))
+        found = self._restarted(start, warm=None)
+        if found is None:
+            self._keep_all()
+        return found
+
+    def _wanted_intervals(self, duration: float) -> int:
+        return max(self.scene.planning.intervals, resolving_intervals(self.scene, duration, _FINE_SWING))
+
+    def _restarted(self, start: Stages, *, warm: Solution | None) -> Solution | None:
         self.tried += 1
-        solution = self.solve(start, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
-        if usable(solution) and solution.converged and self._keeps_branch(solution.stages):
-            self.durations.append(solution.stages.duration)
-            return solution
-        self._keep_all()
-        return None
+        solution = self.solve(
+            start, barrier=_AGAIN_BARRIER if warm else _REFINE_BARRIERS[0], warm=warm, iterations=_REFINE_ITERATIONS
+        )
+        if not (usable(solution) and solution.converged and self._keeps_branch(solution.stages)):
+            return None
+        self.durations.append(solution.stages.duration)
+        return solution
 
     def _recall(self, reserves: dict[str, float]) -> None:
         for key in self.reserves:
