@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill import planner
+from nospill import planner, planning_run
 from nospill.certificate import judge
 from nospill.errors import NoSolutionError, NospillError, ScenarioError
 from nospill.ocp.guess import Start
@@ -136,12 +136,12 @@ def random_starts(table: dict[str, Any], name: str, count: int) -> Iterator[dict
 @contextmanager
 def only_start(start: Start) -> Iterator[None]:
     """Let the planner of this process begin from one given start; nothing else of it changes."""
-    usual = planner._starts
-    planner._starts = lambda scene: iter((start,))
+    usual = planning_run.starting_motions
+    planning_run.starting_motions = lambda scene, *, further: iter((start,))
     try:
         yield
     finally:
-        planner._starts = usual
+        planning_run.starting_motions = usual
 
 
 def _print(line: dict[str, Any]) -> None:
