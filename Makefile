@@ -24,7 +24,7 @@ demo: $(VENV)/.ready-test
 	@echo "pictures: $(CURDIR)/$(DEMO)/figures"
 
 test: $(VENV)/.ready-test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 check: $(VENV)/.ready-dev
 	$(BIN)/ruff check .
