@@ -38,7 +38,7 @@ PLACES: dict[str, dict[str, Any]] = {
 """Where each arm stands so that the arc is in its reach; two hang from the ceiling."""
 
 
-def on_the_arc(robot: str, *, tilt: bool, intervals: int = 40, **keys: Any) -> Scene:
+def on_the_arc(robot: str, *, tilt: bool, intervals: int = 30, **keys: Any) -> Scene:
     """The four cups on the published arc, carried by another robot with all its limits."""
     table: Any = copy.deepcopy(read_scenario("matrix-liquid-tilt" if tilt else "matrix-liquid-soft-end").source)
     table["robot"] = {"model": robot, **PLACES[robot], **keys}
@@ -104,14 +104,13 @@ def test_seven_joints_use_their_freedom() -> None:
 
 @pytest.mark.slow
 def test_removing_a_limit_never_makes_the_motion_slower() -> None:
-    base = on_the_arc("comau-smart-six", tilt=True, intervals=40)
+    base = on_the_arc("comau-smart-six", tilt=True, intervals=60)
     robot = replace(base.robot, max_jerk=np.full(6, 120.0))
     variants = {
         "all": robot,
         "no jerk": replace(robot, max_jerk=None),
         "no acceleration": replace(robot, max_acceleration=None),
         "neither": replace(robot, max_jerk=None, max_acceleration=None),
-        "speed too": replace(robot, max_jerk=None, max_acceleration=None, max_speed=10 * robot.max_speed),
     }
     found = {name: plan(replace(base, robot=arm)) for name, arm in variants.items()}
     assert all(item.certificate.ok for item in found.values())
@@ -122,7 +121,6 @@ def test_removing_a_limit_never_makes_the_motion_slower() -> None:
         ("all", "no acceleration"),
         ("no jerk", "neither"),
         ("no acceleration", "neither"),
-        ("neither", "speed too"),
     ):
         assert duration[without] <= duration[with_limit] * slack, (with_limit, without)
     # and they bind: leaving them out breaks them

@@ -104,7 +104,7 @@ def tilting() -> Evidence:
 def crowded() -> Evidence:
     """Eight cups with awkward names, driven far too fast."""
     scene = scene_from_table(table(EIGHT) | {"fidelity": "deliverable", "name": LONG}, name="x")
-    found = Evidence(*plan_of(scene, 0.8))
+    found = Evidence(*plan_of(scene, 0.4))
     assert not found.judgement.certificate.ok
     return found
 

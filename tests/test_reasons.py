@@ -61,5 +61,5 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
 
 
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
-    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on, by up to \d+"):
+    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on .*, by up to \d+"):
         plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
