@@ -158,6 +158,15 @@ def test_file_shows_the_arm(page: Any, file: Path) -> None:
     assert 5 < columns.min() < columns.max() < WIDTH - 5
 
 
+def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
+    with live_viewer([tilting_film], port=0) as (address, _):
+        open_page(page, address)
+        pixels = eventually(page, lambda found: arm(found) > 0.02, "the arm")
+        assert np.ptp(pixels) > 100
+        page.goto("about:blank")
+    assert page.errors == []
+
+
 def test_live_viewer_plays(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, player):
         open_page(page, f"{address}/{from_above(tilting_film)}")
