@@ -67,7 +67,8 @@ def test_any_way_keeps_its_limits_as_exported(start, end, speed, acceleration, j
     own = {"speed": 2.0 * speed, "acceleration": 6.0 * acceleration, "jerk": 60.0 * jerk}
     found = sampled(jerk_limited(start, end, **own), JOINTS, rate=rate, loaded=False, stretch=stretch)
     position = found.samples.position
-    assert np.array_equal(position[0], start) and np.array_equal(position[-1], end)
+    # a way too short to be told from none is not gone
+    assert np.allclose([position[0], position[-1]], [start, end], rtol=0.0, atol=1e-12)
     padded = np.concatenate([np.repeat(position[:1], 3, axis=0), position, np.repeat(position[-1:], 3, axis=0)])
     for order, name in ((1, "speed"), (2, "acceleration"), (3, "jerk")):
         means = np.abs(np.diff(padded, n=order, axis=0)) * rate**order
