@@ -22,6 +22,11 @@ class _Shown:
     field: Field
     entry: Any  # a text or a dropdown of viser, whose handles share no typed base with a value
     note: viser.GuiHtmlHandle
+    known: str  # what was last read from the entry or written to it: any other value in it is yet to be read
+
+    def read(self) -> str:
+        self.known = str(self.entry.value)
+        return self.known
 
 
 class FieldGroup:
@@ -69,21 +74,26 @@ class FieldGroup:
             text = shown_text(value, field.kind)
             entry = self._gui.add_text(field.label, text, multiline=field.kind == "points", hint=hint)
 
+        shown = _Shown(field, entry, self._gui.add_html("", visible=False), str(entry.value))
+
         @entry.on_update
         def _(event: Any) -> None:
             if event.client is not None:  # what this side sets carries none
-                self._edited(field, lambda: str(entry.value))
+                self._edited(field, shown.read)
 
-        return _Shown(field, entry, self._gui.add_html("", visible=False))
+        return shown
 
     def _update(self, item: _Shown, value: Any) -> None:
         field, entry = item.field, item.entry
+        if entry.value != item.known:
+            return  # typed on since the draft was written, and about to be read: writing now would lose keys
         if field.kind == "choice":
             wanted = _chosen(field, value, entry.options)
         else:
             same = repr(read_text(entry.value, field.kind)) == repr(value)
             wanted = entry.value if same else shown_text(value, field.kind)
         if entry.value != wanted:
+            item.known = wanted
             entry.value = wanted
 
 
