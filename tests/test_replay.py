@@ -22,24 +22,7 @@ GRAVITY = np.array((0.0, 0.0, 9.80665))
 
 def played_joints(t: np.ndarray, q: np.ndarray, scene: Scene) -> Trajectory:
     """A trajectory that holds joint positions alone."""
-    none = np.zeros(len(t))
-    rest, tray = np.zeros((len(t), 2)), np.zeros((len(t), 3))
-    return Trajectory(
-        t=t,
-        s=none,
-        s_rate=none,
-        s_acceleration=none,
-        tilt=rest,
-        tilt_rate=rest,
-        tilt_acceleration=rest,
-        joints=scene.robot.joints,
-        joint_position=q,
-        joint_speed=0 * q,
-        joint_acceleration=0 * q,
-        tray_position=tray,
-        tray_quaternion=np.zeros((len(t), 4)),
-        slosh={},
-    )
+    return Trajectory.of_joints(t, scene.robot.joints, q)
 
 
 def cup_acceleration(mode, motion, q: np.ndarray, qd: np.ndarray, *, spin_free: bool) -> np.ndarray:

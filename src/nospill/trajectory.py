@@ -74,6 +74,34 @@ class Trajectory:
     tray_quaternion: np.ndarray
     slosh: dict[str, SloshTrack]
 
+    @classmethod
+    def of_joints(
+        cls,
+        t: np.ndarray,
+        joints: tuple[str, ...],
+        position: np.ndarray,
+        speed: np.ndarray | None = None,
+        acceleration: np.ndarray | None = None,
+    ) -> Trajectory:
+        """Joint samples alone, (m, n), in the form the replay takes: everything it does not read is zero."""
+        line, pair, none = np.zeros(len(t)), np.zeros((len(t), 2)), np.zeros_like(position)
+        return cls(
+            t=t,
+            s=line,
+            s_rate=line,
+            s_acceleration=line,
+            tilt=pair,
+            tilt_rate=pair,
+            tilt_acceleration=pair,
+            joints=joints,
+            joint_position=position,
+            joint_speed=none if speed is None else speed,
+            joint_acceleration=none if acceleration is None else acceleration,
+            tray_position=np.zeros((len(t), 3)),
+            tray_quaternion=np.tile([0.0, 0.0, 0.0, 1.0], (len(t), 1)),
+            slosh={},
+        )
+
     @property
     def rate(self) -> float:
         """Samples per second, Hz."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,11 +16,8 @@ from typing import Any
 import pytest
 
 pytest.importorskip("viser", reason="viser is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path; apt-get install chromium"),
     # Playwright's own loop leaves sockets to the garbage collector.
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
 ]
@@ -31,7 +27,6 @@ from nospill.studio.server import studio  # noqa: E402
 from nospill.studio.session import Session  # noqa: E402
 
 COMMAND = [sys.executable, "-c", "from nospill.cli import main; main()"]
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE = 30.0
 SOON = 0.3
 """s; from pressing Plan to the first progress."""
@@ -50,14 +45,6 @@ WATCH = """
   }, {once: true});
 }
 """
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield found
-        found.close()
 
 
 @pytest.fixture

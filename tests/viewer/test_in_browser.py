@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import shutil
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -18,13 +17,8 @@ from scipy import ndimage
 from nospill.viewer.film import Film
 
 pytest.importorskip("viser", reason="viser is not installed")
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on the path; apt-get install chromium"),
-    # Playwright's own loop leaves sockets to the garbage collector.
-    pytest.mark.filterwarnings("ignore::ResourceWarning"),
-]
+# Playwright's own loop leaves sockets to the garbage collector.
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
 from nospill.viewer.html import save_html  # noqa: E402
 from nospill.viewer.live import live_viewer  # noqa: E402
@@ -34,15 +28,6 @@ PATIENCE = 25.0
 CURSOR = "document.documentElement.style.getPropertyValue('--nospill-x')"
 WIDTH, HEIGHT = 470, 410
 """px; the scene's part of the window, without charts and player."""
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield found
-        found.close()
 
 
 @pytest.fixture

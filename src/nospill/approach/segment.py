@@ -41,27 +41,9 @@ class Segment:
         return float(self.samples.t[-1])
 
     def record(self) -> Trajectory:
-        """The same in the form the replay takes; only times and joints say anything, the rest is zero."""
-        count = len(self.samples.t)
-        line, pair = np.zeros(count), np.zeros((count, 2))
-        speed, acceleration = self.samples.speed, self.samples.acceleration
-        none = np.zeros_like(self.samples.position)
-        return Trajectory(
-            t=self.samples.t,
-            s=line,
-            s_rate=line,
-            s_acceleration=line,
-            tilt=pair,
-            tilt_rate=pair,
-            tilt_acceleration=pair,
-            joints=self.joints,
-            joint_position=self.samples.position,
-            joint_speed=none if speed is None else speed,
-            joint_acceleration=none if acceleration is None else acceleration,
-            tray_position=np.zeros((count, 3)),
-            tray_quaternion=np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)),
-            slosh={},
-        )
+        """The same in the form the replay takes."""
+        samples = self.samples
+        return Trajectory.of_joints(samples.t, self.joints, samples.position, samples.speed, samples.acceleration)
 
 
 def sampled(profile: Profile, joints: tuple[str, ...], *, rate: float, loaded: bool, stretch: float = 1.0) -> Segment:
