@@ -127,6 +127,7 @@ def test_defaults() -> None:
     assert scene.planning.intervals == 100 and scene.planning.starts == 3 and scene.planning.solver == "ipopt"
     assert np.array_equal(scene.tray.offset, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
+    assert scene.cargo[0].footprint_reserve == 0.05
     filling = one(CUP).filling
     assert filling is not None and filling.max_slosh_height == pytest.approx(0.0501)  # to the rim
 
@@ -144,6 +145,13 @@ def test_own_friction_offset_and_seed() -> None:
     scene = scene_with(tray=tray, cargo=[entry])
     assert scene.tray.offset == pytest.approx([0.001, 0, 0.108]) and scene.tray.yaw_on_flange == math.pi / 2
     assert scene.cargo[0].planned_friction == 0.2 and scene.cargo[0].yaw == math.pi / 4
+
+
+def test_footprint_reserve_of_the_tray_and_of_an_object() -> None:
+    entries = [{"name": name, "at": [x, 0], **CUP} for name, x in (("c1", -0.05), ("c2", 0.05))]
+    entries[1]["footprint_reserve"] = 0
+    scene = scene_with(tray={**VALID["tray"], "footprint_reserve": "20 %"}, cargo=entries)
+    assert [item.footprint_reserve for item in scene.cargo] == [0.2, 0.0]
 
 
 def test_masses_of_a_filled_cup() -> None:

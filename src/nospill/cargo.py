@@ -35,6 +35,7 @@ class Cargo:
         empty: mass properties without the liquid (equal to `total` for a solid), container frame.
         friction: coefficient as measured between object and tray.
         friction_reserve: fraction of it kept back, 0 to below 1.
+        footprint_reserve: fraction of the footprint kept back from tipping, 0 to below 1.
         filling: the liquid, or None for a solid object.
     """
 
@@ -47,6 +48,7 @@ class Cargo:
     empty: MassProperties
     friction: float
     friction_reserve: float
+    footprint_reserve: float
     filling: Filling | None
 
     @property

@@ -49,8 +49,10 @@ def cup_from_table(table: Mapping[str, Any], *, label: str = "cup", slosh_modes:
     except ValidationError as error:
         raise report(label, [("", text) for _, text in faults_of(error, wrapped)]) from None
     try:
-        # Friction is a cargo's, but no motion of the liquid asks for it.
-        cargo = read_cargo(cup, friction=1.0, friction_reserve=0.0, fidelity="full", slosh_modes=slosh_modes)
+        # Friction and footprint are a cargo's, but no motion of the liquid asks for them.
+        cargo = read_cargo(
+            cup, friction=1.0, friction_reserve=0.0, footprint_reserve=0.0, fidelity="full", slosh_modes=slosh_modes
+        )
     except (ScenarioError, ModelError) as error:
         raise report(label, [("", str(error))]) from None
     if cargo.filling is None:

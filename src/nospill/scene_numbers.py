@@ -107,7 +107,7 @@ def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
         spin_inertia=spin_inertia,
         weight=cargo.total.mass * scene.gravity,
         friction=cargo.planned_friction,
-        footprint=_half_lengths(footprint),
+        footprint=(1.0 - cargo.footprint_reserve) * _half_lengths(footprint),
         twist_radius=twist_radius(footprint),
         grip_radius=grip_radius(footprint),
         liquid_height=filling.liquid_height if filling else 0.0,

@@ -66,7 +66,8 @@ def test_level_tray_accelerating_sideways(solids, azimuth, fidelity):
     scene = replace(solids, fidelity=fidelity)
     sample = objects_sample(scene, moving((3 * np.cos(azimuth), 3 * np.sin(azimuth), GRAVITY)))
     assert use(Slip(), sample)[0] == pytest.approx(3 / (0.4196772 * GRAVITY), rel=1e-6)
-    assert use(Tip(), sample)[0] == pytest.approx(3 * 0.04955 / (0.035 * GRAVITY), rel=1e-9)
+    edge = 0.035 * (1 - scene.cargo[0].footprint_reserve)
+    assert use(Tip(), sample)[0] == pytest.approx(3 * 0.04955 / (edge * GRAVITY), rel=1e-9)
     assert use(Lift(), sample)[0] == pytest.approx(1.0)
     assert use(Twist(), sample)[0] == pytest.approx(0.0, abs=1e-12)
 
@@ -100,10 +101,26 @@ def test_yaw_about_the_own_axis_only_twists(solids):
     assert use(Slip(), full)[0] == pytest.approx(np.hypot(sliding, expected * 4 / 3), rel=1e-5)
 
 
+@pytest.mark.parametrize("name", ["matrix-rigid", "mixed-tray"])
+def test_a_footprint_reserve_shortens_the_way_to_tipping_and_nothing_else(name):
+    """Discs and a rectangle: tip uses 1/(1 - reserve) as much."""
+    scene = read_scenario(name)
+    whole, less = (
+        replace(scene, cargo=tuple(replace(item, footprint_reserve=part) for item in scene.cargo)) for part in (0, 0.2)
+    )
+    motion = moving((2.0, 1.0, GRAVITY), alpha=(0, 0, 3.0))
+    for index in range(len(scene.cargo)):
+        for constraint in (Tip(), Slip(), Twist(), Lift()):
+            before, after = (use(constraint, objects_sample(item, motion), index)[0] for item in (whole, less))
+            factor = 1 / 0.8 if isinstance(constraint, Tip) else 1.0
+            assert after == pytest.approx(factor * before, rel=1e-12)
+
+
 def test_box_tips_over_its_own_sides():
     """Half lengths 40 and 30 mm: the shorter way is the dangerous one."""
     scene = read_scenario("mixed-tray")
-    box = replace(scene.cargo[2], filling=None, empty=scene.cargo[2].total, position=np.zeros(2))
+    whole = {"filling": None, "empty": scene.cargo[2].total, "footprint_reserve": 0.0}
+    box = replace(scene.cargo[2], **whole, position=np.zeros(2))
     scene = replace(scene, cargo=(box,))
     height = box.total.centre[2]
     for force, half in (((2.0, 0, GRAVITY), 0.04), ((0, 2.0, GRAVITY), 0.03)):

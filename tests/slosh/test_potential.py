@@ -113,7 +113,7 @@ def massless(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Obje
     modes = container.slosh_modes(WATER, DEPTH, count, damping=0.0)
     total = MassProperties(modes.liquid_mass, np.array((0, 0, DEPTH / 2)), np.zeros((3, 3)))
     filling = Filling(WATER, DEPTH, 0.02, modes)
-    cargo = Cargo("cup", "", container, np.zeros(2), 0.0, total, none, 0.4, 0.0, filling)
+    cargo = Cargo("cup", "", container, np.zeros(2), 0.0, total, none, 0.4, 0.0, 0.0, filling)
     scene = replace(read_scenario("mixed-tray"), cargo=(cargo,))
     return constants(numbers_of(scene).objects[0]), structure_of(scene).objects[0]
 

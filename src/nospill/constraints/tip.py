@@ -1,4 +1,4 @@
-"""Tip: the pressing force must act inside the footprint."""
+"""Tip: the pressing force must act inside the footprint less its reserve."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nospill.scene import Scene
 
 
 class Tip(Constraint):
-    """Centre of pressure (-M_y, M_x)/N inside the footprint.
+    """Centre of pressure (-M_y, M_x)/N inside the footprint, each length of it less `footprint_reserve`.
 
     With the deliverable wrench M = h_G e_z x f, so this is |f_T| <= (R/h_G) N for a disc [D3].
     """
@@ -19,7 +19,10 @@ class Tip(Constraint):
     unit = "1"
     place = Place.OBJECT
     relative = True
-    description = "Distance of the centre of pressure from the middle of the footprint, as a fraction of the footprint."
+    description = (
+        "Distance of the centre of pressure from the middle of the footprint, as a fraction of the footprint less its "
+        "reserve."
+    )
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object."""

@@ -32,7 +32,7 @@ def require_possible(scene: Scene, ranges: Ranges) -> None:
 
 
 def perturbed(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
-    """The object with one draw applied, its friction without reserve: what is really there is all there is.
+    """The object with one draw applied, friction and footprint without reserve: what is really there is all there is.
 
     Args:
         cargo: as in the scenario.
@@ -52,6 +52,7 @@ def perturbed(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
         empty=empty,
         friction=cargo.friction * (1.0 + change["friction"]),
         friction_reserve=0.0,
+        footprint_reserve=0.0,
         filling=filling,
     )
 

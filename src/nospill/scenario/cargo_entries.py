@@ -16,12 +16,12 @@ from nospill.liquids import LIQUIDS
 from nospill.scenario.fields import (
     Angle,
     Friction,
-    FrictionReserve,
     Mass,
     Measured,
     Name,
     Point,
     PointOnTray,
+    Reserve,
     Size,
     Table,
 )
@@ -88,7 +88,10 @@ class CargoTable(Table):
     ] = None
     friction: Annotated[Friction | None, Field(description="friction of this object, instead of the tray's")] = None
     friction_reserve: Annotated[
-        FrictionReserve | None, Field(description="friction reserve of this object, instead of the tray's")
+        Reserve | None, Field(description="friction reserve of this object, instead of the tray's")
+    ] = None
+    footprint_reserve: Annotated[
+        Reserve | None, Field(description="footprint reserve of this object, instead of the tray's")
     ] = None
 
     def container(self, *, height: float | None = None) -> Container:

@@ -24,7 +24,13 @@ ones) put it a little above the rim; much farther means that mass and centre of 
 
 
 def read_cargo(
-    entry: CargoTable, *, friction: float, friction_reserve: float, fidelity: Fidelity, slosh_modes: int
+    entry: CargoTable,
+    *,
+    friction: float,
+    friction_reserve: float,
+    footprint_reserve: float,
+    fidelity: Fidelity,
+    slosh_modes: int,
 ) -> Cargo:
     """Build one object.
 
@@ -32,6 +38,7 @@ def read_cargo(
         entry: its validated keys.
         friction: the tray's coefficient of friction, for objects that bring none of their own.
         friction_reserve: the fraction of it kept back, likewise.
+        footprint_reserve: the fraction of the footprint kept back from tipping, likewise.
         fidelity: "deliverable" takes everything at rest as the homogeneous solid of the outer shape with its centre at
             the given height, as the published computations do (yaw inertia m R^2/2); "full" adds the frozen liquid to
             the empty container by the parallel-axis theorem.
@@ -58,6 +65,7 @@ def read_cargo(
         empty=empty,
         friction=friction if entry.friction is None else entry.friction,
         friction_reserve=friction_reserve if entry.friction_reserve is None else entry.friction_reserve,
+        footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
     )
 

@@ -201,6 +201,6 @@ ANGLE = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
 Angle = Annotated[float, ANGLE]
 Mass = Annotated[float, Measured(dimension="mass", at_least=1e-6, at_most=1000.0)]
 Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
-FrictionReserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]
+Reserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]
 Point = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y", "z"))]
 PointOnTray = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y"))]

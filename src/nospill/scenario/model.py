@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.cargo_entries import CargoEntry
-from nospill.scenario.fields import SIDE, Angle, Friction, FrictionReserve, Measured, Name, Table, Vector
+from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scene import EndCondition, Fidelity
@@ -24,7 +24,10 @@ class TrayTable(Table):
         Field(description='side lengths along x and y, for example ["335 mm", "250 mm"]'),
     ]
     friction: Annotated[Friction, Field(description="measured coefficient of friction between tray and cargo")]
-    friction_reserve: Annotated[FrictionReserve, Field(description="fraction of the friction that is kept back")] = 0.1
+    friction_reserve: Annotated[Reserve, Field(description="fraction of the friction that is kept back")] = 0.1
+    footprint_reserve: Annotated[
+        Reserve, Field(description="fraction of every footprint that is kept back: objects tip over a smaller one")
+    ] = 0.05
     offset: Annotated[
         tuple[float, ...],
         Vector(

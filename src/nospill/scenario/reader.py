@@ -212,6 +212,7 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
                 entry,
                 friction=scenario.tray.friction,
                 friction_reserve=scenario.tray.friction_reserve,
+                footprint_reserve=scenario.tray.footprint_reserve,
                 fidelity=scenario.fidelity,
                 slosh_modes=scenario.planning.slosh_modes,
             )

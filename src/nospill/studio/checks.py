@@ -117,6 +117,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
                 entry,
                 friction=scenario.tray.friction,
                 friction_reserve=scenario.tray.friction_reserve,
+                footprint_reserve=scenario.tray.footprint_reserve,
                 fidelity=scenario.fidelity,
                 slosh_modes=scenario.planning.slosh_modes,
             )

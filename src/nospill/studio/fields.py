@@ -83,6 +83,7 @@ def scenario_fields(draft: Draft) -> dict[str, list[Field]]:
             Field(("tray", "offset"), "Offset", "one or list", hint="surface beyond the flange: z, or x, y, z; 108 mm"),
             Field(("tray", "friction"), "Friction", hint="measured coefficient between tray and cargo"),
             Field(("tray", "friction_reserve"), "Reserve", hint="part of the friction that is kept back: 0.1 or 10 %"),
+            Field(("tray", "footprint_reserve"), "Tip reserve", hint="part of the footprints kept back: 0.05 or 5 %"),
             Field(("tray", "mass"), "Mass", hint="of the board without its load; counts for payload and torque"),
         ],
         "Motion": _motion(draft),

@@ -137,6 +137,8 @@ def _body(entry: Mapping[str, Any]) -> Cargo | None:
     sides = {"name": "body", "shape": shape, "at": entry.get("at"), "yaw": entry.get("yaw", 0.0), "mass": 1.0}
     try:
         read = CARGO_TABLES[shape].model_validate(sides | sizes | {"height": 0.1})
-        return read_cargo(read, friction=1.0, friction_reserve=0.0, fidelity="full", slosh_modes=1)
+        return read_cargo(
+            read, friction=1.0, friction_reserve=0.0, footprint_reserve=0.0, fidelity="full", slosh_modes=1
+        )
     except (ValidationError, ScenarioError):
         return None
