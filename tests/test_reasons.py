@@ -38,7 +38,7 @@ def test_what_is_impossible_at_any_speed_is_named(
     name: str, changes: dict[str, Any], named: str, key: str, changed_scene: Changed
 ) -> None:
     error = refusal(changed_scene(name, FEW | changes))
-    assert error.kind == "slow motion" and named in str(error)
+    assert error.kind == "in motion" and named in str(error)
     assert [change.place for change in error.changes] == [key]
 
 

@@ -5,10 +5,78 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 
+REST, ROBOT, MOTION, NOT_CONVERGED = "at rest", "robot", "in motion", "not converged"
+"""Kinds of reasons: proven impossible even standing still; the arm cannot follow the path; no motion keeps the limits
+in the time allowed; no motion was found, and nothing says that there is none."""
+
+Setting = float | str | list[float] | list[str]
+"""A value in a scenario file, SI where it is a number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A single change of a scenario that lets a motion be found; `reasons.with_change` makes it.
+
+    Attributes:
+        what: what is in the way, for people.
+        place: key in the scenario, as "tray.friction", "cargo.c2.mass" (by the object's name) or
+            "cargo.*.max_slosh_height" (every object that has the key).
+        value: its new value, SI.
+        text: the change in words.
+    """
+
+    what: str
+    place: str
+    value: Setting
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why there is no motion, for programs.
+
+    Attributes:
+        kind: `REST`, `ROBOT`, `MOTION` or `NOT_CONVERGED`.
+        constraint: what is in the way: a constraint of the certificate ("slip"), "reach", "singularity",
+            "layout", "fill", "payload", "approach ..." or "planning".
+        subject: which object, joint or robot.
+        at_s: where on the path, from 0 to 1; None where no place can be named.
+        excess: by how much, in `unit`.
+        unit: of `excess`: "m", "rad", "kg", or "1" for a fraction of the limit.
+        changes: single changes that help, smallest first; empty where none was found.
+    """
+
+    kind: str
+    constraint: str
+    subject: str
+    at_s: float | None = None
+    excess: float | None = None
+    unit: str = "1"
+    changes: tuple[Change, ...] = ()
+
+
 class NospillError(Exception):
-    """Base of every error nospill raises on purpose: one line that says what, where, the value and what to try."""
+    """Base of every error nospill raises on purpose: one line that says what, where, the value and what to try.
+
+    Attributes:
+        reason: why there is no motion; None where the error is about something else, or nothing more is known.
+    """
 
     exit_code = 2
+
+    def __init__(self, message: str = "", reason: Reason | None = None) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+    @property
+    def kind(self) -> str:
+        """The kind of the reason; "not converged" where none is known."""
+        return NOT_CONVERGED if self.reason is None else self.reason.kind
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """Single changes of the scenario that help, smallest first; empty where none was found."""
+        return () if self.reason is None else self.reason.changes
 
 
 class ScenarioError(NospillError):
@@ -23,35 +91,10 @@ class ModelError(NospillError):
     """A physical model is asked beyond its validity, for example liquid in a cup that is not pressed down."""
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A single change of a scenario that lets a motion be found.
-
-    Attributes:
-        what: what is in the way, for people. place: key in the scenario. value: its new value, SI.
-        text: the change in words.
-    """
-
-    what: str
-    place: str
-    value: float
-    text: str
-
-
 class NoSolutionError(NospillError):
-    """No motion was found; the message names what stands in the way and the smallest change that helps.
-
-    Attributes:
-        kind: "slow motion" (impossible even nearly at rest), "in motion", or "not converged".
-        changes: single changes, smallest first; empty where none was found.
-    """
+    """No motion was found; the message names what stands in the way and the smallest change that helps."""
 
     exit_code = 3
-
-    def __init__(self, message: str, kind: str = "not converged", changes: tuple[Change, ...] = ()) -> None:
-        super().__init__(message)
-        self.kind = kind
-        self.changes = changes
 
 
 class MissingExtraError(NospillError):

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from nospill.certificate import Certificate, judge
 from nospill.constraints import CONSTRAINTS
-from nospill.errors import Change, ModelError, NoSolutionError
+from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
 from nospill.ocp.problem import Reserves
@@ -85,20 +85,21 @@ def explained(run: Searcher, joint_path: JointPath, last: Solution | None) -> No
         worst = verdict.worst
         change = _change(scene, worst.constraint, worst.subject, worst.use * _SPARE)
         text = f"No motion found: {describe(worst)} even in a smooth motion of {0.95 * slow:.3g} s. "
-        return NoSolutionError(text + _advice([change] if change else []), "slow motion", (change,) if change else ())
+        reason = Reason(MOTION, worst.constraint, worst.subject, changes=(change,) if change else ())
+        return NoSolutionError(text + _advice([change] if change else []), reason)
     hasty = slow_verdict(scene, joint_path) if limit < _SLOW else verdict
     changes = _found_changes(run, joint_path, last, hasty)
     if changes:
         broken = "" if hasty is None or hasty.ok else f"; in a smooth motion of that length {describe(hasty.worst)}"
         text = f"No motion found: none within max_duration {limit:.3g} s{broken}. "
-        return NoSolutionError(text + _advice(changes), "in motion", tuple(changes))
+        return NoSolutionError(text + _advice(changes), Reason(MOTION, "", "", changes=tuple(changes)))
     status = "nothing was tried" if last is None else f"{last.status} after {last.iterations} iterations"
     text = (
         f"No motion found: {status}, although a smooth motion of {0.95 * limit:.3g} s keeps every limit on the way; "
         f'the end condition "{scene.motion.end}" may be out of reach. '
         "Try another end condition, more starts or more intervals."
     )
-    return NoSolutionError(text, "not converged", ())
+    return NoSolutionError(text)
 
 
 def _advice(changes: list[Change]) -> str:
