@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Iterable
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +15,7 @@ from nospill import compiled
 from nospill.batches import evaluate
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, figures
+from nospill.constraints.joint_torque import JointTorque
 from nospill.errors import PlanFolderError
 from nospill.frames import SX, FrameMotion
 from nospill.holds import held_trajectory
@@ -24,6 +25,7 @@ from nospill.replay import MINIMUM_RATE, Replay, body_motion, replay, slosh_acce
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
+from nospill.tolerances import corner_scenes, heaviest, lightest, spread_name
 from nospill.trajectory import Trajectory
 
 POSITION_TOLERANCE = 1e-4
@@ -81,7 +83,10 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One constraint and one subject: the instant with the least margin. `ok` is worst_margin >= 0."""
+    """One constraint and one subject: the instant with the least margin. `ok` is worst_margin >= 0.
+
+    `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst.
+    """
 
     constraint: str
     subject: str
@@ -91,6 +96,12 @@ class Row:
     worst_margin: float
     at_s: float
     ok: bool
+    variant: str = ""
+
+    @property
+    def who(self) -> str:
+        """The subject, with its variant."""
+        return spread_name(self.subject, self.variant)
 
     @property
     def use(self) -> float:
@@ -128,7 +139,13 @@ class Certificate:
 
     def to_dict(self) -> dict[str, Any]:
         """For certificate.json: ok, grid_hz, rows."""
-        return {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [asdict(row) for row in self.rows]}
+        return {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    """A row as it is written; a variant only where there is one."""
+    table = asdict(row)
+    return table if row.variant else {key: value for key, value in table.items() if key != "variant"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,11 +168,17 @@ class Trace:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """A certificate with what it was read from: traces of every constraint and the dense replay."""
+    """A certificate with what it was read from.
+
+    Attributes:
+        traces: of every constraint, for the objects as stated. replay: dense, likewise.
+        corners: where their numbers may be off, the rows of every variant; the certificate has the worst of them.
+    """
 
     certificate: Certificate
     traces: tuple[Trace, ...]
     replay: Replay
+    corners: tuple[Row, ...] = ()
 
 
 def certify(
@@ -164,7 +187,8 @@ def certify(
     """Judge an exported trajectory.
 
     The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
-    re-integrated from rest; every constraint of the scene is evaluated at every instant.
+    re-integrated from rest; every constraint of the scene is evaluated at every instant. Where numbers of the objects
+    may be off, each constraint of theirs is evaluated at every corner too, and the worst row is the one that counts.
 
     Args:
         trajectory: the record.
@@ -189,8 +213,9 @@ def judge(
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played)
-    rows = [worst_row(trace) for trace in traces] + _record_rows(trajectory, held, scene, played)
-    return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played)
+    corners = corner_rows(held, scene, motion=motion, rate=rate, played=played)
+    rows = [*condensed([*map(worst_row, traces), *corners]), *_record_rows(trajectory, held, scene, played)]
+    return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played, corners)
 
 
 def _require_fit(trajectory: Trajectory, scene: Scene) -> None:
@@ -252,6 +277,46 @@ def constraint_traces(
                 row += 1
     order = {constraint.name: index for index, constraint in enumerate(CONSTRAINTS)}
     return tuple(sorted(traces, key=lambda trace: order[trace.constraint]))
+
+
+def corner_rows(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+    played: Replay | None = None,
+) -> tuple[Row, ...]:
+    """Rows of every constraint on every variant of the objects; none where all numbers are certain.
+
+    Args:
+        trajectory: the record, with its holds.
+        scene: what it must keep to.
+        motion: what the receiver's joints do; the spline through the recorded positions when left out.
+        rate: Hz, the least rate of the grid.
+        played: the replay of the scene as stated; with it, joint torques under the heaviest and the lightest load too.
+    """
+    rows = []
+    for corner in corner_scenes(scene):
+        own = replay(trajectory, corner.scene, motion=motion, rate=rate)
+        for trace in constraint_traces(trajectory, corner.scene, own, places=(Place.OBJECT, Place.END)):
+            if trace.subject in corner.texts:
+                rows.append(replace(worst_row(trace), variant=corner.texts[trace.subject]))
+    if rows and played is not None:
+        for text, load in (("the heaviest load", heaviest(scene)), ("the lightest load", lightest(scene))):
+            loaded = constraint_traces(trajectory, replace(scene, cargo=load), played, places=(Place.JOINT,))
+            rows += [
+                replace(worst_row(trace), variant=text) for trace in loaded if trace.constraint == JointTorque.name
+            ]
+    return tuple(rows)
+
+
+def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Of every constraint and subject the row that uses most of its limit, in the order of their first rows."""
+    families: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        families.setdefault((row.constraint, row.subject), []).append(row)
+    return tuple(max(family, key=_urgency) for family in families.values())
 
 
 def _inputs(trajectory: Trajectory, played: Replay) -> dict[Place, tuple[np.ndarray, list[np.ndarray]]]:

@@ -172,7 +172,7 @@ class Plan:
             "residual_slosh_height_m": maxima.residual_height,
             "certificate": {
                 "ok": self.certificate.ok,
-                "worst_constraint": f"{worst.constraint} | {worst.subject}",
+                "worst_constraint": f"{worst.constraint} | {worst.who}",
                 "worst_margin": worst.worst_margin,
             },
             "rounds": report.rounds,
@@ -222,6 +222,7 @@ def _require_faithful(scene: Scene) -> None:
     again = scene_from_table(scene.source, name=scene.name)
     same = structure_of(again) == structure_of(scene) and again.motion == scene.motion
     same = same and _same_approach(again.approach, scene.approach)
+    same = same and [item.tolerance for item in again.cargo] == [item.tolerance for item in scene.cargo]
     if not same or not np.array_equal(flatten(numbers_of(again)), flatten(numbers_of(scene))):
         raise PlanFolderError(
             f"{scene.name}: the scene was changed after it was read, so the scenario kept with the plan would "
@@ -253,12 +254,12 @@ def describe(row: Row) -> str:
     )
     at = f"at t = {row.at_s:.3f} s"
     if row.unit == "1" and row.limit == 1.0:
-        return f"{row.constraint} of {row.subject} uses {_used(row, 'its limit')} {at}"
+        return f"{row.constraint} of {row.who} uses {_used(row, 'its limit')} {at}"
     if row.limit == 0.0 or row.constraint.removeprefix(APPROACH) == "joint position":
         distance = f"{margin} {'left' if row.ok else 'beyond'}"
     else:
         distance = _used(row, "it")
-    return f"{row.constraint} of {row.subject} is {value} against a limit of {limit} ({distance}) {at}"
+    return f"{row.constraint} of {row.who} is {value} against a limit of {limit} ({distance}) {at}"
 
 
 def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:

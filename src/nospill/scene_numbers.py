@@ -87,7 +87,7 @@ def flange_load(scene: Scene) -> Load:
     x, y = tray.size
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
     load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
-    for cargo in scene.cargo:
+    for cargo in scene.cargo if scene.carried is None else scene.carried:
         own = turn @ Rotation.from_euler("z", cargo.yaw).as_matrix()
         centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
         load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)

@@ -23,6 +23,7 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.margins import FACTORS, Ranges, margins, probability
 from nospill.margins.laws import object_margins, ride
 from nospill.margins.perturbed import perturbed
+from nospill.margins.ranges import draw
 from nospill.numbers import flatten
 from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
@@ -172,7 +173,7 @@ def test_nothing_in_a_thousand_is_not_never() -> None:
 @given(st.integers(0, 10**6))
 def test_draws_stay_in_their_ranges(seed: int) -> None:
     ranges = Ranges()
-    draws = ranges.draw(500, 3, seed=seed)
+    draws = draw([ranges] * 3, 500, seed=seed)
     low, high = ranges.bounds()
     assert draws.shape == (500, 3, 6)
     assert np.all(draws >= low) and np.all(draws <= high)

@@ -18,7 +18,9 @@ from nospill.certificate import (
     Certificate,
     Row,
     Trace,
+    condensed,
     constraint_traces,
+    corner_rows,
     limit_row,
     worst_row,
 )
@@ -111,5 +113,6 @@ def _end_rows(segment: Segment, rules: ApproachRules, end: np.ndarray, played: J
 def _cargo_rows(segment: Segment, scene: Scene, played: JointMotion) -> list[Row]:
     record = segment.record()
     traces = constraint_traces(record, scene, replay(record, scene, motion=played), places=(Place.OBJECT, Place.END))
+    rows = condensed([*map(worst_row, traces), *corner_rows(record, scene, motion=played)])
     # the end condition is one of the motion; here the liquids have to keep to the height that may remain
-    return [worst_row(trace) for trace in traces if trace.constraint != EndDisplacement.name]
+    return [row for row in rows if row.constraint != EndDisplacement.name]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +14,7 @@ from nospill.cli.progress import Progress
 from nospill.cli.reporting import only_stderr, print_json, print_table, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.margins import MarginsReport, Ranges
+    from nospill.margins import MarginsReport
     from nospill.verify import VerifyReport
 
 _STUDY_FILES = {"margins.json", "samples.csv", "tornado.png", "tornado.pdf"}
@@ -91,13 +92,24 @@ def margins(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
     samples: Annotated[int, typer.Option("--samples", metavar="N", help="Sets of numbers that are drawn.")] = 1000,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="Of the draw.")] = 0,
-    friction: Annotated[str, typer.Option("--friction", metavar="RATIO", help="Friction, relative, +-.")] = "10 %",
-    fill: Annotated[str, typer.Option("--fill", metavar="LENGTH", help="Height of the liquid at rest, +-.")] = "2 mm",
-    damping: Annotated[str, typer.Option("--damping", metavar="LOW..HIGH", help="Factor on the damping.")] = "0.5..2",
+    friction: Annotated[
+        str | None, typer.Option("--friction", metavar="RATIO", help="Friction, relative, +-.", show_default=False)
+    ] = None,
+    fill: Annotated[
+        str | None,
+        typer.Option("--fill", metavar="LENGTH", help="Height of the liquid at rest, +-.", show_default=False),
+    ] = None,
+    damping: Annotated[
+        str | None,
+        typer.Option("--damping", metavar="LOW..HIGH", help="Factor on the damping.", show_default=False),
+    ] = None,
     position: Annotated[
-        str, typer.Option("--position", metavar="LENGTH", help="Place on the tray, +- in x and y.")
-    ] = "1 mm",
-    mass: Annotated[str, typer.Option("--mass", metavar="RATIO", help="Mass of an object, relative, +-.")] = "2 %",
+        str | None,
+        typer.Option("--position", metavar="LENGTH", help="Place on the tray, +- in x and y.", show_default=False),
+    ] = None,
+    mass: Annotated[
+        str | None, typer.Option("--mass", metavar="RATIO", help="Mass of an object, relative, +-.", show_default=False)
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
     output: Annotated[
         Path | None,
@@ -110,19 +122,24 @@ def margins(
         ),
     ] = None,
 ) -> int:
-    """Draw friction, fill, damping, place and mass anew and report what is left of a plan's margins."""
+    """Draw friction, fill, damping, place and mass anew and report what is left of a plan's margins.
+
+    Drawn are the scenario's tolerances, where it states any; else friction +-10 %, fill +-2 mm, damping x0.5 to x2,
+    place +-1 mm and mass +-2 %. An option counts for all objects.
+    """
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
         from nospill.files import atomic_folder, require_replaceable
         from nospill.margins import margins as study
+        from nospill.margins import scenario_ranges
         from nospill.plans import load_plan
 
-        ranges = _ranges(friction, fill, damping, position, mass)
+        given = _given_ranges(friction, fill, damping, position, mass)
         if output is not None:
             require_replaceable(output, replaceable=_only_study)
         plan = load_plan(folder)
         report = study(
             plan,
-            ranges=ranges,
+            ranges=[replace(own, **given) for own in scenario_ranges(plan.scene)],
             samples=samples,
             seed=seed,
             progress=lambda done, total: progress.say("draw", f"{done} of {total}"),
@@ -139,7 +156,14 @@ def margins(
     return 0
 
 
-def _ranges(friction: str, fill: str, damping: str, position: str, mass: str) -> Ranges:
+def _given_ranges(
+    friction: str | None, fill: str | None, damping: str | None, position: str | None, mass: str | None
+) -> dict[str, Any]:
+    """The fields of `Ranges` that options set.
+
+    Raises:
+        ScenarioError: a value that cannot be read or is no range.
+    """
     from nospill.errors import ScenarioError
     from nospill.margins import Ranges
     from nospill.units import quantity
@@ -150,16 +174,22 @@ def _ranges(friction: str, fill: str, damping: str, position: str, mass: str) ->
         except ScenarioError as error:
             raise ScenarioError(f"--{option} {error}") from error
 
-    low, dots, high = damping.partition("..")
-    if not dots:
-        raise ScenarioError(f'--damping "{damping}": two factors are needed, for example "0.5..2"')
-    return Ranges(
-        friction=read("friction", friction, "ratio"),
-        fill=read("fill", fill, "length"),
-        damping=(read("damping", low, "number"), read("damping", high, "number")),
-        position=read("position", position, "length"),
-        mass=read("mass", mass, "ratio"),
-    )
+    given: dict[str, Any] = {}
+    for option, text, dimension in (
+        ("friction", friction, "ratio"),
+        ("fill", fill, "length"),
+        ("position", position, "length"),
+        ("mass", mass, "ratio"),
+    ):
+        if text is not None:
+            given[option] = read(option, text, dimension)
+    if damping is not None:
+        low, dots, high = damping.partition("..")
+        if not dots:
+            raise ScenarioError(f'--damping "{damping}": two factors are needed, for example "0.5..2"')
+        given["damping"] = (read("damping", low, "number"), read("damping", high, "number"))
+    Ranges(**given)  # refuses what is no range before anything is read
+    return given
 
 
 def _only_study(names: set[str]) -> bool:

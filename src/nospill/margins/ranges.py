@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.cargo import Cargo, Tolerance
 from nospill.errors import ScenarioError
+from nospill.scene import Scene
+from nospill.tolerances import is_uncertain
 
 FACTORS = ("friction", "fill", "damping", "position x", "position y", "mass")
 """What is drawn for every object, in the order of the columns of a draw."""
@@ -58,7 +62,36 @@ class Ranges:
         low[FACTORS.index("damping")] = math.log(self.damping[0])
         return low, high
 
-    def draw(self, samples: int, objects: int, *, seed: int) -> np.ndarray:
-        """Even draws, (samples, objects, 6), columns as in `bounds`; zeros mean the scenario's own numbers."""
-        low, high = self.bounds()
-        return np.random.default_rng(seed).uniform(low, high, size=(samples, objects, len(FACTORS)))
+
+def draw(ranges: Sequence[Ranges], samples: int, *, seed: int) -> np.ndarray:
+    """Even draws, (samples, objects, 6), columns as in `Ranges.bounds`; zeros mean the scenario's own numbers.
+
+    Args:
+        ranges: one for each object.
+        samples: how many sets of numbers.
+        seed: of the draw.
+    """
+    low, high = (np.array(ends) for ends in zip(*(item.bounds() for item in ranges), strict=True))
+    return np.random.default_rng(seed).uniform(low, high, size=(samples, *low.shape))
+
+
+def scenario_ranges(scene: Scene) -> tuple[Ranges, ...]:
+    """Of every object: its tolerance if the scenario states any, else the general ranges.
+
+    A scenario that states tolerances is taken at its word: what they do not name is certain.
+    """
+    if not is_uncertain(scene):
+        return (Ranges(),) * len(scene.cargo)
+    return tuple(_of(cargo) for cargo in scene.cargo)
+
+
+def _of(cargo: Cargo) -> Ranges:
+    tolerance = cargo.tolerance or Tolerance()
+    return Ranges(
+        friction=tolerance.friction,
+        fill=tolerance.liquid_height,
+        damping=tolerance.damping,
+        position=tolerance.position,
+        # that of the container alone, as a part of the whole
+        mass=tolerance.mass * cargo.empty.mass / cargo.total.mass,
+    )

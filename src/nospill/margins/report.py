@@ -91,7 +91,7 @@ class MarginsReport:
     reserve; the worst is taken over all objects, all instants and the constraints during the motion.
 
     Attributes:
-        scenario: name. ranges, samples, seed: what was drawn.
+        scenario: name. ranges: by object. samples, seed: what was drawn.
         nominal: worst margin with the scenario's numbers.
         worst_margin: (m,) of every sample. draws: (m, objects, 6), columns as in `Ranges.bounds`.
         spill: the surface, or what it may still rise to after the end, comes over the rim of a cup.
@@ -103,7 +103,7 @@ class MarginsReport:
     """
 
     scenario: str
-    ranges: Ranges
+    ranges: dict[str, Ranges]
     samples: int
     seed: int
     nominal: float
@@ -130,7 +130,7 @@ class MarginsReport:
             "scenario": self.scenario,
             "samples": self.samples,
             "seed": self.seed,
-            "ranges": asdict(self.ranges),
+            "ranges": {name: asdict(item) for name, item in self.ranges.items()},
             "nominal_worst_margin": self.nominal,
             "worst_margin_percentiles": {f"{key:g}": value for key, value in self.percentiles.items()},
             "confidence": CONFIDENCE,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +12,13 @@ from nospill.certificate import limit_use
 from nospill.constraints.base import Place
 from nospill.errors import ScenarioError
 from nospill.margins.laws import object_margins, ride
-from nospill.margins.perturbed import perturbed, require_possible
-from nospill.margins.ranges import FACTORS, Ranges
+from nospill.margins.perturbed import perturbed
+from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
 from nospill.plans import Plan
+from nospill.scene import Scene
 from nospill.scene_numbers import object_numbers
+from nospill.tolerances import require_possible
 
 LARGEST_SAMPLES = 1_000_000
 
@@ -50,7 +52,7 @@ class _Found:
 def margins(
     plan: Plan,
     *,
-    ranges: Ranges | None = None,
+    ranges: Ranges | Sequence[Ranges] | None = None,
     samples: int = 1000,
     seed: int = 0,
     progress: Progress | None = None,
@@ -61,7 +63,8 @@ def margins(
 
     Args:
         plan: certified or not.
-        ranges: how far the numbers may be off.
+        ranges: how far the numbers may be off, of all objects alike or of each; what the scenario states when left
+            out (`scenario_ranges`).
         samples: how many sets of numbers, 1 to 1,000,000.
         seed: of the draw; the same seed gives the same figures.
         progress: called after each batch.
@@ -74,16 +77,18 @@ def margins(
         raise ScenarioError(f"samples = {samples}: 1 to {LARGEST_SAMPLES} are allowed")
     if seed < 0:
         raise ScenarioError(f"seed = {seed}: a whole number of at least 0 is needed")
-    used, scene = ranges or Ranges(), plan.scene
-    require_possible(scene, used)
-    draws = used.draw(samples, len(scene.cargo), seed=seed)
+    scene = plan.scene
+    used = _for_each(scene, ranges)
+    for cargo, own in zip(scene.cargo, used, strict=True):
+        require_possible(cargo, own.fill, key="range of fill")
+    draws = draw(used, samples, seed=seed)
     swept, labels = _sweeps(used)
     nominal = np.zeros((1, len(FACTORS)))
     motion = ride(plan.trajectory, scene)
-    total, done = len(scene.cargo) * (samples + len(swept) + 1), 0
+    total, done = len(scene.cargo) * (samples + len(labels) + 1), 0
     found = []
     for index, cargo in enumerate(scene.cargo):
-        changed = [perturbed(cargo, draw, scene) for draw in np.vstack([draws[:, index], swept, nominal])]
+        changed = [perturbed(cargo, item, scene) for item in np.vstack([draws[:, index], swept[:, index], nominal])]
         parts = []
         for count, part in object_margins(scene, index, tuple(object_numbers(item, scene) for item in changed), motion):
             parts.append(part)
@@ -106,7 +111,7 @@ def margins(
     worst = 1.0 - np.max([use for item in found for use in _during(item).values()], axis=0)
     return MarginsReport(
         scenario=scene.name,
-        ranges=used,
+        ranges={cargo.name: own for cargo, own in zip(scene.cargo, used, strict=True)},
         samples=samples,
         seed=seed,
         nominal=float(worst[-1]),
@@ -149,26 +154,49 @@ def _risks(found: list[_Found], drawn: slice) -> tuple[ConstraintRisk, ...]:
     return tuple(risks)
 
 
-def _sweeps(ranges: Ranges) -> tuple[np.ndarray, list[tuple[str, str]]]:
-    """Draws with one number off, (n, 6), and of each the number's name and value as text."""
-    low, high = ranges.bounds()
+def _for_each(scene: Scene, ranges: Ranges | Sequence[Ranges] | None) -> tuple[Ranges, ...]:
+    if ranges is None:
+        return scenario_ranges(scene)
+    found = (ranges,) * len(scene.cargo) if isinstance(ranges, Ranges) else tuple(ranges)
+    if len(found) != len(scene.cargo):
+        raise ScenarioError(f"ranges: {len(found)} are given, {len(scene.cargo)} are needed, one for each object")
+    return found
+
+
+def _sweeps(ranges: Sequence[Ranges]) -> tuple[np.ndarray, list[tuple[str, str]]]:
+    """Draws with one number off, (n, objects, 6), and of each the number's name and its value as text.
+
+    A number is moved on all objects together, each over its own range.
+    """
+    low, high = (np.array(ends) for ends in zip(*(item.bounds() for item in ranges), strict=True))
     rows, labels = [], []
     for column, factor in enumerate(FACTORS):
         if factor.startswith("position"):
             continue
-        for value in np.linspace(low[column], high[column], _SWEEP).tolist():
-            row = np.zeros(len(FACTORS))
-            row[column] = value
+        for share in np.linspace(0.0, 1.0, _SWEEP).tolist():
+            row = np.zeros(low.shape)
+            row[:, column] = low[:, column] + share * (high[:, column] - low[:, column])
             rows.append(row)
-            labels.append((factor, _written(factor, value)))
+            labels.append(
+                (factor, _common(row[:, column], share, lambda value, factor=factor: _written(factor, value)))
+            )
     x, y = FACTORS.index("position x"), FACTORS.index("position y")
     for right in (-1, 0, 1):
         for forward in (-1, 0, 1):
-            row = np.zeros(len(FACTORS))
-            row[x], row[y] = right * high[x], forward * high[y]
+            row = np.zeros(low.shape)
+            row[:, x], row[:, y] = right * high[:, x], forward * high[:, y]
             rows.append(row)
-            labels.append(("position", f"({1e3 * row[x]:+.3g}, {1e3 * row[y]:+.3g}) mm"))
+            place = f"({right:+d}, {forward:+d}) of the range"
+            if np.ptp(high[:, x]) == 0.0:
+                place = f"({1e3 * row[0, x]:+.3g}, {1e3 * row[0, y]:+.3g}) mm"
+            labels.append(("position", place))
     return np.array(rows), labels
+
+
+def _common(values: np.ndarray, share: float, written: Callable[[float], str]) -> str:
+    """The value (objects,) as text if all objects share it, else its place in the range from 0 to 100 %."""
+    alike = np.ptp(values) <= _NOTHING * np.max(np.abs(values))
+    return written(float(values[0])) if alike else f"{100 * share:.3g} % of the range"
 
 
 def _written(factor: str, value: float) -> str:

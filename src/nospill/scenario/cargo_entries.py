@@ -25,6 +25,7 @@ from nospill.scenario.fields import (
     Size,
     Table,
 )
+from nospill.scenario.tolerance_entry import ToleranceTable
 
 
 class LiquidTable(Table):
@@ -94,13 +95,15 @@ class CargoTable(Table):
         Reserve | None, Field(description="footprint reserve of this object, instead of the tray's")
     ] = None
 
-    def container(self, *, height: float | None = None) -> Container:
-        """The geometry; with `height` (m), the same prism cut off there, which is the body of its liquid."""
+    tolerance: Annotated[
+        ToleranceTable | None,
+        Field(description="the table [cargo.tolerance]: how far this object's numbers may be off"),
+    ] = None
+
+    def container(self) -> Container:
+        """The geometry."""
         shape = SHAPES[self.shape]
-        sizes = {field.name: getattr(self, field.name) for field in dataclasses.fields(shape) if field.init}
-        if height is not None:
-            sizes["height"] = height
-        return shape(**sizes)
+        return shape(**{field.name: getattr(self, field.name) for field in dataclasses.fields(shape) if field.init})
 
 
 class CylinderTable(CargoTable):

@@ -7,11 +7,12 @@ import math
 
 import numpy as np
 
-from nospill.cargo import Cargo, Filling
+from nospill.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.containers.base import Container, DiscFootprint, MassProperties
 from nospill.errors import ScenarioError
 from nospill.liquids import LIQUIDS, Liquid
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
+from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene import Fidelity
 from nospill.units import as_written, format_quantity, listed
 
@@ -31,6 +32,7 @@ def read_cargo(
     footprint_reserve: float,
     fidelity: Fidelity,
     slosh_modes: int,
+    tolerance: ToleranceTable | None = None,
 ) -> Cargo:
     """Build one object.
 
@@ -43,6 +45,7 @@ def read_cargo(
             the given height, as the published computations do (yaw inertia m R^2/2); "full" adds the frozen liquid to
             the empty container by the parallel-axis theorem.
         slosh_modes: modes in each direction.
+        tolerance: how far the numbers of all objects may be off; what the entry says of its own comes first.
 
     Raises:
         ScenarioError: keys that contradict each other, liquid above the rim, masses that cannot be; the message starts
@@ -55,7 +58,7 @@ def read_cargo(
     total, empty = (
         _solid_masses(entry, container) if filling is None else _filled_masses(entry, container, filling, fidelity)
     )
-    return Cargo(
+    cargo = Cargo(
         name=entry.name,
         shape=entry.shape,
         container=container,
@@ -68,6 +71,8 @@ def read_cargo(
         footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
     )
+    allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity, slosh_modes=slosh_modes)
+    return dataclasses.replace(cargo, tolerance=allowed)
 
 
 def _check_keys(entry: CargoTable) -> None:
@@ -148,8 +153,8 @@ def _filled_masses(
     entry: CargoTable, container: Container, filling: Filling, fidelity: Fidelity
 ) -> tuple[MassProperties, MassProperties]:
     level = filling.liquid_height
-    liquid_mass = filling.liquid.density * container.volume(level)
-    frozen = entry.container(height=level).solid_properties(liquid_mass)
+    frozen = frozen_liquid(container, filling.liquid, level)
+    liquid_mass = frozen.mass
     empty_mass = entry.empty_mass or 0.0
     if entry.mass is not None:
         empty_mass = entry.mass - liquid_mass
@@ -162,10 +167,7 @@ def _filled_masses(
     empty = container.shell_properties(empty_mass)
     if entry.centre_of_mass_height is not None:
         empty = _centred(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
-    total = _joined(empty, frozen)
-    if fidelity == "deliverable":
-        total = _centred(container.solid_properties(total.mass), total.centre)
-    return total, empty
+    return mass_at_rest(container, empty, frozen, homogeneous=fidelity == "deliverable"), empty
 
 
 def _empty_centre(height: float, container: Container, frozen: MassProperties, empty_mass: float) -> np.ndarray:
@@ -204,17 +206,6 @@ def _beyond_footprint(container: Container, point: np.ndarray) -> float:
 
 def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
     return dataclasses.replace(body, centre=_constant(centre))
-
-
-def _joined(first: MassProperties, second: MassProperties) -> MassProperties:
-    """Two bodies as one: inertias moved to the common centre by the parallel-axis theorem."""
-    mass = first.mass + second.mass
-    centre = (first.mass * first.centre + second.mass * second.centre) / mass
-    inertia = np.zeros((3, 3))
-    for body in (first, second):
-        arm = body.centre - centre
-        inertia += body.inertia + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return MassProperties(mass, _constant(centre), _constant(inertia))
 
 
 def _mm(length: float) -> str:

@@ -33,6 +33,15 @@ def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
                     "move it in or use a larger tray",
                 )
             )
+        elif item.tolerance is not None and out + item.tolerance.position > _TOUCHING:
+            faults.append(
+                (
+                    f"cargo {as_written(item.name)}",
+                    f"tolerance.position {_shown(item.tolerance.position)} takes it "
+                    f"{_shown(out + item.tolerance.position)} over the edge of the tray; "
+                    f"at most {_shown(max(-out, 0.0))} is allowed where it stands, or move it in",
+                )
+            )
     for first, second in combinations(cargo, 2):
         depth = overlap(first, second)
         if depth > _TOUCHING:

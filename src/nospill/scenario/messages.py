@@ -14,6 +14,7 @@ from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
 from nospill.scenario.fields import SENTENCE
 from nospill.scenario.model import Scenario
 from nospill.scenario.path_entries import PATH_TABLES
+from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.units import as_written, listed
 
 Fault = tuple[str, str]
@@ -122,6 +123,8 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         keys = location[3:]
         if len(keys) > 1 and keys[0] == "liquid":
             return place, ("liquid", *keys[2:]), LiquidTable
+        if len(keys) > 1 and keys[0] == "tolerance":
+            return place, keys, ToleranceTable
         return place, keys, model
     if head == "path":
         model = PATH_TABLES.get(str(location[1])) if len(location) > 1 else None

@@ -12,6 +12,7 @@ from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
+from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene import EndCondition, Fidelity
 
 
@@ -141,6 +142,10 @@ class Scenario(Table):
     cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
     path: Annotated[PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline or waypoints")]
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
+    tolerance: Annotated[
+        ToleranceTable | None,
+        Field(description="the table [tolerance]: how far the numbers of the objects may be off"),
+    ] = None
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
     ] = None

@@ -26,6 +26,7 @@ from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
 from nospill.scene import ApproachRules, MotionRules, PlanningOptions, Scene
 from nospill.slosh.modes import STANDARD_GRAVITY
+from nospill.tolerances import greatest_mass
 from nospill.tray import Tray
 from nospill.units import as_written, format_quantity
 
@@ -160,7 +161,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         mass=scenario.tray.mass,
     )
     cargo = _cargo(scenario, label)
-    _check_payload(robot, tray, cargo, label)
+    _check_payload(robot, tray, cargo, scenario, label)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults)
@@ -215,6 +216,7 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
                 footprint_reserve=scenario.tray.footprint_reserve,
                 fidelity=scenario.fidelity,
                 slosh_modes=scenario.planning.slosh_modes,
+                tolerance=scenario.tolerance,
             )
         except (ScenarioError, ModelError) as error:
             faults.append((place, str(error)))
@@ -225,15 +227,18 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
     return tuple(cargo)
 
 
-def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], label: str) -> None:
-    load = sum(item.total.mass for item in cargo)
+def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario: Scenario, label: str) -> None:
+    load = sum(
+        greatest_mass(item, fidelity=scenario.fidelity, slosh_modes=scenario.planning.slosh_modes) for item in cargo
+    )
+    at_most = "at most " if any(item.tolerance for item in cargo) else ""
     if robot.payload is not None and tray.mass + load > robot.payload * (1.0 + 1e-9):  # rounding of the sum
         raise report(
             label,
             [
                 (
                     "[tray]",
-                    f"tray and cargo weigh {format_quantity(tray.mass + load, 'mass', digits=4)} (tray "
+                    f"tray and cargo weigh {at_most}{format_quantity(tray.mass + load, 'mass', digits=4)} (tray "
                     f"{format_quantity(tray.mass, 'mass', digits=4)}, cargo with its liquid "
                     f"{format_quantity(load, 'mass', digits=4)}), more than the "
                     f"{format_quantity(robot.payload, 'mass', digits=4)} that robot {robot.name!r} may carry; "

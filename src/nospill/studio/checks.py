@@ -120,6 +120,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
                 footprint_reserve=scenario.tray.footprint_reserve,
                 fidelity=scenario.fidelity,
                 slosh_modes=scenario.planning.slosh_modes,
+                tolerance=scenario.tolerance,
             )
         except (ScenarioError, ModelError) as error:
             where = cargo_place(index, table["cargo"][index])

@@ -1,0 +1,112 @@
+"""The keys of `[tolerance]` and `[cargo.tolerance]`: how far the numbers of the objects may be off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from nospill.cargo import Cargo, Tolerance
+from nospill.errors import ScenarioError
+from nospill.scenario.fields import Measured, Table, Vector, refuse
+from nospill.scene import Fidelity
+from nospill.tolerances import require_possible, variants
+from nospill.units import as_written
+
+_FACTORS = Vector(entry=Measured(dimension="number", above=0.0, at_most=100.0), axes=("the lowest", "the highest"))
+
+
+@dataclass(frozen=True, slots=True)
+class FactorRange:
+    """Two factors about 1, the lower first. Metadata for `Annotated[tuple[float, ...], ...]`."""
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """Return both, or raise the pydantic error that says what is allowed."""
+        low, high = _FACTORS.read(value)
+        if not low <= 1.0 <= high:
+            raise refuse(
+                f"{as_written(value)} does not enclose 1, the scenario's own value: the lower factor comes first and "
+                "is at most 1, the higher one at least 1, for example [0.5, 2.0]"
+            )
+        return low, high
+
+    def __get_pydantic_core_schema__(self, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return _FACTORS.__get_pydantic_json_schema__(schema, handler)
+
+
+_RATIO = Measured(dimension="ratio", at_least=0.0, below=1.0)
+
+
+class ToleranceTable(Table):
+    """`[tolerance]`: how far the numbers of all cargo may be off; what is left out is certain.
+
+    `[cargo.tolerance]`, below the keys of one object, overrides it key by key.
+    """
+
+    friction: Annotated[float | None, _RATIO, Field(description="of the coefficient, relative, either side")] = None
+    liquid_height: Annotated[
+        float | None,
+        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Field(description="of the liquid's height at rest, either side"),
+    ] = None
+    damping: Annotated[
+        tuple[float, ...] | None,
+        FactorRange(),
+        Field(description="lowest and highest factor on the damping ratio, for example [0.5, 2.0]"),
+    ] = None
+    position: Annotated[
+        float | None,
+        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Field(description="of the place on the tray, either side in x and in y"),
+    ] = None
+    mass: Annotated[
+        float | None,
+        _RATIO,
+        Field(description="of the empty container's mass or of the solid's, relative, either side"),
+    ] = None
+
+
+_OF_LIQUIDS = ("liquid_height", "damping")
+
+
+def tolerance_of(
+    cargo: Cargo,
+    general: ToleranceTable | None,
+    own: ToleranceTable | None,
+    *,
+    fidelity: Fidelity,
+    slosh_modes: int,
+) -> Tolerance | None:
+    """The tolerance of an object from the table for all and its own; None where all its numbers are certain.
+
+    Raises:
+        ScenarioError: a key of its own that does not apply, a fill that empties it or reaches the rim; the message
+            starts with the key.
+        ModelError: the slosh model does not cover a fill in the range.
+    """
+    for key in _OF_LIQUIDS if own is not None and cargo.filling is None else ():
+        if getattr(own, key) is not None:
+            raise ScenarioError(f"tolerance.{key} is given but liquid is not; leave it out for a solid object")
+    if own is not None and own.mass is not None and cargo.empty.mass == 0.0:
+        raise ScenarioError(
+            "tolerance.mass is given for a container without mass; give mass or empty_mass, or leave it out"
+        )
+    values = {}
+    for key in ToleranceTable.model_fields:
+        stated = [getattr(table, key) for table in (own, general) if table is not None]
+        value = next((value for value in stated if value is not None), None)
+        if value is not None and not (cargo.filling is None and key in _OF_LIQUIDS):
+            values[key] = value
+    tolerance = Tolerance(**values)
+    if tolerance == Tolerance():
+        return None
+    require_possible(cargo, tolerance.liquid_height, key="tolerance.liquid_height")
+    # What the slosh model does not cover is refused here rather than in the middle of planning.
+    variants(replace(cargo, tolerance=tolerance), fidelity=fidelity, slosh_modes=slosh_modes)
+    return tolerance

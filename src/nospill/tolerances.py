@@ -1,0 +1,252 @@
+"""Objects whose numbers are off: one departure, the corners of a tolerance, and the scenes they make.
+
+Limits are monotone in some numbers of an object and convex in others; only their ends need to be tried:
+
+* friction: slip and twist are demand over mu N, nothing else reads it. The low end alone.
+* position: forces and moments are linear in it and each limit is a cone about them, exactly so for what is rigid. The
+  four corners of the square.
+* mass: the same holds for that of a container, two ends. That of a solid cancels in every limit: no variant.
+* liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle.
+* damping: two ends. Between them only the scenario's own value is tried, with the other numbers as stated.
+
+Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
+tried (docs/uncertainty.md), which is no proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from nospill.cargo import Cargo, Filling, Tolerance, frozen_liquid, mass_at_rest
+from nospill.containers.base import Container, MassProperties
+from nospill.containers.prism import LARGEST_DAMPING
+from nospill.errors import ModelError, ScenarioError
+from nospill.scene import Fidelity, Scene
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """How one object differs from what the scenario says.
+
+    Attributes:
+        friction: relative. liquid_height: m. damping: factor on the ratios. position: (x, y), m.
+        mass: kg, of the container or the solid; the liquid's follows from its height.
+    """
+
+    friction: float = 0.0
+    liquid_height: float = 0.0
+    damping: float = 1.0
+    position: tuple[float, float] = (0.0, 0.0)
+    mass: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """An object as it might be: which, in what it differs (empty for the object as stated), and the thing itself."""
+
+    name: str
+    text: str
+    cargo: Cargo
+
+
+def departed(cargo: Cargo, by: Departure, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+    """The object with other numbers, built like one from a scenario.
+
+    The surface may rise as far as before, but never over the rim; where it may rise to the rim, it still may.
+
+    Args:
+        cargo: as in the scenario.
+        by: in what it differs.
+        fidelity: of the scene.
+        slosh_modes: of the scene.
+
+    Raises:
+        ModelError: the slosh model does not cover the filling.
+    """
+    empty = _heavier(cargo.empty, by.mass, cargo.container)
+    changed = replace(
+        cargo,
+        position=cargo.position + np.array(by.position),
+        total=empty,
+        empty=empty,
+        friction=cargo.friction * (1.0 + by.friction),
+        tolerance=None,
+    )
+    if cargo.filling is None:
+        return changed
+    filling = _refilled(cargo, cargo.filling, by, slosh_modes)
+    frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
+    total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
+    return replace(changed, filling=filling, total=total)
+
+
+def _heavier(body: MassProperties, added: float, container: Container) -> MassProperties:
+    """A container with more or less mass, its centre where it was; never less than none."""
+    mass = max(body.mass + added, 0.0)
+    if body.mass > 0.0:
+        return MassProperties(mass, body.centre, body.inertia * (mass / body.mass))
+    return container.shell_properties(mass)
+
+
+def _refilled(cargo: Cargo, filling: Filling, by: Departure, slosh_modes: int) -> Filling:
+    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    level = filling.liquid_height + by.liquid_height
+    try:
+        modes = cargo.container.slosh_modes(
+            filling.liquid,
+            level,
+            slosh_modes,
+            damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
+        )
+    except ScenarioError as error:
+        raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
+    before, room = cargo.container.height - filling.liquid_height, cargo.container.height - level
+    to_the_rim = filling.max_slosh_height >= before * (1.0 - _ROUNDING)
+    highest = room if to_the_rim else min(filling.max_slosh_height, room)
+    return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes)
+
+
+def variants(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> tuple[Variant, ...]:
+    """The object at its stated numbers with the least friction, then at the corners of its tolerance.
+
+    An object without a tolerance is its own only variant.
+    """
+    tolerance = cargo.tolerance
+    if tolerance is None:
+        return (Variant(cargo.name, "", cargo),)
+    stated = Departure(friction=-tolerance.friction)
+    departures = dict.fromkeys([stated, *_corners(cargo, tolerance)])
+    return tuple(
+        Variant(cargo.name, _text(by, cargo), departed(cargo, by, fidelity=fidelity, slosh_modes=slosh_modes))
+        for by in departures
+    )
+
+
+def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Departure]:
+    levels, factors, masses = (0.0,), (1.0,), (0.0,)
+    if cargo.filling is not None:
+        rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
+        levels = (-rise, 0.0, rise) if rise else levels
+        factors = tuple(dict.fromkeys(tolerance.damping))
+        masses = (-mass, mass) if mass else masses
+    side = tolerance.position
+    places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
+    for level, factor, place, mass in product(levels, factors, places, masses):
+        yield Departure(-tolerance.friction, level, factor, place, mass)
+
+
+def _text(by: Departure, cargo: Cargo) -> str:
+    parts = []
+    if by.friction:
+        parts.append(f"friction {100 * by.friction:+.4g} %")
+    if by.liquid_height:
+        parts.append(f"fill {1e3 * by.liquid_height:+.4g} mm")
+    if by.damping != 1.0:
+        parts.append(f"damping x{by.damping:.4g}")
+    if any(by.position):
+        parts.append(f"place {1e3 * by.position[0]:+.4g}, {1e3 * by.position[1]:+.4g} mm")
+    if by.mass:
+        parts.append(f"mass {100 * by.mass / cargo.empty.mass:+.4g} %")
+    return ", ".join(parts)
+
+
+def is_uncertain(scene: Scene) -> bool:
+    """Whether any number of its objects may be off."""
+    return any(cargo.tolerance is not None for cargo in scene.cargo)
+
+
+def scene_variants(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
+    """`variants` of every object, in the order of the cargo."""
+    return tuple(variants(cargo, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+
+
+@dataclass(frozen=True, slots=True)
+class Corner:
+    """A scene of the same structure with one variant of every object under its own name.
+
+    Attributes:
+        texts: by object what this variant is; objects that have fewer variants and were seen before are left out.
+    """
+
+    scene: Scene
+    texts: Mapping[str, str]
+
+
+def corner_scenes(scene: Scene) -> Iterator[Corner]:
+    """Scenes in which every variant of every object occurs; none where all numbers are certain."""
+    if not is_uncertain(scene):
+        return
+    families = scene_variants(scene)
+    for number in range(max(len(family) for family in families)):
+        chosen = tuple(family[min(number, len(family) - 1)].cargo for family in families)
+        texts = {family[number].name: family[number].text for family in families if number < len(family)}
+        yield Corner(replace(scene, cargo=chosen), texts)
+
+
+def spread(scene: Scene, chosen: tuple[Variant, ...] | None = None) -> Scene:
+    """The scene whose cargo are variants, for the optimiser: a cup with three fills is three cups to it.
+
+    Args:
+        scene: with tolerances.
+        chosen: which variants; all of them when left out.
+    """
+    if chosen is None:
+        chosen = tuple(variant for family in scene_variants(scene) for variant in family)
+    cargo = tuple(replace(variant.cargo, name=spread_name(variant.name, variant.text)) for variant in chosen)
+    return replace(scene, cargo=cargo, carried=heaviest(scene))
+
+
+def spread_name(name: str, text: str) -> str:
+    """What a variant of an object is called in a spread scene and in messages: "c1 at fill +2 mm"."""
+    return f"{name} at {text}" if text else name
+
+
+def heaviest(scene: Scene) -> tuple[Cargo, ...]:
+    """The set of objects of which each is as heavy as its tolerance allows, at its stated place."""
+    return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+
+
+def lightest(scene: Scene) -> tuple[Cargo, ...]:
+    """The same as light as allowed."""
+    return tuple(_loaded(cargo, -1.0, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+
+
+def greatest_mass(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> float:
+    """Of an object with its liquid, as its tolerance allows, kg."""
+    return _loaded(cargo, 1.0, fidelity=fidelity, slosh_modes=slosh_modes).total.mass
+
+
+def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+    tolerance = cargo.tolerance
+    if tolerance is None:
+        return cargo
+    rise = sign * tolerance.liquid_height if cargo.filling else 0.0
+    by = Departure(liquid_height=rise, mass=sign * tolerance.mass * cargo.empty.mass)
+    return departed(cargo, by, fidelity=fidelity, slosh_modes=slosh_modes)
+
+
+def require_possible(cargo: Cargo, rise: float, *, key: str) -> None:
+    """Refuse a tolerance of the fill that leaves no liquid or puts it over the rim at rest.
+
+    Args:
+        cargo: as in the scenario.
+        rise: m, either side.
+        key: what it is called where it was given.
+
+    Raises:
+        ScenarioError: naming the object.
+    """
+    if cargo.filling is None:
+        return
+    level, rim = cargo.filling.liquid_height, cargo.container.height
+    if not (rise < level and level + rise < rim):
+        raise ScenarioError(
+            f"{key} = {1e3 * rise:g} mm: the liquid of {cargo.name} stands {1e3 * level:g} mm high, "
+            f"{1e3 * (rim - level):g} mm below the rim; less than both is allowed"
+        )
