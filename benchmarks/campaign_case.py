@@ -23,7 +23,7 @@ import numpy as np
 
 from nospill import planner, planning_run
 from nospill.certificate import judge
-from nospill.errors import NoSolutionError, NospillError, ScenarioError
+from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.ocp.guess import Start
 from nospill.plans import Plan, describe
 from nospill.robots.inverse import joint_paths
@@ -45,20 +45,22 @@ _STARTS_STREAM = 7
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """Why there is no plan: how the case ended, and the reason as the user reads it."""
+    """Why there is no plan: how the case ended, the reason as the user reads it, what kind it is and what it blames."""
 
     kind: str
     reason: str
+    told: str | None = None
+    blamed: str | None = None
 
 
 def failure_of(error: NospillError, scene: Scene) -> Failure:
     """Sort an error of planning into one of `KINDS`.
 
-    Impossible at rest is told by the error itself where it has a word for it, else it is a motion that was not found.
+    A limit that is broken even nearly at rest is broken at any speed; anything else is a motion that was not found.
     """
     if isinstance(error, NoSolutionError):
-        told = str(getattr(error, "kind", "")).replace("_", " ")
-        return Failure(IMPOSSIBLE if "rest" in told or "impossible" in told else NOT_FOUND, str(error))
+        blamed = f"{error.reason.constraint} of {error.reason.subject}" if error.reason else None
+        return Failure(IMPOSSIBLE if error.kind == REST else NOT_FOUND, str(error), error.kind, blamed)
     if isinstance(error, ScenarioError):
         try:
             joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
@@ -79,7 +81,9 @@ def run(table: dict[str, Any], name: str) -> dict[str, Any]:
         plan = planner.plan(scene)
     except NospillError as error:
         failure = failure_of(error, scene)
-        return {"kind": failure.kind, "reason": failure.reason, "plan_time_s": time.perf_counter() - began}
+        spent = time.perf_counter() - began
+        told = {"told": failure.told, "blamed": failure.blamed}
+        return {"kind": failure.kind, "reason": failure.reason, "plan_time_s": spent} | told
     return figures(plan)
 
 
@@ -103,7 +107,11 @@ def figures(plan: Plan) -> dict[str, Any]:
     try:
         fine = judge(plan.trajectory, plan.scene, rate=FINE_RATE).certificate
         broken = [describe(row) for row in fine.rows if not row.ok]
-        line["fine"] = {"ok": fine.ok, "grid_hz": fine.grid_hz, "broken": broken}
+        more = max(
+            (fine_row.use - row.use, row.constraint)
+            for fine_row, row in zip(fine.rows, plan.certificate.rows, strict=True)
+        )
+        line["fine"] = {"ok": fine.ok, "grid_hz": fine.grid_hz, "broken": broken, "more": more}
     except NospillError as error:
         line["fine"] = {"ok": False, "broken": [str(error)]}
     try:

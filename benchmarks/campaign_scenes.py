@@ -76,13 +76,13 @@ class Distributions:
     robot: Choice = Choice(tuple(ROBOTS))
     mounting: Choice = Choice((0.0, 90.0, 180.0), (0.6, 0.15, 0.25))
     unreachable: Choice = Choice((False, True), (0.95, 0.05))
-    limits_applied: Choice = Choice(("all", "position and speed"), (0.6, 0.4))
+    limits_applied: Choice = Choice(("all", "position and speed"), (0.5, 0.5))
     speed_scale: Choice = Choice((None, 0.8, 0.5, 0.25), (0.7, 0.1, 0.1, 0.1))
     path: Choice = Choice(tuple(PATHS), (0.2, 0.2, 0.25, 0.15, 0.2))
     path_length: Spread = Spread(0.1, 2.0, "m")
     yaw_change: Spread = Spread(-180.0, 180.0, "deg")
     yaw_values: Choice = Choice((2, 3, 4), (0.7, 0.2, 0.1))
-    objects: Choice = Choice(tuple(range(1, 9)), (0.2, 0.2, 0.16, 0.14, 0.1, 0.08, 0.06, 0.06))
+    objects: Choice = Choice(tuple(range(1, 9)), (0.22, 0.22, 0.17, 0.14, 0.1, 0.06, 0.05, 0.04))
     kind: Choice = Choice(("cup", "box of liquid", "box", "bottle"), (0.5, 0.15, 0.15, 0.2))
     liquid: Choice = Choice((*LIQUIDS, "own"), (0.5, *[0.1] * (len(LIQUIDS) - 1), 0.1))
     radius: Spread = Spread(0.02, 0.05, "m")
@@ -98,12 +98,13 @@ class Distributions:
     tray_offset: Spread = Spread(0.02, 0.15, "m")
     friction: Spread = Spread(0.15, 0.8)
     friction_reserve: Spread = Spread(0.0, 0.3)
-    tilt: Choice = Choice(("fixed", "free"), (0.5, 0.5))
+    footprint_reserve: Choice = Choice((0.05, 0.1, 0.2), (0.6, 0.3, 0.1))
+    tilt: Choice = Choice(("fixed", "free"), (0.55, 0.45))
     max_tilt: Spread = Spread(3.0, 40.0, "deg", logarithmic=True)
     end: Choice = Choice(("residual", "published", "still"), (0.8, 0.1, 0.1))
     residual_fraction: Spread = Spread(0.02, 1.0, "of max_slosh_height", logarithmic=True)
     max_duration: Choice = Choice((20.0, 10.0, 40.0), (0.6, 0.2, 0.2))
-    slosh_modes: Choice = Choice((1, 2), (0.85, 0.15))
+    slosh_modes: Choice = Choice((1, 2), (0.93, 0.07))
     rate: Choice = Choice((500.0, 125.0, 250.0, 1000.0), (0.7, 0.1, 0.1, 0.1))
 
     def rows(self) -> list[tuple[str, str]]:
@@ -174,6 +175,7 @@ def _table(random: np.random.Generator, known: Distributions, seed: int) -> dict
         "size": size,
         "friction": known.friction.draw(random),
         "friction_reserve": known.friction_reserve.draw(random),
+        "footprint_reserve": known.footprint_reserve.draw(random),
         "offset": known.tray_offset.draw(random),
         "mass": known.tray_mass.draw(random),
     }

@@ -9,13 +9,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.certificate import Certificate, Judgement, judge
+from nospill.certificate import Certificate, Judgement, Row, judge
 from nospill.constraints import CONSTRAINTS
+from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
-from nospill.errors import NoSolutionError
+from nospill.errors import NOT_CONVERGED, ModelError, NoSolutionError, Reason
 from nospill.numbers import Structure
-from nospill.ocp.answer import export_samples
+from nospill.ocp.answer import export_samples, with_joints_solved
 from nospill.ocp.guess import (
     USUAL_START,
     Start,
@@ -46,6 +47,10 @@ It is what limits typically exceed between grid points and where the spline thro
 the jerk, measured on the examples: enough for most motions to be certified at once, little enough to cost less than a
 thousandth of the duration.
 """
+
+_FINER = {"slip": 4e-4, "tip": 4e-4, "twist": 4e-4}
+"""Share of a budget that has to be left where accelerations with corners decide: what a grid four times finer than the
+judge's may find between his instants."""
 
 _UNBOUNDED = -1e3
 _ROUNDS = 8
@@ -110,6 +115,8 @@ class PlanningRun:
     kept: set[tuple[str, int]] = field(default_factory=set)
     regular: bool = False
     least_determinant: float = 0.0
+    crossed: JointPath | None = None
+    asked: Scene | None = None
 
     def __post_init__(self) -> None:
         counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
@@ -220,19 +227,40 @@ class PlanningRun:
         expected = estimate_duration(self.scene, joint_path)
         fewest = resolving_intervals(self.scene, expected, _COARSE_SWING)
         motion = smooth_start(self.scene, joint_path, max(_COARSEST, self.scene.planning.intervals // 4, fewest), start)
-        self.least_determinant = clearance(self._determinants(motion))
+        values = self._determinants(motion)
+        if self.scene.motion.tilt_free and values[0] * values[-1] > 0.0 and not keeps_branch(values):
+            values = values[[0, -1]]  # a tray that may lean gets round a singularity it does not end behind
+        self.least_determinant = clearance(values)
+        self.crossed = None if keeps_branch(values) else joint_path
+        self._make_room(joint_path)
         return motion
+
+    def _make_room(self, joint_path: JointPath) -> None:
+        """Keep no more of a joint's range back than the path leaves where the pose, and with it the joint, is given."""
+        robot = self.scene.robot
+        given = joint_path.q[[0, -1]] if self.scene.motion.tilt_free else joint_path.q
+        nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
+        for joint, room in enumerate(np.maximum(nearest, 0.0) / (robot.upper - robot.lower)):
+            key = (JointPosition.name, joint)
+            self.reserves[key] = min(self.reserves[key], float(room))
 
     def find(self, joint_path: JointPath) -> Solution:
         """Search and refine; once more with the arm kept regular if the motion leaves its branch.
 
         Each instant of a problem sees its own joints only: a motion can hop between branches, or run through a
-        singularity, between two of them. Most motions do neither, and the rows against it are left out.
+        singularity, between two of them. Most motions do neither, and the rows against it are left out. They cannot
+        hold where the path itself leads through a singularity. A level tray goes through by its joint path, a leaning
+        one would need joints without a limit of speed, so there the tray stays level.
         """
+        self.start(joint_path)
+        if self.crossed is not None and self.scene.motion.tilt_free:
+            self.asked = self.scene
+            self.scene = replace(self.scene, motion=replace(self.scene.motion, tilt_free=False))
+            self.__post_init__()
         coarse = self.search(joint_path)
-        if self._keeps_branch(coarse.stages):
+        if self.crossed or self._keeps_branch(coarse.stages):
             fine = self.refine(coarse)
-            if self._keeps_branch(fine.stages):
+            if self.crossed or self._keeps_branch(fine.stages):
                 return fine
         self.regular = True
         return self.refine(self.search(joint_path))
@@ -318,7 +346,10 @@ class PlanningRun:
         return f"{key[0]} | {subjects[key[1]]}"
 
     def _all(self) -> set[tuple[str, int]]:
-        return {key for key in self.reserves if key[0] not in self.ignored}
+        # On a level tray the path alone says where six joints are, and `joint_paths` has looked at that.
+        given = not self.scene.motion.tilt_free and len(self.scene.robot.joints) == 6
+        left_out = self.ignored | {JointPosition.name} if given else self.ignored
+        return {key for key in self.reserves if key[0] not in left_out}
 
     def _keep_all(self) -> None:
         self.kept = self._all()
@@ -332,30 +363,50 @@ class PlanningRun:
                 self.kept.discard((row.constraint, own.index(row.subject)))
 
     def refine(self, coarse: Solution) -> Solution:
-        """Carry the coarse answer to the full grid."""
+        """Carry the coarse answer to the full grid, or as far as that goes: the judge does not ask for a grid."""
         fewest = resolving_intervals(self.scene, coarse.stages.duration, _FINE_SWING)
-        intervals = max(self.scene.planning.intervals, fewest)
-        self.kept = {key for key, slack in coarse.slack.items() if slack <= _NEAR} & self._all()
-        start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
-        solution = coarse
-        for barrier in (*_REFINE_BARRIERS, None):
+        wanted = max(self.scene.planning.intervals, fewest)
+        near = {key for key, slack in coarse.slack.items() if slack <= _NEAR} & self._all()
+        first = self._refined(coarse.stages, wanted, near)
+        if first is not None:
+            return first
+        middle = max(wanted // 2, coarse.stages.intervals)
+        halfway = self._refined(coarse.stages, middle, self._all())
+        last = None if halfway is None else self._refined(halfway.stages, wanted, self._all())
+        return last or halfway or coarse
+
+    def _refined(self, start: Stages, intervals: int, kept: set[tuple[str, int]]) -> Solution | None:
+        """Solve with some rows from a motion on another grid; None where no barrier to begin with leads anywhere."""
+        self.kept = set(kept)
+        start = resample(start, layout_of(structure_of(self.scene)), intervals)
+        start = with_joints_solved(self.scene, start, self.crossed)
+        for barrier in _REFINE_BARRIERS:
             solution = self.solve(start, barrier=barrier, iterations=_REFINE_ITERATIONS)
             if usable(solution) and solution.converged:
                 return solution
-        raise NoSolutionError(
-            f"No motion found on {intervals} intervals, though one exists on {coarse.stages.intervals} "
-            f"({coarse.stages.duration:.3f} s): {solution.status}. Try another planning.intervals."
-        )
+        return None
 
     def tighten(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
         """Judge, keep back more of what was exceeded, solve again, until the judge agrees."""
+        try:
+            return self._tightened(solution)
+        except ModelError as error:
+            raise NoSolutionError(
+                f"No motion found: one of {solution.stages.duration:.3f} s on {solution.stages.intervals} intervals "
+                f"cannot be played, {error}. Try another planning.intervals or a path away from singularities.",
+                Reason(NOT_CONVERGED, "singularity", self.scene.robot.name),
+            ) from None
+
+    def _tightened(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
         trajectory, judgement = self._judged(solution)
-        while not judgement.certificate.ok and self.rounds < _ROUNDS:
+        while any(_falls_short(row) for row in judgement.certificate.rows) and self.rounds < _ROUNDS:
             kept = len(self.kept)
             if not self._raise_reserves(judgement.certificate):
                 break
             self.rounds += 1
-            if len(self.kept) == kept:
+            if len(self.kept) == kept and len(solution.multipliers) == len(
+                self._problem(solution.stages, self.kept).transcription.lower
+            ):
                 again = self.solve(
                     solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
                 )
@@ -370,21 +421,24 @@ class PlanningRun:
         return trajectory, judgement, solution
 
     def _judged(self, solution: Solution) -> tuple[Trajectory, Judgement]:
+        stages = solution.stages
         with self.phase("export"):
-            trajectory = export_samples(self.scene, solution.stages)
+            if self.crossed is not None:  # no instant of the problem knows on which branch the one before was
+                stages = with_joints_solved(self.scene, stages, self.crossed)
+            trajectory = export_samples(self.scene, stages)
         with self.phase("certify"):
-            return trajectory, judge(trajectory, self.scene)
+            return trajectory, judge(trajectory, self.asked or self.scene)
 
     def _raise_reserves(self, certificate: Certificate) -> bool:
         """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
         raised = False
         subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
         for row in certificate.rows:
-            if row.ok or row.constraint not in subjects or row.constraint in self.ignored:
+            if not _falls_short(row) or row.constraint not in subjects or row.constraint in self.ignored:
                 continue
             key = (row.constraint, subjects[row.constraint].index(row.subject))
             if key in self.kept:
-                exceeded = -row.worst_margin / (abs(row.limit) or 1.0)
+                exceeded = _FINER.get(row.constraint, 0.0) - row.worst_margin / (abs(row.limit) or 1.0)
                 self.reserves[key] += min(2.0 * exceeded + 5e-4, 0.1)
             self.kept.add(key)
             raised = True
@@ -404,6 +458,11 @@ class PlanningRun:
             solver_status=solution.status,
             reserves={self._label(key): value for key, value in self.reserves.items() if value > first_reserve(key[0])},
         )
+
+
+def _falls_short(row: Row) -> bool:
+    """Whether a row leaves less than it has to: nothing, or what a finer grid may find."""
+    return not row.ok or row.worst_margin < _FINER.get(row.constraint, 0.0) * abs(row.limit)
 
 
 def first_reserve(constraint: str) -> float:

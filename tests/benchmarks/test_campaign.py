@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from nospill.errors import NoSolutionError, ScenarioError
+from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
 from nospill.scenario import read_scenario
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
@@ -128,7 +128,9 @@ def test_noise_among_the_lines_of_a_process_is_passed_over() -> None:
 
 def test_failures_are_sorted_by_what_can_be_shown() -> None:
     scene = read_scenario("matrix-rigid")
-    assert campaign_case.failure_of(NoSolutionError("No motion found: slip"), scene).kind == "not found"
+    for told, kind in ((REST, "proven impossible"), (MOTION, "not found"), (NOT_CONVERGED, "not found")):
+        failure = campaign_case.failure_of(NoSolutionError("No motion found", Reason(told, "slip", "c1")), scene)
+        assert (failure.kind, failure.told, failure.blamed) == (kind, told, "slip of c1")
     assert campaign_case.failure_of(ScenarioError("path.degree"), scene).kind == "refused"
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from nospill.errors import ModelError
 from nospill.frames import SX, FrameMotion
 from nospill.numbers import SceneNumbers, Structure, constants
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, StageSamples, sample_stages
 from nospill.ocp.tray_state import tray_state
+from nospill.robots.inverse import JointPath
 from nospill.robots.kinematics import kinematics
 from nospill.robots.newton import Held, solve_joints
 from nospill.sample import sample_objects, split_states
@@ -76,6 +78,32 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
         tray_quaternion=Rotation.from_matrix(tray.rotation).as_quat(),
         slosh=_slosh_tracks(scene, structure, numbers, samples, tray),
     )
+
+
+def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = None) -> Stages:
+    """The same motion of the tray, its joints solved at every node; as it is where they cannot follow.
+
+    Joints that were carried over from another grid are off by the curvature of their way. With a joint path `near`
+    they are solved from it, and not from the motion's own.
+    """
+    structure = structure_of(scene)
+    layout = layout_of(structure)
+    t = np.arange(stages.intervals + 1) * stages.interval
+    chains = stages.table[:, : 3 * layout.chains]
+    tray = _tray_samples(structure, constants(numbers_of(scene)), layout, chains)
+    if near is not None:
+        table = stages.table.copy()
+        table[:, layout.joint_position] = near.at(np.clip(chains[:, 0], 0.0, 1.0))
+        stages = replace(stages, table=table)
+    try:
+        position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, chains)
+    except (ModelError, np.linalg.LinAlgError):
+        return stages
+    jerk = np.gradient(acceleration, stages.interval, axis=0)
+    table = stages.table.copy()
+    for order, part in enumerate((position, speed, acceleration, jerk)[: layout.orders + 1]):
+        table[:, layout.joint_derivative(order)] = part
+    return replace(stages, table=table)
 
 
 def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, chains: np.ndarray) -> TraySamples:
