@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.certificate import Certificate, Judgement, judge
+from nospill.certificate import Judgement, Row, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
@@ -56,11 +56,11 @@ _FINE_SWING = 0.7
 _COARSE_ITERATIONS = 150
 _LAST_ITERATIONS = 500
 _LAST_STARTS = 4
-_REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
+REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
 _AGAIN_BARRIER = 1e-6
 _TIGHTEN_ITERATIONS = 40
-_REFINE_ITERATIONS = 100
+REFINE_ITERATIONS = 100
 _SAME = 1e-3
 _NEAR = 0.3
 _NEAR_AT_START = 0.75
@@ -112,6 +112,14 @@ class PlanningRun:
     least_determinant: float = 0.0
 
     def __post_init__(self) -> None:
+        self._reset()
+
+    def settle(self, scene: Scene) -> None:
+        """Go on with a scene of the same structure."""
+        self.scene = scene
+
+    def _reset(self) -> None:
+        """Every row takes part, each with its first reserve."""
         counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
         self.reserves = {(name, index): first_reserve(name) for name, count in counts.items() for index in range(count)}
         self._keep_all()
@@ -196,7 +204,7 @@ class PlanningRun:
             if broken <= self.kept:
                 return solution
             self.kept |= broken
-            start, barrier = solution.stages, _REFINE_BARRIERS[1]
+            start, barrier = solution.stages, REFINE_BARRIERS[1]
 
     def _determinants(self, stages: Stages) -> np.ndarray:
         layout = layout_of(structure_of(self.scene))
@@ -288,7 +296,7 @@ class PlanningRun:
                 found = self._restarted(memory.solution.stages, warm=memory.solution)
                 if found is not None:
                     return found
-        self._keep_near(earlier.certificate)
+        self._keep_near(earlier.certificate.rows)
         self._recall(earlier.report.reserves)
         start = from_trajectory(self.scene, earlier.trajectory, self._wanted_intervals(earlier.duration))
         found = self._restarted(start, warm=None)
@@ -302,7 +310,7 @@ class PlanningRun:
     def _restarted(self, start: Stages, *, warm: Solution | None) -> Solution | None:
         self.tried += 1
         solution = self.solve(
-            start, barrier=_AGAIN_BARRIER if warm else _REFINE_BARRIERS[0], warm=warm, iterations=_REFINE_ITERATIONS
+            start, barrier=_AGAIN_BARRIER if warm else REFINE_BARRIERS[0], warm=warm, iterations=REFINE_ITERATIONS
         )
         if not (usable(solution) and solution.converged and self._keeps_branch(solution.stages)):
             return None
@@ -323,10 +331,10 @@ class PlanningRun:
     def _keep_all(self) -> None:
         self.kept = self._all()
 
-    def _keep_near(self, certificate: Certificate) -> None:
+    def _keep_near(self, rows: Sequence[Row]) -> None:
         """Leave rows far from their limits to the judge: they come back if he objects. Fewer rows, faster steps."""
         subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
-        for row in certificate.rows:
+        for row in rows:
             own = subjects.get(row.constraint, ())
             if row.subject in own and row.use < 1 - _NEAR:
                 self.kept.discard((row.constraint, own.index(row.subject)))
@@ -338,8 +346,8 @@ class PlanningRun:
         self.kept = {key for key, slack in coarse.slack.items() if slack <= _NEAR} & self._all()
         start = resample(coarse.stages, layout_of(structure_of(self.scene)), intervals)
         solution = coarse
-        for barrier in (*_REFINE_BARRIERS, None):
-            solution = self.solve(start, barrier=barrier, iterations=_REFINE_ITERATIONS)
+        for barrier in (*REFINE_BARRIERS, None):
+            solution = self.solve(start, barrier=barrier, iterations=REFINE_ITERATIONS)
             if usable(solution) and solution.converged:
                 return solution
         raise NoSolutionError(
@@ -350,9 +358,10 @@ class PlanningRun:
     def tighten(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
         """Judge, keep back more of what was exceeded, solve again, until the judge agrees."""
         trajectory, judgement = self._judged(solution)
-        while not judgement.certificate.ok and self.rounds < _ROUNDS:
+        last = self.rounds + _ROUNDS
+        while not judgement.certificate.ok and self.rounds < last:
             kept = len(self.kept)
-            if not self._raise_reserves(judgement.certificate):
+            if not self._raise_reserves(self._objections(judgement)):
                 break
             self.rounds += 1
             if len(self.kept) == kept:
@@ -360,7 +369,7 @@ class PlanningRun:
                     solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
                 )
             else:
-                again = self.solve(solution.stages, barrier=_REFINE_BARRIERS[0], iterations=_REFINE_ITERATIONS)
+                again = self.solve(solution.stages, barrier=REFINE_BARRIERS[0], iterations=REFINE_ITERATIONS)
             if not usable(again) or not again.converged:
                 again = self.solve(solution.stages)
             if not usable(again):
@@ -375,12 +384,16 @@ class PlanningRun:
         with self.phase("certify"):
             return trajectory, judge(trajectory, self.scene)
 
-    def _raise_reserves(self, certificate: Certificate) -> bool:
+    def _objections(self, judgement: Judgement) -> list[Row]:
+        """The rows that fail, by the subjects of the run's scene."""
+        return [row for row in judgement.certificate.rows if not row.ok]
+
+    def _raise_reserves(self, objections: Sequence[Row]) -> bool:
         """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
         raised = False
         subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
-        for row in certificate.rows:
-            if row.ok or row.constraint not in subjects or row.constraint in self.ignored:
+        for row in objections:
+            if row.constraint not in subjects or row.constraint in self.ignored:
                 continue
             key = (row.constraint, subjects[row.constraint].index(row.subject))
             if key in self.kept:
