@@ -30,7 +30,7 @@ from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Problem, Reserves, build_problem
 from nospill.ocp.stages import Stages
 from nospill.plans import Plan, PlanningReport, Starts
-from nospill.reasons import explained, is_hopeless
+from nospill.reasons import is_hopeless, last_resort
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
@@ -165,6 +165,10 @@ class PlanningRun:
         self.iterations += solution.iterations
         return solution
 
+    def problem(self, motion: Stages) -> Problem:
+        """The problem with the rows that are kept, about a motion."""
+        return self._problem(motion, self.kept)
+
     def _problem(self, start: Stages, kept: Collection[tuple[str, int]]) -> Problem:
         scene = self.scene
         if EndDisplacement.name in self.ignored:
@@ -223,6 +227,11 @@ class PlanningRun:
         other.regular, other.kept = self.regular, set()
         return other
 
+    def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
+        """Whether a motion of a scene is found at once; what is learnt of it does not come back."""
+        trial = self.trial(scene)
+        return usable(trial.solve_near(trial.start(joint_path), iterations=_COARSE_ITERATIONS))
+
     def start(self, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
         """A smooth starting motion on the coarse grid."""
         expected = estimate_duration(self.scene, joint_path)
@@ -254,7 +263,7 @@ class PlanningRun:
         expected = estimate_duration(self.scene, joint_path)
         # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
         if expected >= 0.79 * self.scene.motion.max_duration and is_hopeless(self.scene, joint_path):
-            raise explained(self, joint_path, None)
+            return self._overlooked(joint_path, None)
         best: Solution | None = None
         last: Solution | None = None
         for start in starting_motions(self.scene, further=_LAST_STARTS):
@@ -272,10 +281,12 @@ class PlanningRun:
             if self._agreed():
                 break
         self.tried += tried
-        if best is None:
-            assert last is not None
-            raise explained(self, joint_path, last)
-        return best
+        return self._overlooked(joint_path, last) if best is None else best
+
+    def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:
+        found = last_resort(self, joint_path, last)
+        self.durations.append(found.stages.duration)
+        return found
 
     def _agreed(self) -> bool:
         """Two starts with the same end are enough, except for perfectly still liquids, which have poor local minima."""
