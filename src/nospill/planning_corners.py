@@ -7,7 +7,7 @@ he objects to none. Few of them ever matter, and an iteration with all of them t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from nospill.certificate import Judgement, Row, condensed, constraint_traces, judge
@@ -26,7 +26,7 @@ from nospill.solvers import Solution, usable
 from nospill.tolerances import Variant, corner_scenes, is_uncertain, scene_variants, spread, spread_name
 from nospill.trajectory import SloshTrack, Trajectory
 
-_SLIGHT = 2e-3
+_SLIGHT = 5e-3
 """What a variant that is not in the problem may exceed a limit by, as a part of it, for reserves to see to it: a
 larger problem costs more than they do."""
 
@@ -69,7 +69,7 @@ class CornerRun(PlanningRun):
         """Solve from an earlier plan with the variants that come near a limit in it; None where that fails."""
         with self.phase("certify"):
             judgement = judge(self._stated(earlier.trajectory), self.whole)  # its liquids may be others
-        near = {(row.subject, row.variant) for row in judgement.corners if row.use > 1.0 - _NEAR}
+        near = self._worst(judgement, 1.0 - _NEAR)
         self._choose(near - {_key(family[0]) for family in self.families})
         self._recall(earlier.report.reserves)
         self.tried += 1
@@ -132,16 +132,18 @@ class CornerRun(PlanningRun):
 
     def _missing(self, judgement: Judgement) -> set[tuple[str, str]]:
         """Of every constraint and object the worst variant that fails and is not in the problem: (name, text)."""
-        known = {_key(item) for family in self.families for item in family}
-        failing = [
-            row
-            for row in judgement.corners
-            if row.use > 1.0 + _SLIGHT
-            and (row.subject, row.variant) in known
-            and row.constraint not in self.ignored
-            and not self._is_chosen(row)
-        ]
-        return {(row.subject, row.variant) for row in condensed(failing)}
+        return self._worst(judgement, 1.0 + _SLIGHT, {_key(item) for item in self.chosen})
+
+    def _worst(self, judgement: Judgement, use: float, known: Collection[tuple[str, str]] = ()) -> set[tuple[str, str]]:
+        """Of every constraint and object the variant that uses most of the limit, if it uses more than `use`.
+
+        Those in `known` are left out.
+        """
+        wanted = {_key(item) for family in self.families for item in family}.difference(known)
+        rows = [row for row in judgement.corners if row.use > use and row.constraint not in self.ignored]
+        return {
+            (row.subject, row.variant) for row in condensed(row for row in rows if (row.subject, row.variant) in wanted)
+        }
 
     def _choose(self, wanted: Iterable[tuple[str, str]]) -> None:
         """Take variants into the problem, with the reserves that are known.
