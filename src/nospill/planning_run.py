@@ -37,6 +37,7 @@ from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.trajectory import Trajectory
+from nospill.warm_start import is_broken, slow_enough, with_restart_reserves
 
 FIRST_RESERVE = 1e-3
 FIRST_RESERVES = {"slip": 4.5e-3, "tip": 4e-3, "slosh height": 1.5e-3, "joint acceleration": 8e-3}
@@ -59,6 +60,9 @@ _LAST_STARTS = 4
 REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
 _AGAIN_BARRIER = 1e-6
+_NO_ROOM = 1e-6
+_ROOM_IF_BROKEN = 0.05
+_BROKEN_ITERATIONS = 50
 _TIGHTEN_ITERATIONS = 40
 REFINE_ITERATIONS = 100
 _SAME = 1e-3
@@ -142,10 +146,11 @@ class PlanningRun:
         start: Stages,
         *,
         barrier: float | None = None,
+        room: float | None = None,
         warm: Solution | None = None,
         iterations: int | None = None,
     ) -> Solution:
-        """Solve on the start's grid, with the rows that are kept."""
+        """Solve on the start's grid, with the rows that are kept; a first barrier alone says that the start is good."""
         options = self.scene.planning
         problem = self._problem(start, self.kept)
         with self.phase("solve"):
@@ -157,6 +162,7 @@ class PlanningRun:
                     max_iterations=iterations or options.max_iterations,
                     max_time=options.max_solve_time,
                     barrier_start=barrier,
+                    room=_NO_ROOM if room is None and barrier is not None else room,
                     progress=self._iteration if self.progress is not None else None,
                 ),
                 warm=warm,
@@ -302,13 +308,14 @@ class PlanningRun:
         """Solve from an earlier plan, with its multipliers where they are at hand; None where neither converges."""
         if memory is not None and memory.structure == structure_of(self.scene) and not self.ignored:
             self.kept = set(memory.kept)
-            self.reserves = dict(memory.reserves)
+            self.reserves = with_restart_reserves(memory.reserves)
             if self._wanted_intervals(earlier.duration) == memory.solution.stages.intervals:
                 found = self._restarted(memory.solution.stages, warm=memory.solution)
                 if found is not None:
                     return found
         self._keep_near(earlier.certificate.rows)
         self._recall(earlier.report.reserves)
+        self.reserves = with_restart_reserves(self.reserves)
         start = from_trajectory(self.scene, earlier.trajectory, self._wanted_intervals(earlier.duration))
         found = self._restarted(start, warm=None)
         if found is None:
@@ -319,10 +326,16 @@ class PlanningRun:
         return max(self.scene.planning.intervals, resolving_intervals(self.scene, duration, _FINE_SWING))
 
     def _restarted(self, start: Stages, *, warm: Solution | None) -> Solution | None:
+        """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
         self.tried += 1
-        solution = self.solve(
-            start, barrier=_AGAIN_BARRIER if warm else REFINE_BARRIERS[0], warm=warm, iterations=REFINE_ITERATIONS
-        )
+        if is_broken(self.problem(start), start):
+            start = slow_enough(self.problem, start)
+            solution = self.solve(start, room=_ROOM_IF_BROKEN, iterations=_BROKEN_ITERATIONS)
+            if not solution.converged:
+                solution = self.solve(start, barrier=REFINE_BARRIERS[1], iterations=REFINE_ITERATIONS)
+        else:
+            barrier = _AGAIN_BARRIER if warm else REFINE_BARRIERS[0]
+            solution = self.solve(start, barrier=barrier, warm=warm, iterations=REFINE_ITERATIONS)
         if not (usable(solution) and solution.converged and self._keeps_branch(solution.stages)):
             return None
         self.durations.append(solution.stages.duration)
