@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.batches import evaluate
+from nospill.batches import call, evaluate
 
 
 def function() -> ca.Function:
@@ -76,3 +76,23 @@ def test_a_value_that_is_no_number_stays_in_its_column() -> None:
     y[0, 500] = np.nan
     result = evaluate(F, [x, y], P)
     assert np.all(np.isfinite(result[:, :500])) and np.all(np.isnan(result[:, 500]))
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_call_takes_and_gives_arrays_of_any_order(order: str) -> None:
+    a, b = ca.SX.sym("a", 3, 4), ca.SX.sym("b", 2)
+    made = ca.Function("made", [a, b], [b[0] * a[:2, :] + b[1]])
+    x = np.random.default_rng(1).normal(size=(6, 8))[::2, ::2].copy(order=order)  # pyright: ignore[reportArgumentType]
+    np.testing.assert_allclose(call(made, x, np.array([2.0, 3.0])), 2.0 * x[:2] + 3.0, rtol=1e-15)
+    np.testing.assert_array_equal(call(made, x[:, :], np.array([[2.0], [3.0]])), call(made, x, np.array([2.0, 3.0])))
+
+
+def test_call_refuses_what_does_not_fit() -> None:
+    a = ca.SX.sym("a", 3)
+    dense, sparse = ca.Function("dense", [a], [2 * a]), ca.Function("sparse", [a], [ca.diag(a)])
+    with pytest.raises(ValueError, match="dense takes 1 arguments, 2 are given"):
+        call(dense, np.zeros(3), np.zeros(3))
+    with pytest.raises(ValueError, match=r"argument 0 has the shape \(4,\)"):
+        call(dense, np.zeros(4))
+    with pytest.raises(ValueError, match="its output is sparse"):
+        call(sparse, np.zeros(3))

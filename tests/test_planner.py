@@ -265,8 +265,26 @@ def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
     planner = Planner(load_plan(tmp_path / "plan"))
     again = planner.plan(first.scene)
     assert again.certificate.ok
-    assert again.duration == pytest.approx(first.duration, rel=1e-4)
+    # what is kept back for fear of another round costs a little
+    assert 0.0 <= again.duration / first.duration - 1.0 < 5e-4
     assert again.report.starts.tried == 1 and again.report.iterations < first.report.iterations / 2
+
+
+@pytest.mark.parametrize(
+    "changes", [{"tray.friction": 0.35}, {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}]
+)
+def test_warm_where_limits_become_much_tighter(
+    example_plan: Example, changed_scene: Changed, changes: dict[str, object]
+) -> None:
+    """The old motion, which breaks the new limits by a tenth and more, is still a good start once it is slowed down."""
+    first, scene = example_plan("matrix-liquid"), changed_scene("matrix-liquid", changes)
+    planner = Planner(first)
+    planner.plan(first.scene)
+    again, anew = planner.plan(scene), plan(scene)
+    assert again.certificate.ok and again.report.starts.tried == 1
+    assert "kinematics" not in again.report.phases and again.report.iterations < anew.report.iterations
+    # the published weights leave several minima whose objective differs by a thousandth
+    assert first.duration < again.duration < 1.05 * anew.duration
 
 
 def test_a_plan_of_another_structure_is_not_used(example_plan: Example) -> None:

@@ -113,7 +113,7 @@ def test_from_its_own_answer_a_few_steps_are_enough(task: Task) -> None:
         task.problem(),
         first.stages,
         solver="ipopt",
-        options=dataclasses.replace(PATIENT, barrier_start=1e-6),
+        options=dataclasses.replace(PATIENT, barrier_start=1e-6, room=1e-6),
         warm=first,
     )
     assert again.converged and again.iterations < first.iterations / 2

@@ -11,7 +11,7 @@ import numpy as np
 from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.certificate import APPROACH, Certificate, certify
 from nospill.constraints.residual_height import STILL_FRACTION, ResidualHeight
-from nospill.errors import ModelError, NoSolutionError, ScenarioError
+from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
 from nospill.handover import Handover, read_samples, require_fit
 from nospill.interpolation import resampled
@@ -48,12 +48,28 @@ def with_approach(plan: Plan) -> Plan:
     try:
         found = find_approach(plan.scene, rules, plan.trajectory.joint_position[0])
     except ModelError as error:
-        raise NoSolutionError(f"No approach found: {error} {_ADVICE}") from error
+        reason = Reason(MOTION, "approach slosh height", "cargo", changes=_less(plan))
+        raise NoSolutionError(f"No approach found: {error} {_ADVICE}", reason) from error
     worst = found.certificate.worst
     if not found.certificate.ok:
         slowly = "" if found.segment.stretch == 1.0 else f", even {found.segment.stretch:g} times as slowly"
-        raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {_ADVICE}")
+        changes = _less(plan)
+        helps = f" Smallest single change found: {changes[0].text}." if changes else ""
+        reason = Reason(MOTION, worst.constraint, worst.subject, None, worst.use - 1.0, changes=changes)
+        raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {_ADVICE}{helps}", reason)
     return replace(plan, approach=found.segment, certificate=plan.certificate.joined(found.certificate))
+
+
+def _less(plan: Plan) -> tuple[Change, ...]:
+    """What helps where an approach with the cargo on the tray is not certified: to go there with the tray empty."""
+    rules = plan.scene.approach
+    if rules is None or not rules.loaded:
+        return ()
+    empty = find_approach(plan.scene, replace(rules, loaded=False), plan.trajectory.joint_position[0])
+    if not empty.certificate.ok:
+        return ()
+    text = 'approach.tray "empty" instead of "loaded"'
+    return (Change("load of the approach", "approach.tray", "empty", text),)
 
 
 _ADVICE = (

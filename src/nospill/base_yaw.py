@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from nospill.errors import ScenarioError
-from nospill.robots.inverse import joint_paths
+from nospill.robots.inverse import TriedPaths, try_joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene import Scene
 
@@ -34,25 +33,29 @@ def settled_base(scene: Scene) -> Scene:
         return scene
     turns = sorted(range(-180 + STEP_DEG, 181, STEP_DEG), key=lambda turn: (abs(turn), -turn))
     found: list[tuple[float, float, int, Scene]] = []
-    failures: list[tuple[float, int, str]] = []
+    nearest: tuple[int, TriedPaths] | None = None
     for order, turn in enumerate(turns):
         candidate = _turned(scene, turn)
-        try:
-            best = joint_paths(
-                candidate.robot,
-                candidate.path,
-                tool_position=candidate.tray.offset,
-                tool_yaw=candidate.tray.yaw_on_flange,
-            )[0]
-        except ScenarioError as error:
-            failures.append((_reached(str(error)), -order, f"at {turn} deg, {error}"))
-        else:
+        tried = try_joint_paths(
+            candidate.robot,
+            candidate.path,
+            tool_position=candidate.tray.offset,
+            tool_yaw=candidate.tray.yaw_on_flange,
+        )
+        if tried.paths:
+            best = tried.paths[0]
             # rounded, so that turns of an upright arm compare by their margins and not by rounding errors
             found.append((float(f"{best.speed_figure:.6g}"), -float(f"{best.limit_margin:.6g}"), order, candidate))
+        elif nearest is None or tried.reached > nearest[1].reached:
+            nearest = turn, tried
     if not found:
+        assert nearest is not None  # every turn has failed
+        turn, tried = nearest
+        failure = tried.failure()
         raise ScenarioError(
             f'{scene.name}: [robot]: base_yaw is "free", but none of {len(turns)} turns of the base lets the arm '
-            f"follow the path; the nearest to it: {max(failures)[2]}"
+            f"follow the path; the nearest to it: at {turn} deg, {failure}",
+            failure.reason,
         )
     return min(found, key=lambda entry: entry[:3])[3]
 
@@ -71,9 +74,3 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
 def _turned(scene: Scene, turn: int) -> Scene:
     table = scene.source | {"robot": _robot_table(scene) | {"base_yaw": f"{turn} deg"}}
     return scene_from_table(table, name=scene.name)
-
-
-def _reached(message: str) -> float:
-    """How far along the path an arm came, from the first place that the error names; 1 where it names none."""
-    place = re.search(r"s = ([0-9.]+)", message)
-    return float(place[1]) if place else 1.0

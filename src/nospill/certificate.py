@@ -36,6 +36,9 @@ SPEED_TOLERANCE = 1e-3
 """rad/s; recorded joint speeds against the derivative of the recorded positions, and the speed left at both ends."""
 ACCELERATION_TOLERANCE = 0.5
 """rad/s^2; recorded joint accelerations likewise (the jerk jumps, a spline through samples rounds the corner)."""
+SPEED_SHARE, ACCELERATION_SHARE = 0.1, 0.25
+"""Both may differ by this part of what the recorded acceleration changes by from sample to sample, times the period
+for speeds: a corner of that size is rounded by so much."""
 TOLERANCE_RATE = 500.0
 """Hz; where samples are farther apart, the spline rounds more: its derivatives are allowed to differ by the square of
 the period for speeds, and by the period for accelerations."""
@@ -450,16 +453,17 @@ def _record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played:
     both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
     coarser = max(1.0, TOLERANCE_RATE / trajectory.rate)
+    step = float(np.max(np.abs(np.diff(trajectory.joint_acceleration, axis=0))))
+    speeds = max(SPEED_TOLERANCE * coarser**2, SPEED_SHARE * step / trajectory.rate)
+    accelerations = max(ACCELERATION_TOLERANCE * coarser, ACCELERATION_SHARE * step)
     written = _pose_error(played, per_sample, trajectory.tray_position, Rotation.from_quat(trajectory.tray_quaternion))
     return [
         limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
         limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
-        limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE * coarser**2, trajectory.t, speed),
-        limit_row(
-            "recorded acceleration", "joints", "rad/s^2", ACCELERATION_TOLERANCE * coarser, trajectory.t, acceleration
-        ),
+        limit_row("recorded speed", "joints", "rad/s", speeds, trajectory.t, speed),
+        limit_row("recorded acceleration", "joints", "rad/s^2", accelerations, trajectory.t, acceleration),
         limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
         limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
         limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),

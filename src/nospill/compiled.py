@@ -44,6 +44,7 @@ _LEAVES = {
     "margins",
     "motion_file",
     "planner",
+    "planning_corners",
     "planning_run",
     "plans",
     "plots",
@@ -56,6 +57,7 @@ _LEAVES = {
     "units",
     "verify",
     "viewer",
+    "warm_start",
 }
 """Modules whose source is left out of the key: the layer rules keep the laws, the problem and the judge from them."""
 

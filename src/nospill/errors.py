@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-
 REST, ROBOT, MOTION, NOT_CONVERGED = "at rest", "robot", "in motion", "not converged"
 """Kinds of reasons: proven impossible even standing still; the arm cannot follow the path; no motion keeps the limits
 in the time allowed; no motion was found, and nothing says that there is none."""

@@ -13,7 +13,8 @@ EXAMPLES: dict[str, str] = {
     "matrix-liquid-soft-end": "the four cups, level; at the end the water may swing up to a fifth of its limit",
     "matrix-liquid-still": "the four cups, level; at the end the water stands exactly still",
     "matrix-liquid-tilt": "the four cups on a tray that tilts, with the whole slosh and contact model",
-    "matrix-liquid-tilt-all-limits": "the same with the laboratory's limits of joint acceleration",
+    "matrix-liquid-tilt-robust": "the same for ranges of friction, fill and damping: it holds at every corner",
+    "matrix-liquid-tilt-all-limits": "four cups on a tilting tray, with the laboratory's limits of joint acceleration",
     "pp-two-cups": "two cups of water along the published path pp, level tray",
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
 }

@@ -9,9 +9,11 @@ from nospill.approaching import require_possible, starts_alike, with_approach
 from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ScenarioError
-from nospill.planning_run import Memory, PlanningRun, Progress
+from nospill.planning_corners import planning_run
+from nospill.planning_run import Memory, Progress
 from nospill.planning_run import PlanningProgress as PlanningProgress
 from nospill.plans import Plan, motion_maxima
+from nospill.reasons import advised
 from nospill.robots.inverse import branch_in_words, joint_paths, preferred_path
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
@@ -49,17 +51,24 @@ def _planned(
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
     require_possible(scene)
-    run, base_is_free = PlanningRun(scene, progress, frozenset(ignore)), has_free_base(scene)
+    run, base_is_free = planning_run(scene, progress, frozenset(ignore)), has_free_base(scene)
     if base_is_free:
         with run.phase("base yaw"):
-            run.scene = scene = settled_base(scene)
+            try:
+                scene = settled_base(scene)
+            except ScenarioError as error:
+                raise advised(scene, error, run.is_possible) from None
+            run.settle(scene)
     # a plan on a branch chosen for another start of the arm is no place to go on from
     solution = run.restart(warm, memory) if warm is not None and starts_alike(warm.scene, scene) else None
     if solution is None:
         with run.phase("kinematics"):
-            paths = joint_paths(
-                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-            )
+            try:
+                paths = joint_paths(
+                    scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+                )
+            except ScenarioError as error:
+                raise advised(scene, error, run.is_possible) from None
             joint_path = preferred_path(paths, scene.robot, scene.start_near)
         solution = run.find(joint_path)
     trajectory, judgement, solution = run.tighten(solution)

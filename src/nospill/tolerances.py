@@ -150,10 +150,23 @@ def _text(by: Departure, cargo: Cargo) -> str:
     if by.damping != 1.0:
         parts.append(f"damping x{by.damping:.4g}")
     if any(by.position):
-        parts.append(f"place {1e3 * by.position[0]:+.4g}, {1e3 * by.position[1]:+.4g} mm")
+        parts.append(f"position {1e3 * by.position[0]:+.4g}, {1e3 * by.position[1]:+.4g} mm")
     if by.mass:
         parts.append(f"mass {100 * by.mass / cargo.empty.mass:+.4g} %")
     return ", ".join(parts)
+
+
+def tolerance_text(tolerance: Tolerance) -> str:
+    """A tolerance in words: "friction +-10 %, fill +-2 mm, damping x0.5 to x2"."""
+    low, high = tolerance.damping
+    parts = (
+        f"friction +-{100 * tolerance.friction:.4g} %" if tolerance.friction else "",
+        f"fill +-{1e3 * tolerance.liquid_height:.4g} mm" if tolerance.liquid_height else "",
+        f"damping x{low:.4g} to x{high:.4g}" if low < high else "",
+        f"position +-{1e3 * tolerance.position:.4g} mm" if tolerance.position else "",
+        f"mass +-{100 * tolerance.mass:.4g} %" if tolerance.mass else "",
+    )
+    return ", ".join(part for part in parts if part)
 
 
 def is_uncertain(scene: Scene) -> bool:

@@ -17,6 +17,7 @@ from nospill.plots.margins import draw_use
 from nospill.plots.path_view import draw_path
 from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, legend_columns, line_key, plain
 from nospill.plots.use_table import draw_use_table
+from nospill.tolerances import is_uncertain
 
 SHEET = (11.69, 8.27)
 """in."""
@@ -49,14 +50,16 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     names = plain(", ".join(item.name for item in scene.cargo), max(75 - len(about), 12))
     figure.text(0.03, 0.93, about + names, size=8.5, va="top")
     rows = certificate.rows
-    detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16)))
+    # Which numbers are worst stands in the certificate; here there is no room for it.
+    detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16), variant=""))
+    over = " over its tolerances" if is_uncertain(scene) else ""
     if certificate.ok:
-        verdict, color = f"CERTIFIED: all {len(rows)} rows hold at {certificate.grid_hz:g} Hz", "#00704F"
+        verdict, color = f"CERTIFIED{over}: all {len(rows)} rows hold at {certificate.grid_hz:g} Hz", "#00704F"
         detail = f"nearest to its limit: {detail}"
     else:
         failed = [row for row in rows if not row.ok]
         verdict, color = (
-            f"NOT CERTIFIED: {len(failed)} of {len(rows)} rows fail at {certificate.grid_hz:g} Hz",
+            f"NOT CERTIFIED{over}: {len(failed)} of {len(rows)} rows fail at {certificate.grid_hz:g} Hz",
             DARK_RED,
         )
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)

@@ -15,6 +15,7 @@ from nospill.plans import shown_unit
 from nospill.plots.style import superscript
 from nospill.plots.text_pages import TextTable
 from nospill.scene import Scene
+from nospill.tolerances import tolerance_text
 from nospill.trajectory import Trajectory
 
 _FIDELITY = {
@@ -40,6 +41,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
         ("at the end", _end(scene)),
         *_waiting(scene, approach),
         ("smoothness", _jerks(scene)),
+        *_tolerances(scene),
         ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
         ("output", f"{scene.output_rate:g} samples per second"),
     ]
@@ -155,6 +157,19 @@ def _waiting(scene: Scene, approach: Segment | None) -> list[tuple[str, str]]:
         tray = "loaded" if approach.loaded else "empty"
         rows.append(("approach", f"{approach.duration:.3f} s in joint space to the start, with the tray {tray}"))
     return rows
+
+
+def _tolerances(scene: Scene) -> list[tuple[str, str]]:
+    """What may be off, once for all objects that share it."""
+    owners: dict[str, list[str]] = {}
+    for item in scene.cargo:
+        if item.tolerance is not None:
+            owners.setdefault(tolerance_text(item.tolerance), []).append(item.name)
+    whole = len(scene.cargo)
+    return [
+        ("tolerance" if len(names) == whole else f"tolerance of {', '.join(names)}", text)
+        for text, names in owners.items()
+    ]
 
 
 def _jerks(scene: Scene) -> str:

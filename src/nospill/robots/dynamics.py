@@ -19,6 +19,7 @@ from typing import Any
 import casadi as cs
 import numpy as np
 
+from nospill.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.bodies import Body, about_point, chain_bodies, inertia_fault
 from nospill.robots.kinematics import Chain
@@ -195,9 +196,10 @@ class Dynamics:
                 raise ValueError(f"joint samples have shape {np.shape(array)}, expected ({count}, {self.n})")
         if count == 0:
             return np.zeros((0, self.n))
-        columns = [cs.DM(np.asarray(array, dtype=float).T) for array in (q, qd, qdd)]
-        shared = [cs.repmat(cs.DM(load_column(load)), 1, count), cs.repmat(cs.DM(gravity), 1, count)]
-        return np.array((function or self.torque_function)(*columns, *shared).full().T, order="C")
+        columns = [np.asarray(array, dtype=float).T for array in (q, qd, qdd)]
+        column = np.repeat(cs.DM(load_column(load)).full(), count, axis=1)
+        torque = evaluate(function or self.torque_function, [*columns, column], np.array([gravity]))
+        return np.ascontiguousarray(torque.T)
 
 
 def torque_expression(chain: Chain, q: cs.SX, qd: cs.SX, qdd: cs.SX, load: Load, *, gravity: float | cs.SX) -> cs.SX:

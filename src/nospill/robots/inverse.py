@@ -9,12 +9,14 @@ to move as little as they can. That gives the planner its start; it may move the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
 
+from nospill.errors import ScenarioError
 from nospill.paths import Path
 from nospill.robots.closed_form import TURN, solutions_anywhere, turn_choices
 from nospill.robots.closed_form import inverse_solutions as inverse_solutions
@@ -93,18 +95,50 @@ def joint_paths(
         by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
         singularity (where).
     """
+    tried = try_joint_paths(robot, path, tool_position=tool_position, tool_yaw=tool_yaw, samples=samples)
+    if tried.paths:
+        return tried.paths
+    raise tried.failure()
+
+
+@dataclass(frozen=True, slots=True)
+class TriedPaths:
+    """The joint paths along a path of the tray, or how far the arm came.
+
+    Attributes:
+        paths: as `joint_paths` returns them; none where there is no joint path.
+        reached: path parameter that the best branch comes to; 0 where not even the start is reached.
+        failure: the error that says why there is none; takes a while.
+    """
+
+    paths: list[JointPath]
+    reached: float
+    failure: Callable[[], ScenarioError]
+
+
+def try_joint_paths(
+    robot: Robot,
+    path: Path,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    samples: int = 101,
+) -> TriedPaths:
+    """`joint_paths` for whoever tries many: the reason why there is none is found out only on demand."""
     tool_position = np.asarray(tool_position, dtype=float)
     s = np.linspace(0.0, 1.0, samples)
     starts = _starts(robot, path, tool_position, tool_yaw)
     joint = redundant_joint(robot)
     followed: Followed | None = None
+    found: list[JointPath] = []
     for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
         followed = follow(kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
         found = _within_limits(robot, path, followed, held, tool_position=tool_position, tool_yaw=tool_yaw)
         if found:
-            return found
+            break
     assert followed is not None  # there is one turn of the loop at least
-    raise explain(robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
+    why = partial(explain, robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
+    return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
 
 
 def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | None) -> JointPath:

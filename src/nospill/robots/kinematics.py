@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import casadi as cs
 import numpy as np
 
+from nospill.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.bodies import Chain as BodyChain
 from nospill.robots.bodies import chain_bodies
@@ -181,8 +182,8 @@ class Kinematics:
                 raise ValueError(f"joint samples have shape {np.shape(array)}, expected ({count}, {self.n})")
         if count == 0:
             return np.zeros((0, function.size1_out(0)))
-        columns = [cs.DM(np.asarray(array, dtype=float).T) for array in samples]
-        return np.array(function(*columns, cs.repmat(tool, 1, count)).full().T, order="C")
+        columns = [np.asarray(array, dtype=float).T for array in samples]
+        return np.ascontiguousarray(evaluate(function, columns, tool.full()[:, 0]).T)
 
 
 class Chain(Protocol):

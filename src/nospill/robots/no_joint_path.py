@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.errors import ScenarioError
+from nospill.errors import ROBOT, Reason, ScenarioError
 from nospill.paths import Path
 from nospill.robots.closed_form import TURN, solutions_anywhere
 from nospill.robots.following import Followed, tray_poses
@@ -32,23 +32,30 @@ def explain(
         tool_yaw: turn of the tray about the flange's z, rad.
     """
     if followed.complete.any():
-        return ScenarioError(_limit_in_the_way(robot, followed))
+        return _limit_in_the_way(robot, followed, path)
     s = followed.s
     solved = np.array([_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
     if not solved.all():
-        return ScenarioError(_out_of_reach(robot, path, s, solved, tool_position, tool_yaw))
+        return _out_of_reach(robot, path, s, solved, tool_position, tool_yaw)
     best = int(np.argmax(followed.last))
     farthest = int(followed.last[best])
-    place = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
+    joints = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
+    lost = float(s[min(farthest + 1, len(s) - 1)])
     return ScenarioError(
         f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
-        f"singularity, the last near s = {s[min(farthest + 1, len(s) - 1)]:.3f} at joints ({place}) deg; "
-        "move the path or change its yaw there"
+        f"singularity, the last near s = {lost:.3f} ({_place(path, lost)}) at joints ({joints}) deg; "
+        "move the path or change its yaw there",
+        Reason(ROBOT, "singularity", robot.name, lost),
     )
 
 
-def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
-    """Return the message for the branch that breaks its limits least, with the whole turns that suit it best."""
+def _place(path: Path, s: float) -> str:
+    """Where the tray is at s, for people."""
+    return "x, y, z = " + ", ".join(f"{1e3 * value:.0f}" for value in path.at(s)[0, :3]) + " mm"
+
+
+def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioError:
+    """Return the error for the branch that breaks its limits least, with the whole turns that suit it best."""
     best: tuple[float, int, int, np.ndarray] | None = None
     for q in followed.q[followed.complete]:
         # for each joint the whole turns that break its limits least
@@ -66,11 +73,13 @@ def _limit_in_the_way(robot: Robot, followed: Followed) -> str:
     worst, joint, first, turned = best
     upper = turned[first, joint] > robot.upper[joint]
     limit = robot.upper[joint] if upper else robot.lower[joint]
-    return (
+    at_s = float(followed.s[first])
+    return ScenarioError(
         f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
         f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
         f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
-        f"{np.degrees(worst):.3g} deg, from s = {followed.s[first]:.3f} on; move the path or change its yaw"
+        f"{np.degrees(worst):.3g} deg, from s = {at_s:.3f} on ({_place(path, at_s)}); move the path or change its yaw",
+        Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
     )
 
 
@@ -85,7 +94,7 @@ def _reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, to
 
 def _out_of_reach(
     robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, tool_position: np.ndarray, tool_yaw: float
-) -> str:
+) -> ScenarioError:
     first = int(np.argmin(solved))
     edge = float(s[first])
     if first > 0:
@@ -100,10 +109,11 @@ def _out_of_reach(
     shortfall = _shortfalls(kinematics(robot), path, outside, tool_position, tool_yaw)
     worst = int(np.argmax(shortfall))
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
-    return (
+    return ScenarioError(
         f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on (start 0, end 1), by up to "
-        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f}; "
-        "move the path nearer to the robot's base or away from its axis"
+        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f} ({_place(path, float(outside[worst]))}); "
+        "move the path nearer to the robot's base or away from its axis",
+        Reason(ROBOT, "reach", robot.name, edge, float(shortfall[worst]), "m"),
     )
 
 

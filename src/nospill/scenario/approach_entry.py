@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from nospill.errors import ScenarioError
+from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.scenario.fields import ANGLE, JointValues, Measured, Table, WordOr
 from nospill.scene import ApproachRules
@@ -90,9 +90,23 @@ class ApproachTable(Table):
             if not lower <= value <= upper:
                 raise ScenarioError(
                     f"from has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
-                    f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
+                    f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}",
+                    _start_reason(self.start, robot, name),
                 )
         return np.array(self.start)
+
+
+def _start_reason(start: tuple[float, ...], robot: Robot, joint: str) -> Reason:
+    """The reason for a joint that starts outside its limits, and the nearest start within them."""
+    index = robot.joints.index(joint)
+    inside = np.clip(start, robot.lower, robot.upper)
+    new, old = (format_quantity(float(angle[index]), "angle") for angle in (inside, start))
+    change = Change(
+        f"joint position of {joint}", "approach.from", inside.tolist(), f"{joint} at {new} instead of {old}"
+    )
+    return Reason(
+        ROBOT, "joint position", joint, excess=float(abs(inside - start)[index]), unit="rad", changes=(change,)
+    )
 
 
 def _stated(

@@ -12,6 +12,7 @@ from nospill.containers.base import Container, DiscFootprint, MassProperties
 from nospill.errors import ScenarioError
 from nospill.liquids import LIQUIDS, Liquid
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
+from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene import Fidelity
 from nospill.units import as_written, format_quantity, listed
@@ -117,13 +118,15 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
     if room <= 0.0:
         where = "above" if room < 0.0 else "at"
         raise ScenarioError(
-            f"liquid_height {_mm(level)} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup"
+            f"liquid_height {_mm(level)} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup",
+            fill_reason(entry.name, rim, level, entry.max_slosh_height),
         )
     limit = room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
-            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit"
+            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
+            fill_reason(entry.name, rim, level, entry.max_slosh_height),
         )
     modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
     return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes)

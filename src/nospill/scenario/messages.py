@@ -9,7 +9,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from nospill.errors import ScenarioError
+from nospill.errors import Reason, ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
 from nospill.scenario.fields import SENTENCE
 from nospill.scenario.model import Scenario
@@ -24,13 +24,18 @@ Location = tuple[int | str, ...]
 """Where pydantic found an error: keys, indices and, behind a union, the tag of its member."""
 
 
-def report(label: str, faults: Sequence[Fault]) -> ScenarioError:
-    """The error for a scenario called `label` (its file as the user named it): the first fault, and how many more."""
+def report(label: str, faults: Sequence[Fault], reason: Reason | None = None) -> ScenarioError:
+    """The error for a scenario called `label` (its file as the user named it): the first fault, and how many more.
+
+    With a reason, which is the first fault's, the smallest change that helps is told too.
+    """
     place, text = faults[0]
+    if reason is not None and reason.changes:
+        text += f", for example {reason.changes[0].text}"
     others = len(faults) - 1
     more = f" (and {others} more mistake{'s' if others > 1 else ''})" if others else ""
     line = ": ".join(part for part in (label, place, text) if part) + more
-    return ScenarioError(" ".join(line.splitlines()))
+    return ScenarioError(" ".join(line.splitlines()), reason)
 
 
 def cargo_place(index: int, entry: object) -> str:

@@ -16,7 +16,7 @@ import tomli_w
 from pydantic import ValidationError
 
 from nospill.cargo import Cargo
-from nospill.errors import ModelError, ScenarioError
+from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.examples import EXAMPLES, example_path
 from nospill.files import atomic_text
 from nospill.robots.robot import Robot
@@ -24,6 +24,7 @@ from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
+from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene import ApproachRules, MotionRules, PlanningOptions, Scene
 from nospill.slosh.modes import STANDARD_GRAVITY
 from nospill.tolerances import greatest_mass
@@ -138,7 +139,7 @@ def _at(label: str, place: str) -> Iterator[None]:
     try:
         yield
     except (ScenarioError, ModelError) as error:
-        raise report(label, [(place, str(error))]) from None
+        raise report(label, [(place, str(error))], error.reason) from None
 
 
 def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath) -> Scene:
@@ -164,7 +165,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     _check_payload(robot, tray, cargo, scenario, label)
     faults = layout_faults(cargo, tray)
     if faults:
-        raise report(label, faults)
+        raise report(label, faults, layout_reason(cargo, tray))
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -200,6 +201,7 @@ def _start_near(scenario: Scenario, robot: Robot, approach: ApproachRules | None
 def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
     cargo: list[Cargo] = []
     faults: list[Fault] = []
+    reason: Reason | None = None
     owners: dict[str, int] = {}
     for index, entry in enumerate(scenario.cargo):
         place = cargo_place(index, {"name": entry.name})
@@ -219,11 +221,12 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
                 tolerance=scenario.tolerance,
             )
         except (ScenarioError, ModelError) as error:
+            reason = reason if faults else error.reason
             faults.append((place, str(error)))
         else:
             cargo.append(item)
     if faults:
-        raise report(label, faults)
+        raise report(label, faults, reason)
     return tuple(cargo)
 
 
@@ -245,6 +248,7 @@ def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario:
                     "take something off or choose a stronger arm",
                 )
             ],
+            payload_reason(robot, tray, cargo, tray.mass + load - robot.payload),
         )
 
 

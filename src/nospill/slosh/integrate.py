@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.batches import call
 from nospill.errors import ModelError
 
 SX = ca.SX
@@ -79,13 +80,14 @@ def integrate(
     ends = [inputs[:, 0:-1:2], inputs[:, 1::2], inputs[:, 2::2]]
     ends = [np.pad(columns, ((0, 0), (0, padded)), mode="edge") for columns in ends]
     durations = np.pad(np.asarray(lengths, dtype=float), (0, padded))
-    run, shared = _chunk(step), ca.DM(np.repeat(parameters[:, None], _CHUNK, axis=1))
-    state, states = ca.DM(start), [np.asarray(start, dtype=float)[None]]
+    run, shared = _chunk(step), np.repeat(parameters[:, None], _CHUNK, axis=1)
+    state = np.asarray(start, dtype=float)
+    states = [state[None]]
     for first in range(0, steps, _CHUNK):
         part = slice(first, first + _CHUNK)
-        reached = run(state, *[ca.DM(columns[:, part]) for columns in ends], ca.DM(durations[part]).T, shared)
+        reached = call(run, state, *[columns[:, part] for columns in ends], durations[None, part], shared)
         state = reached[:, -1]
-        states.append(np.array(reached.full()).T)
+        states.append(reached.T)
     return np.concatenate(states)[: steps + 1]
 
 

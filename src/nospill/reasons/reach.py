@@ -1,0 +1,314 @@
+"""What would let an arm follow its path: the base or the path moved, a smaller turn, another limit, found by trying."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from nospill.errors import ROBOT, Change, Reason, ScenarioError
+from nospill.paths import Path
+from nospill.reasons.changes import advice, with_change
+from nospill.reasons.levers import own_robot
+from nospill.robots.inverse import JointPath, try_joint_paths
+from nospill.robots.robot import Robot
+from nospill.scene import Scene
+from nospill.units import format_quantity, quantity
+
+BUDGET = 12.0
+"""s; no new trial begins later than this after the first."""
+_SAMPLES = 41
+_LEAST_SHIFT, _GROWTH, _LARGEST_SHIFT = 0.01, 1.5, 1.5
+_BISECTIONS = 4
+_SPARE_PART, _SPARE_LENGTH, _SPARE_ANGLE = 1.05, 0.005, math.radians(1.0)
+"""What a suggestion goes beyond the least that was found enough: at the very edge of its reach an arm is slow."""
+_TURN_STEP = math.radians(15.0)
+_TURNS = 12
+_PEAK_SPEED = 1.9
+"""Greatest speed of a smooth motion over its mean."""
+_AGAIN = (1.0, 1.5, 2.5)
+"""Factors on a change that lets the arm follow the path but not move as it should."""
+
+
+Confirm = Callable[[Scene, JointPath], bool]
+"""Whether a motion is found for a changed scene along a joint path."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Option:
+    """One kind of change: how much of it, from nothing on.
+
+    Attributes:
+        amounts: increasing, to be tried one after the other. size: of one unit of it, for comparing kinds.
+        moved: amount -> the task with this much of the change. change: amount -> the same for the scenario.
+        spare: amount -> the amount that is suggested. finest: amounts are not told apart below this.
+    """
+
+    amounts: tuple[float, ...]
+    size: float
+    moved: Callable[[float], _Task]
+    change: Callable[[float], Change]
+    spare: Callable[[float], float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """What a joint path depends on."""
+
+    robot: Robot
+    path: Path
+    tool_position: np.ndarray
+    tool_yaw: float
+
+
+@dataclass(slots=True)
+class _Clock:
+    began: float = field(default_factory=time.perf_counter)
+
+    @property
+    def over(self) -> bool:
+        return time.perf_counter() - self.began > BUDGET
+
+
+def advised(scene: Scene, error: ScenarioError, confirm: Confirm) -> ScenarioError:
+    """The error of an arm that cannot follow its path, with the smallest single changes that were found to help.
+
+    Args:
+        scene: the task.
+        error: as `joint_paths` or `settled_base` raised it; without a reason about the robot it comes back as it is.
+        confirm: whether a motion is found for a changed task.
+    """
+    reason = error.reason
+    if reason is None or reason.kind != ROBOT:
+        return error
+    clock = _Clock()
+    found: list[tuple[float, Change]] = []
+    for options in _families(scene, reason):
+        best = _least(scene, options, clock, confirm)
+        if best is not None:
+            found.append(best)
+    changes = [change for _, change in sorted(found, key=lambda entry: entry[0])]
+    text = str(error) if not changes else f"{error}. {advice(changes, '')}"
+    return ScenarioError(text, replace(reason, changes=tuple(changes)))
+
+
+def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
+    """The option that helps with the least amount, all growing together; with its size."""
+    limit = scene.motion.max_duration
+    for step in range(max((len(option.amounts) for option in options), default=0)):
+        for option in options:
+            if clock.over:
+                return None
+            if step >= len(option.amounts) or not _follows(option.moved(option.amounts[step]), limit):
+                continue
+            low, high = option.amounts[step - 1] if step else 0.0, option.amounts[step]
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                if clock.over or not _follows(option.moved(middle), limit):
+                    low = middle
+                else:
+                    high = middle
+            for factor in _AGAIN:
+                amount = factor * option.spare(high)
+                if _is_confirmed(scene, option.change(amount), confirm):
+                    return amount * option.size, option.change(amount)
+            return None
+    return None
+
+
+def _follows(task: _Task, limit: float) -> bool:
+    tried = try_joint_paths(
+        task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
+    )
+    return bool(tried.paths) and _PEAK_SPEED * tried.paths[0].speed_figure <= limit
+
+
+def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
+    try:
+        changed = with_change(scene, change)
+    except ScenarioError:  # beyond the bounds of its key
+        return False
+    changed = replace(scene, robot=changed.robot, path=changed.path, tray=changed.tray, source=changed.source)
+    tried = try_joint_paths(
+        changed.robot, changed.path, tool_position=changed.tray.offset, tool_yaw=changed.tray.yaw_on_flange
+    )
+    return bool(tried.paths) and confirm(changed, tried.paths[0])
+
+
+# --- what can be changed -------------------------------------------------------------------------------------------
+
+
+def _families(scene: Scene, reason: Reason) -> Iterator[list[_Option]]:
+    """Kinds of changes; the options of one kind are tried together, the one that needs least is taken."""
+    if reason.constraint == "joint position":
+        yield _wider_limit(scene, reason)
+    yield _smaller_turn(scene)
+    yield _shifts(scene, reason)
+    yield _turned_tray(scene)
+    if reason.constraint != "reach":
+        yield _turned_base(scene)
+
+
+def _task(scene: Scene) -> _Task:
+    return _Task(scene.robot, scene.path, scene.tray.offset, scene.tray.yaw_on_flange)
+
+
+def _robot_table(scene: Scene) -> dict[str, Any]:
+    table = scene.source["robot"]
+    assert isinstance(table, dict)  # the reader saw to it
+    return table
+
+
+def _base_position(scene: Scene) -> np.ndarray:
+    entries = _robot_table(scene).get("base_position", (0.0, 0.0, 0.0))
+    return np.array([quantity(entry, "length") for entry in entries])
+
+
+def _reach(scene: Scene) -> float:
+    return scene.robot.reach or 1.0
+
+
+def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
+    """The base moved: along the axes, and towards where the path is farthest; upright, a lower tray is the same."""
+    task, base = _task(scene), _base_position(scene)
+    directions = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
+    ends = [scene.path.at(at)[0, :3] for at in (reason.at_s or 0.0, 0.5, 1.0)]
+    for place in ends:
+        towards = (place - base) * np.array([1.0, 1.0, 0.0])
+        if np.linalg.norm(towards) > 1e-3:
+            directions.append(towards / np.linalg.norm(towards))
+    count = math.ceil(math.log(_LARGEST_SHIFT / _LEAST_SHIFT) / math.log(_GROWTH))
+    amounts = tuple(_LEAST_SHIFT * _GROWTH**step for step in range(count + 1))
+    options = []
+    for direction in directions:
+        offset = np.array([*direction, 0.0])
+
+        def moved(amount: float, offset: np.ndarray = offset) -> _Task:
+            coefficients = task.path.coefficients.copy()
+            coefficients[-1] -= amount * offset
+            return replace(task, path=Path(task.path.breaks, coefficients))
+
+        def change(amount: float, direction: np.ndarray = direction) -> Change:
+            place = np.round(base + amount * direction, 4)
+            shown = ", ".join(f"{1e3 * value:.4g}" for value in place)
+            now = ", ".join(f"{1e3 * value:.4g}" for value in base)
+            text = f"base {1e3 * amount:.3g} mm elsewhere (base_position {shown} mm instead of {now} mm)"
+            return Change("reach of the arm", "robot.base_position", place.tolist(), text)
+
+        options.append(_Option(amounts, 1.0 / _reach(scene), moved, change, _longer))
+    return options
+
+
+def _longer(amount: float) -> float:
+    return _SPARE_PART * amount + _SPARE_LENGTH
+
+
+def _smaller_turn(scene: Scene) -> list[_Option]:
+    """The yaw along the path, less of it about its start."""
+    task, table = _task(scene), scene.source["path"]
+    assert isinstance(table, dict)
+    values = np.array([quantity(entry, "angle") for entry in table.get("yaw", (0.0, 0.0))])
+    turn = float(np.max(np.abs(values - values[0])))
+    if turn < 1e-6:
+        return []
+
+    def moved(amount: float) -> _Task:
+        part = max(1.0 - amount / turn, 0.0)
+        coefficients = task.path.coefficients.copy()
+        coefficients[:, :, 3] *= part
+        coefficients[-1, :, 3] += (1.0 - part) * values[0]
+        return replace(task, path=Path(task.path.breaks, coefficients))
+
+    def change(amount: float) -> Change:
+        kept = values[0] + max(1.0 - amount / turn, 0.0) * (values - values[0])
+        value = np.round(kept, 5).tolist()
+        new = format_quantity(float(np.max(np.abs(kept - values[0]))), "angle", digits=4)
+        text = f"yaw change at most {new} instead of {format_quantity(turn, 'angle', digits=4)}"
+        return Change("turn of the tray", "path.yaw", value, text)
+
+    amounts = tuple(turn * part / 16.0 for part in range(1, 17))
+    return [_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: min(amount + _SPARE_ANGLE, turn))]
+
+
+def _turned_tray(scene: Scene) -> list[_Option]:
+    """The tray mounted in another direction."""
+    task, now = _task(scene), scene.tray.yaw_on_flange
+    amounts = tuple(_TURN_STEP * step for step in range(1, _TURNS + 1))
+    options = []
+    for sign in (1.0, -1.0):
+
+        def moved(amount: float, sign: float = sign) -> _Task:
+            return replace(task, tool_yaw=now + sign * amount)
+
+        def change(amount: float, sign: float = sign) -> Change:
+            value = now + sign * amount
+            new, old = (format_quantity(angle, "angle", digits=4) for angle in (value, now))
+            return Change("turn of the tray", "tray.yaw_on_flange", value, f"tray.yaw_on_flange {new} instead of {old}")
+
+        options.append(_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
+    return options
+
+
+def _turned_base(scene: Scene) -> list[_Option]:
+    """The base turned about the world's vertical."""
+    given = _robot_table(scene).get("base_yaw", 0.0)
+    if given == "free":
+        return []
+    task, base, now = _task(scene), _base_position(scene), quantity(given, "angle")
+    amounts = tuple(_TURN_STEP * step for step in range(1, _TURNS + 1))
+    options = []
+    for sign in (1.0, -1.0):
+
+        def moved(amount: float, sign: float = sign) -> _Task:
+            angle = -sign * amount
+            cosine, sine = math.cos(angle), math.sin(angle)
+            coefficients = task.path.coefficients.copy()
+            coefficients[-1, :, :3] -= base
+            x, y = coefficients[:, :, 0].copy(), coefficients[:, :, 1].copy()
+            coefficients[:, :, 0], coefficients[:, :, 1] = cosine * x - sine * y, sine * x + cosine * y
+            coefficients[-1, :, :3] += base
+            coefficients[-1, :, 3] += angle
+            return replace(task, path=Path(task.path.breaks, coefficients))
+
+        def change(amount: float, sign: float = sign) -> Change:
+            value = now + sign * amount
+            new, old = (format_quantity(angle, "angle", digits=4) for angle in (value, now))
+            return Change("turn of the base", "robot.base_yaw", value, f"base_yaw {new} instead of {old}")
+
+        options.append(_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
+    return options
+
+
+def _wider_limit(scene: Scene, reason: Reason) -> list[_Option]:
+    """The limit that is passed, where the scenario and not the robot has set it."""
+    robot, own = scene.robot, own_robot(scene)
+    joint, excess = robot.joints.index(reason.subject), reason.excess or 0.0
+    task = _task(scene)
+    options = []
+    for key, limits, sign in (("upper", robot.upper, 1.0), ("lower", robot.lower, -1.0)):
+        room = math.inf if own is None else float(sign * (getattr(own, key) - limits)[joint])
+        if room < 1e-6:
+            continue
+        most = min(room, 4.0 * excess + math.radians(5.0))
+
+        def moved(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> _Task:
+            values = limits.copy()
+            values[joint] += sign * amount
+            return replace(task, robot=replace(robot, **{key: values}))
+
+        def change(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> Change:
+            values = limits.copy()
+            values[joint] += sign * amount
+            new, old = (format_quantity(float(angle[joint]), "angle", digits=4) for angle in (values, limits))
+            text = f"limits.{key} {new} instead of {old} ({reason.subject})"
+            return Change(f"joint position of {reason.subject}", f"robot.limits.{key}", values.tolist(), text)
+
+        amounts = tuple(most * part / 8.0 for part in range(1, 9))
+        options.append(
+            _Option(amounts, 1.0 / math.pi, moved, change, lambda amount, room=room: min(amount + _SPARE_ANGLE, room))
+        )
+    return options
