@@ -2,9 +2,10 @@
 
     python benchmarks/campaign.py --out FILE --cases 1000 --jobs 2        run, or go on where it stopped
     python benchmarks/campaign.py --out FILE --starts-check 100           further random starts for 100 of them
+    python benchmarks/campaign.py --out FILE --starts-check 100 --of CASES    likewise of the cases in another file
     python benchmarks/campaign.py --out FILE --scheduler tcp://host:8786  the same on a Dask cluster
     python benchmarks/campaign.py --out FILE --only 17                    one case alone, printed and not kept
-    python benchmarks/campaign.py --report FILE                           tables into docs/reliability.md
+    python benchmarks/campaign.py --report FILE ...                       tables into docs/reliability.md
 
 Every case is a process with a time limit (`campaign_case.py`), so a crash or a hang is a line like any other. FILE
 holds one JSON line a case, each written at once and whole; seeds that are in it are not run again. The package is taken
@@ -45,7 +46,7 @@ def main(words: list[str] | None = None) -> None:
     if arguments.report is not None:
         from campaign_report import write_page  # a run needs none of it
 
-        write_page(Lines.read(arguments.report), PAGE)
+        write_page([line for file in arguments.report for line in Lines.read(file)], PAGE)
         print(f"written: {PAGE}")
         return
     if arguments.only is not None:
@@ -82,7 +83,8 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster whose workers have nospill installed")
     parser.add_argument("--only", type=int, metavar="SEED", help="run one case alone and print its line")
     parser.add_argument("--live", action="store_true", help="the package as it stands and not as committed")
-    parser.add_argument("--report", type=Path, metavar="FILE", help=f"write the tables of FILE into {PAGE.name}")
+    parser.add_argument("--of", type=Path, metavar="FILE", help="cases to start again, where they are not in --out")
+    parser.add_argument("--report", type=Path, nargs="+", metavar="FILE", help=f"write the tables into {PAGE.name}")
     arguments = parser.parse_args(words)
     if min(arguments.cases, arguments.jobs, arguments.limit) <= 0:
         parser.error("--cases, --jobs and --limit must be above 0")
@@ -94,16 +96,16 @@ def _wanted(lines: Lines, arguments: argparse.Namespace, folder: str | None) -> 
     limit = arguments.limit
     if not arguments.starts_check:
         return [Job(seed, limit, folder) for seed in range(arguments.cases) if seed not in lines.cases]
-    chosen = starts_seeds(lines.cases, arguments.starts_check)
-    tables = {seed: lines.cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
+    cases = lines.cases if arguments.of is None else {line["seed"]: line for line in Lines.read(arguments.of)}
+    chosen = starts_seeds(cases, arguments.starts_check)
+    tables = {seed: cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
     return [Job(seed, _STARTS * limit, folder, starts=_STARTS, table=table) for seed, table in tables.items()]
 
 
 def starts_seeds(cases: dict[int, dict[str, Any]], count: int) -> list[int]:
     """Cases drawn at random, the same ones every time, from those in which there is a way for the arm to start from."""
-    open_cases = sorted(seed for seed, line in cases.items() if line["kind"] not in ("out of reach", "refused"))
-    order = np.random.default_rng(_STARTS_SEED).permutation(max(open_cases, default=-1) + 1).tolist()
-    return [seed for seed in order if seed in set(open_cases)][:count]
+    open_cases = [seed for seed, line in cases.items() if line["kind"] not in ("out of reach", "refused")]
+    return sorted(open_cases, key=lambda seed: np.random.default_rng([_STARTS_SEED, seed]).random())[:count]
 
 
 def on_this_machine(count: int) -> Callable[[list[Job]], Iterator[dict[str, Any]]]:

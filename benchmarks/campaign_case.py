@@ -26,9 +26,11 @@ from nospill.certificate import judge
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.ocp.guess import Start
 from nospill.plans import Plan, describe
-from nospill.robots.inverse import joint_paths
+from nospill.reasons import Searcher
+from nospill.robots.inverse import JointPath, joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene import Scene
+from nospill.solvers import Solution
 from nospill.verify import verify
 
 FINE_RATE = 8000.0
@@ -124,32 +126,72 @@ def figures(plan: Plan) -> dict[str, Any]:
     return line
 
 
+_ALIKE = 1e-3
+"""Coarse answers whose durations differ by less, relatively, are taken for the same one: only the first is refined."""
+
+
+class _SameAnswerError(NospillError):
+    """A start came to a coarse answer that an earlier one came to."""
+
+    def __init__(self, outcome: dict[str, Any]) -> None:
+        super().__init__()
+        self.outcome = outcome
+
+
 def random_starts(table: dict[str, Any], name: str, count: int) -> Iterator[dict[str, Any]]:
     """The outcome of `count` random starts, each taken as if it were the only one; drawn from the scenario's name."""
     scene = scene_from_table(table, name=name)
     random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
+    known: list[tuple[bool, float, dict[str, Any]]] = []
     for index in range(count):
         lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
         start = Start(float(random.uniform(0.4, 1.6)), float(random.uniform(-0.6, 0.6)), (lean[0], lean[1]))
-        with only_start(start):
+        outcome: dict[str, Any] = {"start": index, "duration_s": None, "reason": None}
+        with only_start(start, known, outcome):
             try:
                 plan = planner.plan(scene)
+            except _SameAnswerError as same:
+                outcome |= same.outcome | {"start": index, "as": same.outcome["start"]}
             except NospillError as error:
-                yield {"start": index, "duration_s": None, "reason": str(error)}
+                outcome["reason"] = str(error)
             else:
-                duration = plan.duration if plan.certificate.ok else None
-                yield {"start": index, "duration_s": duration, "reason": None if duration else "not certified"}
+                outcome["duration_s"] = plan.duration if plan.certificate.ok else None
+                outcome["reason"] = None if plan.certificate.ok else describe(plan.certificate.worst)
+        yield outcome
 
 
 @contextmanager
-def only_start(start: Start) -> Iterator[None]:
-    """Let the planner of this process begin from one given start; nothing else of it changes."""
-    usual = planning_run.starting_motions
+def only_start(
+    start: Start, known: list[tuple[bool, float, dict[str, Any]]], outcome: dict[str, Any]
+) -> Iterator[None]:
+    """Let the planner of this process begin from one given start and from nothing else.
+
+    Args:
+        start: from where.
+        known: coarse answers that were refined before: whether the arm was kept regular, duration, outcome.
+        outcome: of this start, to be filled in by whoever plans; it joins `known` with its coarse answer.
+    """
+    usual, search, resort = planning_run.starting_motions, planning_run.PlanningRun.search, planning_run.last_resort
+
+    def alone(run: planning_run.PlanningRun, joint_path: JointPath) -> Solution:
+        coarse = search(run, joint_path)
+        duration = coarse.stages.duration
+        for regular, other, found in known:
+            if regular == run.regular and abs(duration / other - 1.0) < _ALIKE:
+                raise _SameAnswerError(found)
+        known.append((run.regular, duration, outcome))
+        return coarse
+
+    def no_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
+        raise NoSolutionError("the start led nowhere" if last is None else last.status)
+
     planning_run.starting_motions = lambda scene, *, further: iter((start,))
+    planning_run.PlanningRun.search, planning_run.last_resort = alone, no_resort
     try:
         yield
     finally:
         planning_run.starting_motions = usual
+        planning_run.PlanningRun.search, planning_run.last_resort = search, resort
 
 
 def _print(line: dict[str, Any]) -> None:

@@ -489,7 +489,7 @@ class PlanningRun:
             key = (row.constraint, subjects[row.constraint].index(row.subject))
             if key in self.kept:
                 exceeded = (_spare(row) - row.worst_margin) / (abs(row.limit) or 1.0)
-                self.reserves[key] += min(2.0 * exceeded + 5e-4, 0.1)
+                self.reserves[key] += min(1.2 * exceeded + 2e-4, 0.1)
             self.kept.add(key)
             raised = True
         return raised
