@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from nospill.certificate import Judgement, Row, condensed, constraint_traces, judge
 from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
-from nospill.errors import NoSolutionError
+from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.ocp.guess import from_trajectory
 from nospill.planning_run import REFINE_BARRIERS, REFINE_ITERATIONS, Memory, PlanningRun, Progress
 from nospill.plans import Plan, describe
@@ -22,7 +22,7 @@ from nospill.robots.regularity import clearance
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.solvers import Solution, usable
-from nospill.tolerances import Variant, corner_scenes, is_uncertain, scene_variants, spread, spread_name
+from nospill.tolerances import Variant, corner_scenes, heaviest, is_uncertain, scene_variants, spread, spread_name
 from nospill.trajectory import SloshTrack, Trajectory
 
 _SLIGHT = 5e-3
@@ -41,7 +41,22 @@ def planning_run(scene: Scene, progress: Progress | None, ignored: frozenset[str
         return PlanningRun(scene, progress, ignored)
     families = scene_variants(scene)
     stated = tuple(family[0] for family in families)
-    return CornerRun(spread(scene, stated), progress, ignored, whole=scene, families=families, chosen=stated)
+    return CornerRun(stated_scene(scene), progress, ignored, whole=scene, families=families, chosen=stated)
+
+
+def stated_scene(scene: Scene) -> Scene:
+    """The scene at its stated numbers, certain, with the least friction and the heaviest load on the flange.
+
+    Friction is lowered by the reserve, so that whoever reads the scene still finds the coefficient as stated.
+    """
+    if not is_uncertain(scene):
+        return scene
+    cargo = []
+    for item in scene.cargo:
+        least = 0.0 if item.tolerance is None else item.tolerance.friction
+        reserve = 1.0 - (1.0 - item.friction_reserve) * (1.0 - least)
+        cargo.append(replace(item, friction_reserve=reserve, tolerance=None))
+    return replace(scene, cargo=tuple(cargo), carried=heaviest(scene))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -63,6 +78,10 @@ class CornerRun(PlanningRun):
     def settle(self, scene: Scene) -> None:
         """Go on with a scene that differs in the robot only."""
         self.whole, self.scene = scene, replace(self.scene, robot=scene.robot)
+
+    def trial(self, scene: Scene) -> PlanningRun:
+        """A run of its own on a scene at its stated numbers; what it learns does not come back."""
+        return PlanningRun.trial(self, stated_scene(scene))
 
     def restart(self, earlier: Plan, memory: Memory | None) -> Solution | None:
         """Solve from an earlier plan with the variants that come near a limit in it; None where that fails."""
@@ -94,7 +113,7 @@ class CornerRun(PlanningRun):
             self._choose(missing)
             grown = self._solved_from(trajectory, judgement)
             if grown is None:
-                raise NoSolutionError(self._no_motion(trajectory, judgement))
+                raise _nothing_holds(trajectory, judgement)
             self.rounds += 1
             trajectory, judgement, solution = PlanningRun.tighten(self, grown)
         return trajectory, judgement, solution
@@ -120,14 +139,17 @@ class CornerRun(PlanningRun):
             return []
         inside = {item.name: [variant for variant in self.chosen if variant.name == item.name] for item in self.chosen}
         found = [row for row in judgement.certificate.rows if not row.ok and row.subject not in inside]
+        names = self._names()
         for row in judgement.corners:
             for variant in inside.get(row.subject, ()) if not row.ok else ():
-                if row.variant == variant.text or not self._is_chosen(row):
-                    found.append(replace(row, subject=spread_name(variant.name, variant.text), variant=""))
+                if row.variant == variant.text or (row.subject, row.variant) not in names:
+                    found.append(replace(row, subject=names[_key(variant)], variant=""))
         return list(condensed(found))
 
-    def _is_chosen(self, row: Row) -> bool:
-        return any((row.subject, row.variant) == _key(item) for item in self.chosen)
+    def _names(self) -> dict[tuple[str, str], str]:
+        """What the chosen variants are called in the problem; an object at its stated numbers keeps its name."""
+        stated = {_key(family[0]) for family in self.families}
+        return {key: key[0] if key in stated else spread_name(*key) for key in map(_key, self.chosen)}
 
     def _missing(self, judgement: Judgement) -> set[tuple[str, str]]:
         """Of every constraint and object the worst variant that fails and is not in the problem: (name, text)."""
@@ -155,16 +177,22 @@ class CornerRun(PlanningRun):
             chosen += [item for item in family if _key(item) in self.asked_for] or [family[0]]
         reserves = {self._label(key): value for key, value in self.reserves.items()}
         self.chosen = tuple(chosen)
-        self.scene = replace(self.scene, cargo=spread(self.whole, self.chosen).cargo)
+        stated, names = {item.name: item for item in stated_scene(self.whole).cargo}, self._names()
+        several = spread(self.whole, self.chosen).cargo
+        cargo = [stated.get(names[_key(item)], own) for item, own in zip(chosen, several, strict=True)]
+        self.scene = replace(self.scene, cargo=tuple(cargo))
         self._reset()
         self._recall(reserves)
 
     def _solved_from(self, trajectory: Trajectory, judgement: Judgement) -> Solution | None:
         """Solve on the full grid from a motion; None where nothing converges."""
-        self._keep_near([replace(row, subject=row.who, variant="") for row in judgement.corners])
-        self._keep_near(judgement.certificate.rows)
+        names = self._names()
+        known = [row for row in judgement.corners if (row.subject, row.variant) in names]
+        self._keep_near([replace(row, subject=names[row.subject, row.variant]) for row in known])
+        self._keep_near(
+            [row for row in judgement.certificate.rows if row.subject not in {cargo.name for cargo in self.whole.cargo}]
+        )
         with self.phase("corners"):
-            names = {_key(item): spread_name(item.name, item.text) for item in self.chosen}
             tracks: dict[str, SloshTrack] = {}
             for corner in corner_scenes(self.whole):
                 wanted = {key[0]: names[key] for key in corner.texts.items() if key in names}
@@ -182,12 +210,15 @@ class CornerRun(PlanningRun):
                 self.regular = True
         return None
 
-    def _no_motion(self, trajectory: Trajectory, judgement: Judgement) -> str:
-        return (
-            "No motion found that holds over the tolerances, though there is one of "
-            f"{trajectory.end_time:.3g} s without those in the way: there {describe(judgement.certificate.worst)}. "
-            "Narrow the tolerance or relax that limit."
-        )
+
+def _nothing_holds(trajectory: Trajectory, judgement: Judgement) -> NoSolutionError:
+    worst = judgement.certificate.worst
+    return NoSolutionError(
+        "No motion found that holds over the tolerances, though there is one of "
+        f"{trajectory.end_time:.3g} s without those in the way: there {describe(worst)}. "
+        "Narrow the tolerance or relax that limit.",
+        Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
+    )
 
 
 def _key(variant: Variant) -> tuple[str, str]:

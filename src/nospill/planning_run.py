@@ -251,7 +251,8 @@ class PlanningRun:
     def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
         """Whether a motion of a scene is found at once; what is learnt of it does not come back."""
         trial = self.trial(scene)
-        return usable(trial.solve_near(trial.start(joint_path), iterations=_COARSE_ITERATIONS))
+        found = trial.solve_near(trial.start(joint_path), iterations=_COARSE_ITERATIONS)
+        return usable(found) and (trial.crossed is not None or trial._keeps_branch(found.stages))
 
     def start(self, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
         """A smooth starting motion on the coarse grid."""

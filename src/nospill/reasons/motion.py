@@ -12,15 +12,21 @@ import numpy as np
 
 from nospill.certificate import Certificate, Row, judge
 from nospill.constraints import CONSTRAINTS
-from nospill.errors import MOTION, NOT_CONVERGED, REST, Change, ModelError, NoSolutionError, Reason
+from nospill.constraints.base import liquid_names
+from nospill.constraints.joint_jerk import JointJerk
+from nospill.constraints.residual_height import EndDisplacement, ResidualHeight
+from nospill.errors import MOTION, NOT_CONVERGED, REST, ROBOT, Change, ModelError, NoSolutionError, Reason
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
 from nospill.ocp.problem import build_problem
 from nospill.plans import describe
 from nospill.reasons.changes import advice
 from nospill.reasons.levers import Lever, levers_of
+from nospill.reasons.reach import helpful_changes
 from nospill.reasons.search import WITHIN, Found, Searcher, Trials, first_share
 from nospill.robots.inverse import JointPath
+from nospill.robots.redundancy import redundant_joint
+from nospill.robots.regularity import determinants, keeps_branch
 from nospill.scene import EndCondition, Scene
 from nospill.solvers import Solution, row_slack
 from nospill.trajectory import Trajectory
@@ -31,11 +37,16 @@ _STANDING = 1e5
 """s; in a motion of this length nothing moves to speak of."""
 _SPARE = 1.015
 """Suggested values go this much beyond the least that was found enough."""
+_JERK_SPARE = 1.08
+"""The same for the duration where joint jerks bind: between the nodes they go beyond by up to a fifth."""
 _SOLVES = 5
 """Of one lever, at most."""
+_VAIN = 2
+"""So many solves without a motion, and a lever is given up."""
 _CLOSE = 0.96
 """A lever is wide enough, and no wider than it has to be, where the motion takes this part of the time allowed."""
-_LEVERS = 3
+_LEVERS = 4
+_RESIDUAL, _STILL = ResidualHeight.name, EndDisplacement.name
 _FAINT = 0.01
 """What pulls less than this does not hold the motion back."""
 _SWITCH = 0.25
@@ -129,7 +140,7 @@ class _Culprit:
 def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     """The error for a task whose fastest motion takes longer than it may."""
     scene, limit = trials.run.scene, trials.limit
-    culprits = _culprits(scene, found)
+    culprits = _with_residual(scene, _culprits(scene, found))
     pulls = {key: pull.elasticity for key, pull in found.pulls.items()}
     options: list[tuple[float, Lever, float]] = []
     for culprit in culprits:
@@ -138,21 +149,21 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
             options.append((min(guess, lever.most), lever, guess))
     helped: list[tuple[float, Change]] = []
     for share, lever, _ in sorted(options, key=lambda option: option[2])[:_LEVERS]:
-        if not trials.over and share <= lever.most:
+        if not trials.over and not _is_helped(helped, lever):
             enough = _least_share(trials, lever, found, share)
             if enough is not None:
                 helped.append((enough, lever.change(enough)))
     helped += _other_end(trials, found)
     helped.sort(key=lambda entry: entry[0])
     named = _named(helped, culprits)
-    needed = found.duration * _SPARE
+    needed = found.duration * max([_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)])
     text = f"max_duration {needed:.3g} s instead of {limit:.3g} s"
     helped.append((needed / limit - 1.0, Change("max_duration", "motion.max_duration", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
     held = f", held back by {named.constraint} of {named.subject} (most near s = {named.at_s:.2f})" if named else ""
     return NoSolutionError(
-        f"No motion found: none within max_duration {limit:.3g} s; the fastest takes {found.duration:.3g} s{held}. "
-        + advice(changes, ""),
+        f"No motion found: none within max_duration {limit:.3g} s; "
+        f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
         Reason(
             MOTION,
             named.constraint if named else "max_duration",
@@ -179,6 +190,23 @@ def _culprits(scene: Scene, found: Found) -> list[_Culprit]:
     return sorted(culprits, key=lambda culprit: -culprit.elasticity)
 
 
+def _with_residual(scene: Scene, culprits: list[_Culprit]) -> list[_Culprit]:
+    """The residual height among the culprits where liquids have to settle.
+
+    How long settling takes hardly depends on how far: its pull is faint even where nothing else holds the motion back.
+    """
+    liquids = liquid_names(scene)
+    if not liquids or scene.motion.end != "residual" or any(item.constraint == _RESIDUAL for item in culprits):
+        return culprits
+    return [*culprits, _Culprit(_RESIDUAL, liquids[0], _FAINT, 1.0)]
+
+
+def _is_helped(helped: list[tuple[float, Change]], lever: Lever) -> bool:
+    """Whether the same key helps already, with another choice of whose values grow."""
+    place = lever.change(0.0).place
+    return any(change.place == place for _, change in helped)
+
+
 def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
     """What the message names: what the smallest change speaks of, else what pulls most."""
     for _, change in helped:
@@ -186,7 +214,7 @@ def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Cul
             if change.what == f"{culprit.constraint} of {culprit.subject}":
                 return culprit
         if change.place == "motion.end":
-            return _Culprit("still at the end", change.what.removeprefix("still at the end of "), 0.0, 1.0)
+            return _Culprit(_STILL, change.what.removeprefix(f"{_STILL} of "), 0.0, 1.0)
     return culprits[0] if culprits else None
 
 
@@ -230,26 +258,28 @@ def _with_lever(
 def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
     """A milder end condition, where it makes the motion fast enough."""
     scene = trials.run.scene
-    liquids = [cargo.name for cargo in scene.cargo if cargo.filling]
+    liquids = liquid_names(scene)
     for end in _MILDER[scene.motion.end] if liquids else ():
         if trials.over:
             break
         trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.solution.stages)
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             text = f'end "{end}" instead of "{scene.motion.end}"'
-            return [(_SWITCH, Change(f"still at the end of {liquids[0]}", "motion.end", end, text))]
+            return [(_SWITCH, Change(f"{_STILL} of {liquids[0]}", "motion.end", end, text))]
     return []
 
 
 def _wide_enough(trials: Trials, constraint: str, subject: str, share: float) -> list[tuple[float, Change]]:
     """Levers of a constraint that make a motion possible where none was found at any speed, smallest first."""
     index = next(item.subjects(trials.run.scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
-    helped = []
+    helped: list[tuple[float, Change]] = []
     for lever in levers_of(trials.run.scene, constraint, subject, {(constraint, index): 1.0}):
+        if _is_helped(helped, lever):
+            continue
         high = min(share * _SPARE + 0.01, lever.most)
-        trial = None
+        trial, vain = None, 0
         for _ in range(_SOLVES):
-            if trials.over:
+            if trials.over or vain == _VAIN:
                 break
             trial = _with_lever(trials, lever, high, None, max(trials.limit, _SLOW))
             if trial is not None and trial.duration <= WITHIN * trials.limit:
@@ -258,6 +288,7 @@ def _wide_enough(trials: Trials, constraint: str, subject: str, share: float) ->
                 trial = None
                 break
             if trial is None:
+                vain += 1
                 high = min(1.3 * high + 0.02, lever.most)
             else:
                 enough = _least_share(trials, lever, trial, min(1.5 * high + 0.1, lever.most))
@@ -278,6 +309,7 @@ def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
     scene, limit = trials.run.scene, trials.limit
     if last is not None and last.solve_time_s >= 0.99 * scene.planning.max_solve_time:
         return _no_time_to_solve(trials, last)
+    _require_regular(trials)
     slow = max(limit, _SLOW)
     judged = _slow_motion(_with_time(scene, slow), trials.joint_path)
     if judged is not None and not judged[0].ok:
@@ -295,6 +327,24 @@ def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
         f'the end condition "{scene.motion.end}" may be out of reach. '
         "Try another end condition, more starts or more intervals.",
         Reason(NOT_CONVERGED, "planning", "solver"),
+    )
+
+
+def _require_regular(trials: Trials) -> None:
+    """Raise NoSolutionError if the arm passes a singularity on its way, with what leads it past."""
+    scene, joint_path = trials.run.scene, trials.joint_path
+    if redundant_joint(scene.robot) is not None:
+        return
+    values = determinants(scene.robot, joint_path.q, None)
+    if keeps_branch(values):
+        return
+    at_s = float(joint_path.s[int(np.argmin(np.abs(values)))])
+    reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
+    changes = helpful_changes(scene, reason, trials.run.is_possible)
+    raise NoSolutionError(
+        f"No motion found: robot {scene.robot.name!r} passes a singularity near s = {at_s:.2f} of the path, where it "
+        "would have to stop or to turn joints in no time. " + advice(changes, "Move the path or change its yaw there."),
+        replace(reason, changes=changes),
     )
 
 

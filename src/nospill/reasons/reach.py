@@ -14,23 +14,31 @@ from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.paths import Path
 from nospill.reasons.changes import advice, with_change
 from nospill.reasons.levers import own_robot
+from nospill.robots.closed_form import solutions_anywhere
+from nospill.robots.following import tray_poses
 from nospill.robots.inverse import JointPath, try_joint_paths
+from nospill.robots.redundancy import redundant_joint
+from nospill.robots.regularity import determinants, keeps_branch
 from nospill.robots.robot import Robot
 from nospill.scene import Scene
 from nospill.units import format_quantity, quantity
 
-BUDGET = 12.0
+BUDGET = 10.0
 """s; no new trial begins later than this after the first."""
 _SAMPLES = 41
 _LEAST_SHIFT, _GROWTH, _LARGEST_SHIFT = 0.01, 1.5, 1.5
 _BISECTIONS = 4
+_PLACES = 7
+"""Along the path, where it is looked whether the arm gets there at all."""
 _SPARE_PART, _SPARE_LENGTH, _SPARE_ANGLE = 1.05, 0.005, math.radians(1.0)
 """What a suggestion goes beyond the least that was found enough: at the very edge of its reach an arm is slow."""
 _TURN_STEP = math.radians(15.0)
 _TURNS = 12
-_PEAK_SPEED = 1.9
-"""Greatest speed of a smooth motion over its mean."""
-_AGAIN = (1.0, 1.5, 2.5)
+_PEAK_SPEED = 1.2
+"""Greatest speed over the mean that a fast motion has at least."""
+_HURRY = 0.97
+"""Part of the time allowed in which a changed task should be possible: what the fine grid takes on top."""
+_AGAIN = (1.0, 1.4, 2.0, 3.0)
 """Factors on a change that lets the arm follow the path but not move as it should."""
 
 
@@ -85,25 +93,40 @@ def advised(scene: Scene, error: ScenarioError, confirm: Confirm) -> ScenarioErr
     reason = error.reason
     if reason is None or reason.kind != ROBOT:
         return error
+    changes = helpful_changes(scene, reason, confirm)
+    text = str(error) if not changes else f"{error}. {advice(changes, '')}"
+    return ScenarioError(text, replace(reason, changes=changes))
+
+
+def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Change, ...]:
+    """Single changes with which the arm follows its path and a motion is found, smallest first.
+
+    Args:
+        scene: the task.
+        reason: why the arm cannot follow its path.
+        confirm: whether a motion is found for a changed task.
+    """
     clock = _Clock()
     found: list[tuple[float, Change]] = []
     for options in _families(scene, reason):
         best = _least(scene, options, clock, confirm)
         if best is not None:
             found.append(best)
-    changes = [change for _, change in sorted(found, key=lambda entry: entry[0])]
-    text = str(error) if not changes else f"{error}. {advice(changes, '')}"
-    return ScenarioError(text, replace(reason, changes=tuple(changes)))
+    return tuple(change for _, change in sorted(found, key=lambda entry: entry[0]))
 
 
 def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
     """The option that helps with the least amount, all growing together; with its size."""
-    limit = scene.motion.max_duration
+    limit, given_up = scene.motion.max_duration, set[int]()
     for step in range(max((len(option.amounts) for option in options), default=0)):
-        for option in options:
+        for index, option in enumerate(options):
             if clock.over:
                 return None
-            if step >= len(option.amounts) or not _follows(option.moved(option.amounts[step]), limit):
+            if (
+                index in given_up
+                or step >= len(option.amounts)
+                or not _follows(option.moved(option.amounts[step]), limit)
+            ):
                 continue
             low, high = option.amounts[step - 1] if step else 0.0, option.amounts[step]
             for _ in range(_BISECTIONS):
@@ -116,15 +139,45 @@ def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm
                 amount = factor * option.spare(high)
                 if _is_confirmed(scene, option.change(amount), confirm):
                     return amount * option.size, option.change(amount)
-            return None
+            given_up.add(index)
     return None
 
 
 def _follows(task: _Task, limit: float) -> bool:
+    if not _reaches(task):
+        return False
     tried = try_joint_paths(
         task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
     )
-    return bool(tried.paths) and _PEAK_SPEED * tried.paths[0].speed_figure <= limit
+    if not tried.paths or _PEAK_SPEED * tried.paths[0].speed_figure > limit:
+        return False
+    return redundant_joint(task.robot) is not None or keeps_branch(determinants(task.robot, tried.paths[0].q, None))
+
+
+def _reaches(task: _Task) -> bool:
+    """Whether some places along the path are reached at all, joint limits aside; a quick look before a long one."""
+    positions, rotations = tray_poses(task.path, np.linspace(0.0, 1.0, _PLACES))
+    joint = redundant_joint(task.robot)
+    values: list[tuple[int, float] | None] = [None]
+    if joint is not None:
+        values = [(joint, float(at)) for at in np.linspace(task.robot.lower[joint], task.robot.upper[joint], 7)[1:-1]]
+    return all(
+        any(
+            len(
+                solutions_anywhere(
+                    task.robot,
+                    positions[place],
+                    rotations[place],
+                    tool_position=task.tool_position,
+                    tool_yaw=task.tool_yaw,
+                    held=held,
+                )
+            )
+            for held in values
+        )
+        # the ends first: it is mostly there
+        for place in sorted(range(_PLACES), key=lambda place: min(place, _PLACES - 1 - place))
+    )
 
 
 def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
@@ -136,7 +189,8 @@ def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
     tried = try_joint_paths(
         changed.robot, changed.path, tool_position=changed.tray.offset, tool_yaw=changed.tray.yaw_on_flange
     )
-    return bool(tried.paths) and confirm(changed, tried.paths[0])
+    hurried = replace(changed, motion=replace(changed.motion, max_duration=_HURRY * changed.motion.max_duration))
+    return bool(tried.paths) and confirm(hurried, tried.paths[0])
 
 
 # --- what can be changed -------------------------------------------------------------------------------------------
@@ -147,6 +201,7 @@ def _families(scene: Scene, reason: Reason) -> Iterator[list[_Option]]:
     if reason.constraint == "joint position":
         yield _wider_limit(scene, reason)
     yield _smaller_turn(scene)
+    yield _lower_tray(scene)
     yield _shifts(scene, reason)
     yield _turned_tray(scene)
     if reason.constraint != "reach":
@@ -181,8 +236,9 @@ def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
         towards = (place - base) * np.array([1.0, 1.0, 0.0])
         if np.linalg.norm(towards) > 1e-3:
             directions.append(towards / np.linalg.norm(towards))
-    count = math.ceil(math.log(_LARGEST_SHIFT / _LEAST_SHIFT) / math.log(_GROWTH))
-    amounts = tuple(_LEAST_SHIFT * _GROWTH**step for step in range(count + 1))
+    least = max(_LEAST_SHIFT, (reason.excess or 0.0) if reason.constraint == "reach" else 0.0)
+    count = math.ceil(math.log(max(_LARGEST_SHIFT / least, 1.0)) / math.log(_GROWTH))
+    amounts = tuple(least * _GROWTH**step for step in range(count + 1))
     options = []
     for direction in directions:
         offset = np.array([*direction, 0.0])
@@ -205,6 +261,28 @@ def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
 
 def _longer(amount: float) -> float:
     return _SPARE_PART * amount + _SPARE_LENGTH
+
+
+def _lower_tray(scene: Scene) -> list[_Option]:
+    """The tray nearer to the flange."""
+    task, offset = _task(scene), scene.tray.offset
+    height = float(offset[2])
+    if abs(height) < _LEAST_SHIFT:
+        return []
+
+    def nearer(amount: float) -> np.ndarray:
+        return offset - np.array([0.0, 0.0, math.copysign(min(amount, abs(height)), height)])
+
+    def moved(amount: float) -> _Task:
+        return replace(task, tool_position=nearer(amount))
+
+    def change(amount: float) -> Change:
+        value = np.round(nearer(amount), 4)
+        new, old = (format_quantity(float(z), "length", digits=4) for z in (value[2], height))
+        return Change("reach of the arm", "tray.offset", value.tolist(), f"tray.offset {new} instead of {old}")
+
+    amounts = tuple(abs(height) * part / 16.0 for part in range(1, 17))
+    return [_Option(amounts, 1.0 / _reach(scene), moved, change, _longer)]
 
 
 def _smaller_turn(scene: Scene) -> list[_Option]:

@@ -57,6 +57,10 @@ class Searcher(Protocol):
         """Solve from a start."""
         ...
 
+    def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
+        """Whether a motion of a scene is found at once."""
+        ...
+
     def problem(self, motion: Stages) -> Problem:
         """The problem that was solved last, about a motion."""
         ...
