@@ -199,6 +199,7 @@ def test_disk_that_refuses_leaves_the_old_folder(tmp_path: Path, monkeypatch: py
     if stage == "flush":
         monkeypatch.setattr(files, "_flush", refuse)
     if stage == "rename":
+        monkeypatch.setattr(files, "_exchange", lambda *_: False)
         monkeypatch.setattr(Path, "rename", refuse_new)
     with (
         pytest.raises(PlanFolderError, match="No space left on device; make room") as caught,
@@ -236,15 +237,17 @@ def test_file_size_limit_of_the_system(tmp_path: Path) -> None:
 @pytest.mark.parametrize("old", [True, False])
 @pytest.mark.parametrize("stage", ["body", "between"])
 def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
-    """Killed in the body: exactly what was there. Killed between the renames: the old or none, never half."""
+    """Killed in the body: exactly what was there. Killed between two renames: the old or none, never half."""
     target = tmp_path / "plan"
     if old:
         make_plan(target)
     script = """
         import sys, time
         from pathlib import Path
+        from nospill import files
         from nospill.files import atomic_folder
         target, stage = sys.argv[1:]
+        files._exchange = lambda *_: False
         rename = Path.rename
         def slow(self, place):
             if self.suffix == ".partial":

@@ -75,7 +75,7 @@ def test_refuses_other_columns(tmp_path: Path, header: str) -> None:
 
 
 def test_refuses_files_that_cannot_be_read(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioError, match="no such file"):
+    with pytest.raises(ScenarioError, match="does not exist"):
         read_motion(tmp_path / "absent.csv")
     with pytest.raises(ScenarioError, match="is a folder"):
         read_heights(tmp_path)

@@ -225,14 +225,14 @@ def test_waypoint_files_that_are_read(text: str, tmp_path: FilePath):
         ("", "0 waypoints; a path needs at least 2"),
         ("x,y,z\n1,2,3\n", "1 waypoints"),
         ("1,2,3\n1,2\n", "points.csv line 2: 2 columns; 3 are needed"),
-        ("1,2,3\n\n1,zwei,3\n", "points.csv line 3: 'zwei' is not a number"),
-        ("1;2;3\n1,5;2;3\n", "points.csv line 2: '1,5' is not a number; write metres with a decimal point"),
-        ("1,2,3\n1,nan,3\n", "points.csv line 2: 'nan' is not a finite number"),
-        ("nan,2,3\n1,2,3\n", "points.csv line 1: 'nan' is not a finite number"),
-        ("1,2,3\n1,,3\n", "points.csv line 2: '' is not a number"),
+        ("1,2,3\n\n1,zwei,3\n", 'points.csv line 3: "zwei" is not a number'),
+        ("1;2;3\n1,5;2;3\n", 'points.csv line 2: "1,5" is not a number; write metres with a decimal point'),
+        ("1,2,3\n1,nan,3\n", 'points.csv line 2: "nan" is not a finite number'),
+        ("nan,2,3\n1,2,3\n", 'points.csv line 1: "nan" is not a finite number'),
+        ("1,2,3\n1,,3\n", 'points.csv line 2: "" is not a number'),
         ("y,x,z\n1,2,3\n1,2,4\n", "points.csv line 1: header .* must be x, y, z in m"),
         ("x_mm,y_mm,z_mm\n1,2,3\n1,2,4\n", "points.csv line 1: header"),
-        ("x,y,z\nx,y,z\n1,2,3\n", "points.csv line 2: 'x' is not a number"),
+        ("x,y,z\nx,y,z\n1,2,3\n", 'points.csv line 2: "x" is not a number'),
     ],
 )
 def test_waypoint_files_that_are_refused(text: str, message: str, tmp_path: FilePath):
@@ -243,12 +243,12 @@ def test_waypoint_files_that_are_refused(text: str, message: str, tmp_path: File
 
 
 def test_waypoint_files_that_cannot_be_read(tmp_path: FilePath):
-    with pytest.raises(ScenarioError, match=r"missing\.csv: cannot read the waypoints: No such file"):
+    with pytest.raises(ScenarioError, match=r"missing\.csv: does not exist; give a CSV file"):
         read_waypoints(tmp_path / "missing.csv")
-    with pytest.raises(ScenarioError, match="Is a directory"):
+    with pytest.raises(ScenarioError, match="is a folder"):
         read_waypoints(tmp_path)
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(ScenarioError, match="not a UTF-8 text file"):
+    with pytest.raises(ScenarioError, match="is not UTF-8 text"):
         read_waypoints(tmp_path / "binary.csv")
 
 

@@ -72,15 +72,7 @@ def test_an_unknown_solver_is_named_with_the_known_ones(task: Task) -> None:
         solve(task.problem(), task.start, solver="snopt", options=PATIENT)
 
 
-@pytest.mark.parametrize(
-    "solver",
-    [
-        "ipopt",
-        pytest.param(
-            "fatrop", marks=pytest.mark.xfail(strict=True, reason="FATROP reports a number, which stands as it is")
-        ),
-    ],
-)
+@pytest.mark.parametrize("solver", ["ipopt", "fatrop"])
 def test_the_limit_of_iterations_is_told(task: Task, solver: str) -> None:
     solution = task.solve(solver, SolveOptions(max_iterations=2, max_time=60.0))
     assert not solution.converged

@@ -104,6 +104,27 @@ def test_what_cannot_be_worst_is_no_variant(tolerance: dict[str, Any], cup: int,
         assert all(item.cargo.friction <= cargo.friction for item in family for cargo in scene.cargo[:1])
 
 
+def test_shallow_cups_are_tried_at_levels_in_between(changed_scene: Changed) -> None:
+    """15 +-4 mm of water: the frequency changes by 19 %, and two levels a corner apart end out of step."""
+    entry = read_scenario("pp-two-cups").source["cargo"][0]  # type: ignore[index]
+    shallow = {key: value for key, value in entry.items() if key not in ("mass", "centre_of_mass_height")}
+    changes = {"cargo": [shallow | {"liquid_height": "15 mm"}], "tolerance": {"liquid_height": "4 mm"}}
+    scene = changed_scene("pp-two-cups", changes)
+    fillings = [item.cargo.filling for item in scene_variants(scene)[0]]
+    levels = sorted({(item.liquid_height, item.modes.oscillators[0].frequency) for item in fillings if item})
+    assert (levels[0][0], levels[-1][0]) == (pytest.approx(11e-3), pytest.approx(19e-3))
+    assert any(level == 15e-3 for level, _ in levels)
+    steps = np.diff([frequency for _, frequency in levels]) / levels[0][1]
+    assert len(levels) > 15 and 0.0 < min(steps) <= max(steps) < 0.013
+
+
+def test_wide_damping_is_tried_in_between(changed_scene: Changed) -> None:
+    scene = changed_scene("pp-two-cups", {"tolerance": {"damping": [0.1, 10.0]}})
+    assert texts(scene.cargo[0], scene)[1:] == [
+        f"damping x{factor:.4g}" for factor in (0.1, 0.1 * 10**0.5, 1.0, 10**0.5, 10.0) if factor != 1.0
+    ]
+
+
 def test_certain_objects_have_no_variants() -> None:
     scene = read_scenario("mixed-tray")
     assert all(item.tolerance is None for item in scene.cargo)

@@ -36,8 +36,8 @@ def call(function: Any, *arguments: np.ndarray) -> np.ndarray:
     result = np.empty((function.size2_out(0), function.size1_out(0)))
     buffer, evaluate_now = function.buffer()
     for index, column in enumerate(columns):
-        buffer.set_arg(index, memoryview(column.reshape(-1)))
-    buffer.set_res(0, memoryview(result.reshape(-1)))
+        buffer.set_arg(index, column.reshape(-1).data)
+    buffer.set_res(0, result.reshape(-1).data)
     evaluate_now()
     return result.T
 

@@ -1,9 +1,9 @@
 """Functions of the laws as machine code, kept on the disk by content.
 
 The key of an entry is a hash of its kind, the structure, the source of the laws and the problem and of the versions of
-CasADi and of the file format; so a changed law never meets old code. An entry is a shared library and a table of plain
-data beside it; the library is put in place last. Where there is no compiler nothing happens and the virtual machine
-serves.
+CasADi and of the file format; so a changed law never meets old code. An entry is a shared library, its own hash and a
+table of plain data, which names the key; the library is put in place last. Half a library would end the process that
+loads it, so its hash is looked at first. Where there is no compiler nothing happens and the virtual machine serves.
 
 NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder.
 """
@@ -15,6 +15,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -61,9 +62,19 @@ _LEAVES = {
 }
 """Modules whose source is left out of the key: the layer rules keep the laws, the problem and the judge from them."""
 
-_FORMAT = "2"
+_FORMAT = "3"
 _LONGEST_COMPILATION = 600.0
 _FLAGS = ("-O1", "-shared", "-fPIC")
+_PLACE = """
+import hashlib, os, sys
+made, library = sys.argv[1:]
+digest = hashlib.sha256(open(made, "rb").read()).hexdigest()
+with open(made + ".sum", "w") as file:
+    file.write(digest)
+os.replace(made + ".sum", os.path.splitext(library)[0] + ".sum")
+os.replace(made, library)
+"""
+"""Puts a library in its place, its hash first; run by an interpreter of its own, since this process may have ended."""
 
 
 def functions(
@@ -100,6 +111,9 @@ def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
         if not library.is_file():
             return None
         table = json.loads(table_file.read_text(encoding="utf-8"))
+        told = library.with_suffix(".sum").read_text(encoding="utf-8")
+        if table["key"] != library.stem or told != hashlib.sha256(library.read_bytes()).hexdigest():
+            raise ValueError("the files of the entry do not belong together")
         return {name: ca.external(name, str(library)) for name in table["functions"]}, table["data"]
     except (OSError, ValueError, KeyError, TypeError, RuntimeError):
         # A damaged entry is as good as none; it is built anew.
@@ -119,14 +133,14 @@ def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
         if not _take(lock):
             return
         source = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
-        _write_table({"functions": list(made), "data": data}, table_file)
+        _write_table({"key": library.stem, "functions": list(made), "data": data}, table_file)
         _generate(made, source)
         # One shell does the rest, so that it goes on when this process has ended: compile, put in place, clean up.
         script = (
             'trap \'rm -rf "$3" "$4"\' EXIT; nice -n 10 "$1" $5 -o "$3/made.so" "$3/made.c" -lm >/dev/null 2>&1 && '
-            'mv "$3/made.so" "$2"'
+            '"$6" -I -c "$7" "$3/made.so" "$2"'
         )
-        arguments = [compiler, str(library), str(source), str(lock), " ".join(_FLAGS)]
+        arguments = [compiler, str(library), str(source), str(lock), " ".join(_FLAGS), sys.executable, _PLACE]
         with suppress(subprocess.TimeoutExpired):
             subprocess.run(
                 ["sh", "-c", script if mode == "wait" else f"({script}) &", "sh", *arguments],

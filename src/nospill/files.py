@@ -1,11 +1,13 @@
-"""Writing that leaves the old file or folder, or the new one, never half of either."""
+"""Writing that leaves the old file or folder, or the new one, never half of either; reading that knows a bound."""
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
 import secrets
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -66,10 +68,11 @@ def require_replaceable(target: str | Path, *, replaceable: Replaceable = is_pla
 def atomic_folder(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Iterator[Path]:
     """Fill a new folder and put it in the place of the old one when it is complete.
 
-    The body writes into a hidden sibling of `target`. When it ends, everything is flushed to the disk, the old folder
-    is renamed away, the new one renamed into its place and the old one deleted. A run that is killed leaves the old
-    folder or none under the name `target`, and perhaps a hidden sibling ".NAME.*.partial" or ".NAME.*.old" that can
-    be deleted. Of two writers at once the later wins.
+    The body writes into a hidden sibling of `target`. When it ends, everything is flushed to the disk, the two folders
+    exchange names and the old one is deleted. A run that is killed leaves the old or the new folder under the name
+    `target`, and perhaps a hidden sibling ".NAME.*.partial" or ".NAME.*.old" that can be deleted. (Where the system
+    cannot exchange names the old folder is renamed away first, and killed just then leaves none of that name.) Of two
+    writers at once the later wins.
 
     Args:
         target: the folder to be, as for `require_replaceable`; missing parents are made.
@@ -101,11 +104,16 @@ def atomic_text(path: str | Path, text: str) -> None:
     Raises:
         PlanFolderError: the disk refuses, or `path` is a folder.
     """
+    atomic_bytes(path, text.encode("utf-8"))
+
+
+def atomic_bytes(path: str | Path, content: bytes) -> None:
+    """Write a file so that readers see the old or the new content; raises as `atomic_text`."""
     place = Path(path)
     partial = place.with_name(f".{place.name}.{secrets.token_hex(4)}.partial")
     try:
-        with partial.open("x", encoding="utf-8", newline="") as file:
-            file.write(text)
+        with partial.open("xb") as file:
+            file.write(content)
             file.flush()
             os.fsync(file.fileno())
         partial.replace(place)
@@ -115,6 +123,35 @@ def atomic_text(path: str | Path, text: str) -> None:
     finally:
         with suppress(OSError):
             partial.unlink()
+
+
+class UnreadableError(Exception):
+    """A file of the user's that cannot be read; the message is the reason, without its name."""
+
+
+def bounded_text(path: str | os.PathLike[str], largest: int) -> str:
+    """Content of a text file (UTF-8, with or without a byte order mark) of at most so many bytes.
+
+    Raises:
+        UnreadableError: there is none, it is no regular file (a device may never end), larger, or not such text.
+    """
+    place = Path(path)
+    try:
+        if place.is_dir():
+            raise UnreadableError("is a folder")
+        size = place.stat().st_size
+        if not place.is_file():
+            raise UnreadableError("is not a regular file")
+        if size > largest:
+            raise UnreadableError(f"is too large ({size} bytes; at most {largest} are read)")
+        return place.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise UnreadableError("does not exist") from None
+    except UnicodeDecodeError as error:
+        raise UnreadableError(f"is not UTF-8 text (byte {error.start + 1})") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise UnreadableError(f"cannot be read: {reason}") from None
 
 
 def _refuse_foreign(place: Path, replaceable: Replaceable) -> None:
@@ -132,9 +169,16 @@ def _is_foreign(place: Path, replaceable: Replaceable) -> bool:
 
 
 def _swap(partial: Path, place: Path, old: Path, replaceable: Replaceable) -> None:
-    """Rename `partial` to `place` by way of `old`, and again when another writer came between the two renames."""
+    """Put `partial` in the place of `place`.
+
+    Where the system can exchange two names in one step there is no moment without a folder of that name. Elsewhere
+    the old one is renamed to `old` and deleted, and all is done again when another writer came between.
+    """
     for _ in range(_SWAP_ATTEMPTS):
         _refuse_foreign(place, replaceable)
+        if _exchange(partial, place):  # the old one is the partial one now, and deleted like it
+            _flush(place.parent)
+            return
         try:
             with suppress(FileNotFoundError):
                 place.rename(old)
@@ -150,6 +194,17 @@ def _swap(partial: Path, place: Path, old: Path, replaceable: Replaceable) -> No
         shutil.rmtree(old, ignore_errors=True)
         return
     raise PlanFolderError(f"{place} is being written by other runs all the time; name another folder")
+
+
+def _exchange(one: Path, other: Path) -> bool:
+    """Exchange the names of two folders in one step (Linux); False where that is not possible."""
+    if not sys.platform.startswith("linux"):
+        return False
+    call = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if call is None:
+        return False
+    here, exchange = ctypes.c_int(-100), ctypes.c_uint(2)  # AT_FDCWD, RENAME_EXCHANGE
+    return call(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0
 
 
 def _flush(path: Path) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.files import atomic_text
+from nospill.files import UnreadableError, atomic_text, bounded_text
 
 MOTION_COLUMNS = ("t_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 HEIGHT_COLUMNS = ("t_s", "height_mm")
@@ -170,20 +170,10 @@ def _read_table(path: str | os.PathLike[str], columns: tuple[str, ...]) -> np.nd
     """The numbers of a CSV with exactly these columns, shape (m, len(columns))."""
     label = os.fsdecode(path)
     wanted = ",".join(columns)
-    file = Path(path)
     try:
-        if file.is_dir():
-            raise ScenarioError(f"{label}: is a folder; name a CSV file with the columns {wanted}")
-        if file.stat().st_size > _LARGEST_FILE:
-            raise ScenarioError(f"{label}: is larger than {_LARGEST_FILE // 1_000_000} MB; give a shorter record")
-        text = file.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise ScenarioError(f"{label}: no such file; give a CSV with the columns {wanted}") from None
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"{label}: is not UTF-8 text (byte {error.start + 1}); save it as a UTF-8 CSV") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise ScenarioError(f"{label}: cannot be read: {reason}") from None
+        text = bounded_text(path, _LARGEST_FILE)
+    except UnreadableError as error:
+        raise ScenarioError(f"{label}: {error}; give a UTF-8 CSV with the columns {wanted}") from None
     rows = csv.reader(text.splitlines())
     try:
         header = [name.strip() for name in next(rows, [])]
@@ -209,5 +199,5 @@ def _numbers(row: list[str], columns: tuple[str, ...], place: str) -> list[float
             what = "is missing; fill the gap or cut it off" if missing else f"is {text.strip()[:40]!r}, not a number"
             raise ScenarioError(f"{place}: {column} {what}") from None
         if not math.isfinite(values[-1]):
-            raise ScenarioError(f"{place}: {column} is {text.strip()}; fill the gap or cut it off")
+            raise ScenarioError(f"{place}: {column} is {text.strip()[:40]}; fill the gap or cut it off")
     return values

@@ -11,7 +11,9 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.files import UnreadableError, bounded_text
 from nospill.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolating_pieces, refined, spline_of_curve
+from nospill.units import as_written
 
 MAX_WAYPOINTS = 1000
 """More interpolated points than this make planning needlessly slow: every span costs time in each of its steps."""
@@ -263,6 +265,7 @@ def preset_path(
     return path_from_bspline(points, 4, knots=knots, yaw=yaw)
 
 
+_LARGEST_FILE = 100_000_000
 _HEADER_CELL = re.compile(r"^([xyz])\s*[_ \[(]*\s*(m)?\s*[\])]?$", re.IGNORECASE)
 
 
@@ -280,12 +283,9 @@ def read_waypoints(csv_path: FilePath | str) -> np.ndarray:
     """
     path = FilePath(csv_path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a UTF-8 text file"
-        raise ScenarioError(
-            f"{path}: cannot read the waypoints: {reason}; give a CSV file with columns x, y, z in m"
-        ) from None
+        lines = bounded_text(path, _LARGEST_FILE).splitlines()
+    except UnreadableError as error:
+        raise ScenarioError(f"{path}: {error}; give a CSV file with columns x, y, z in m") from None
     rows: list[tuple[float, ...]] = []
     header_allowed = True
     for number, line in enumerate(lines, start=1):
@@ -305,7 +305,9 @@ def read_waypoints(csv_path: FilePath | str) -> np.ndarray:
 def _check_header(cells: list[str], place: str) -> None:
     matches = [_HEADER_CELL.match(cell) for cell in cells]
     if [match.group(1).lower() if match else "" for match in matches] != ["x", "y", "z"]:
-        raise ScenarioError(f"{place}: header {', '.join(cells)!r}; the columns must be x, y, z in m, in this order")
+        raise ScenarioError(
+            f"{place}: header {as_written(', '.join(cells))}; the columns must be x, y, z in m, in this order"
+        )
 
 
 def _row(cells: list[str], place: str) -> tuple[float, ...]:
@@ -316,9 +318,13 @@ def _row(cells: list[str], place: str) -> tuple[float, ...]:
         try:
             value = float(cell)
         except ValueError:
-            raise ScenarioError(f"{place}: {cell!r} is not a number; write metres with a decimal point") from None
+            raise ScenarioError(
+                f"{place}: {as_written(cell)} is not a number; write metres with a decimal point"
+            ) from None
         if not math.isfinite(value):
-            raise ScenarioError(f"{place}: {cell!r} is not a finite number; write metres with a decimal point")
+            raise ScenarioError(
+                f"{place}: {as_written(cell)} is not a finite number; write metres with a decimal point"
+            )
         values.append(value)
     return tuple(values)
 

@@ -354,7 +354,9 @@ def load_plan(folder: str | Path) -> Plan:
             approach=_approach(place, scene, summary),
         )
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({error!r})") from error
+        # the repr of an error of decoding holds the whole file
+        reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
+        raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
 
 
 def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | None:

@@ -189,7 +189,7 @@ def solve(
         violation=violation(problem, values),
         slack=_slack(problem, values),
         converged=bool(stats["success"]),
-        status=_sentence(solver, bool(stats["success"]), str(stats["return_status"])),
+        status=_sentence(solver, stats, options),
         iterations=int(stats["iter_count"]),
         solve_time_s=elapsed,
     )
@@ -255,8 +255,11 @@ def _slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]
     return slack
 
 
-def _sentence(solver: str, success: bool, status: str) -> str:
-    default = "converged to an optimum" if success else f"ended with {status.replace('_', ' ').lower()}"
+def _sentence(solver: str, stats: dict[str, Any], options: SolveOptions) -> str:
+    status = str(stats["return_status"])
+    if not stats["success"] and status.isdigit() and int(stats["iter_count"]) >= options.max_iterations:
+        status = "Maximum_Iterations_Exceeded"  # FATROP tells a number only
+    default = "converged to an optimum" if stats["success"] else f"ended with {status.replace('_', ' ').lower()}"
     return f"{solver} {_SENTENCES.get(status, default)}"
 
 

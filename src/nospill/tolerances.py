@@ -6,8 +6,9 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * position: forces and moments are linear in it and each limit is a cone about them, exactly so for what is rigid. The
   four corners of the square.
 * mass: the same holds for that of a container, two ends. That of a solid cancels in every limit: no variant.
-* liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle.
-* damping: two ends. Between them only the scenario's own value is tried, with the other numbers as stated.
+* liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle; where the
+  frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
+* damping: two ends, and factors in between where they are more than `DAMPING_STEP` apart.
 
 Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
 tried (docs/uncertainty.md), which is no proof.
@@ -27,7 +28,17 @@ from nospill.containers.prism import LARGEST_DAMPING
 from nospill.errors import ModelError, ScenarioError
 from nospill.scene import Fidelity, Scene
 
+FREQUENCY_STEP = 0.01
+"""Largest part by which the frequency may differ from one level that is tried to the next: over a motion of 2 s a mode
+at 2 Hz gets 0.25 rad out of step, and what neighbours both keep, a level between them exceeds by less than 1 %."""
+
+DAMPING_STEP = 4.0
+"""Largest ratio of one damping factor that is tried to the next: between x0.1 and x10 motions exceeded by 1 % what they
+kept at both."""
+
 _ROUNDING = 1e-9
+_FINEST = 1e-5
+"""m; levels in between are rounded to this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,16 +140,44 @@ def variants(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> tuple[Var
 
 
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Departure]:
-    levels, factors, masses = (0.0,), (1.0,), (0.0,)
+    levels, between, factors, masses = (0.0,), (), (1.0,), (0.0,)
     if cargo.filling is not None:
         rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
-        levels = (-rise, 0.0, rise) if rise else levels
-        factors = tuple(dict.fromkeys(tolerance.damping))
+        levels, between = ((-rise, 0.0, rise), _levels_between(cargo, cargo.filling, rise)) if rise else (levels, ())
+        factors = _factors(*tolerance.damping)
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
     for level, factor, place, mass in product(levels, factors, places, masses):
         yield Departure(-tolerance.friction, level, factor, place, mass)
+    for level, factor in product(between, factors):
+        yield Departure(-tolerance.friction, level, factor)
+
+
+def _factors(low: float, high: float) -> tuple[float, ...]:
+    """Damping factors from one end to the other in equal ratios."""
+    steps = int(np.ceil(np.log(high / low) / np.log(DAMPING_STEP) - _ROUNDING))
+    return tuple(np.geomspace(low, high, steps + 1).tolist()) if steps else (low,)
+
+
+def _levels_between(cargo: Cargo, filling: Filling, rise: float) -> tuple[float, ...]:
+    """Departures of the level, m, that divide both halves of the range into equal steps of the slowest frequency."""
+    found: list[float] = []
+    for end in (-rise, rise):
+        departures = np.linspace(0.0, end, 33)
+        frequencies = [_slowest(cargo, filling, filling.liquid_height + by) for by in departures.tolist()]
+        steps = int(np.ceil(abs(np.log(frequencies[-1] / frequencies[0])) / FREQUENCY_STEP - _ROUNDING))
+        wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
+        order = np.argsort(frequencies)
+        levels = np.interp(wanted, np.array(frequencies)[order], departures[order])
+        found += [round(float(level) / _FINEST) * _FINEST for level in levels]
+    return tuple(found)
+
+
+def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
+    """Frequency of the slowest mode of a filling, rad/s."""
+    modes = cargo.container.slosh_modes(filling.liquid, level, 1, damping=0.1)
+    return min(mode.frequency for mode in modes.oscillators)
 
 
 def _text(by: Departure, cargo: Cargo) -> str:

@@ -112,7 +112,7 @@ def test_an_old_report_survives_a_disk_that_refuses(
     with pytest.raises(PlanFolderError, match="No space left"):
         save_report(make_report(slow_plan), page)
     with pytest.raises(PlanFolderError, match="No space left"):
-        writing._atomic_bytes(pdf, b"new")
+        writing.atomic_bytes(pdf, b"new")
     assert [path.read_text() for path in (page, pdf)] == ["old", "old"]
     assert {path.name for path in tmp_path.iterdir()} == {"a.html", "a.pdf"}
 

@@ -165,7 +165,6 @@ def written(small_plan: Plan, tmp_path_factory: pytest.TempPathFactory) -> dict[
     return found
 
 
-@pytest.mark.xfail(strict=True, reason="the repr of UnicodeDecodeError holds the whole file (plans.load_plan)")
 def test_a_plan_folder_that_is_not_text_is_refused_briefly(saved: Path) -> None:
     content = (saved / "certificate.json").read_bytes()
     (saved / "certificate.json").write_bytes(b"\x80" + content)
@@ -174,7 +173,6 @@ def test_a_plan_folder_that_is_not_text_is_refused_briefly(saved: Path) -> None:
     assert len(str(caught.value)) < LONGEST
 
 
-@pytest.mark.xfail(strict=True, reason="cells are shown whole (paths._row, motion_file._numbers)")
 @pytest.mark.parametrize(
     ("reader", "content"),
     [(read_waypoints, WAYPOINTS), (read_motion, MOTION), (read_heights, HEIGHTS)],

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import secrets
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -129,21 +127,3 @@ def text_of(path: Path) -> str:
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise PlanFolderError(f"cannot read {path}: {reason}; write it again with nospill export") from error
-
-
-def atomic_bytes(path: Path, content: bytes) -> None:
-    """Write a file so that readers see the old or the new content.
-
-    Raises:
-        PlanFolderError: the disk refuses, or `path` is a folder.
-    """
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.partial")
-    try:
-        partial.write_bytes(content)
-        partial.replace(path)
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
-        raise PlanFolderError(f"cannot write {path}: {reason}; make room or name another place") from error
-    finally:
-        with suppress(OSError):
-            partial.unlink()

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from nospill.errors import PlanFolderError
-from nospill.export.base import Exporter, atomic_bytes, checked_samples, full_columns, require_joints
+from nospill.export.base import Exporter, checked_samples, full_columns, require_joints
+from nospill.files import atomic_bytes
 from nospill.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.scene import Scene
 

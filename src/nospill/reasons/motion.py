@@ -12,7 +12,6 @@ import numpy as np
 
 from nospill.certificate import Certificate, Row, judge
 from nospill.constraints import CONSTRAINTS
-from nospill.constraints.base import liquid_names
 from nospill.constraints.joint_jerk import JointJerk
 from nospill.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.errors import MOTION, NOT_CONVERGED, REST, ROBOT, Change, ModelError, NoSolutionError, Reason
@@ -195,10 +194,20 @@ def _with_residual(scene: Scene, culprits: list[_Culprit]) -> list[_Culprit]:
 
     How long settling takes hardly depends on how far: its pull is faint even where nothing else holds the motion back.
     """
-    liquids = liquid_names(scene)
-    if not liquids or scene.motion.end != "residual" or any(item.constraint == _RESIDUAL for item in culprits):
+    slowest = _slowest_liquid(scene)
+    if slowest is None or scene.motion.end != "residual" or any(item.constraint == _RESIDUAL for item in culprits):
         return culprits
-    return [*culprits, _Culprit(_RESIDUAL, liquids[0], _FAINT, 1.0)]
+    return [*culprits, _Culprit(_RESIDUAL, slowest, _FAINT, 1.0)]
+
+
+def _slowest_liquid(scene: Scene) -> str | None:
+    """The object whose liquid swings most slowly, and so takes longest to settle."""
+    swings = {
+        item.name: min(mode.frequency for mode in item.filling.modes.oscillators)
+        for item in scene.cargo
+        if item.filling is not None
+    }
+    return min(swings, key=lambda name: swings[name]) if swings else None
 
 
 def _is_helped(helped: list[tuple[float, Change]], lever: Lever) -> bool:
@@ -258,14 +267,14 @@ def _with_lever(
 def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
     """A milder end condition, where it makes the motion fast enough."""
     scene = trials.run.scene
-    liquids = liquid_names(scene)
-    for end in _MILDER[scene.motion.end] if liquids else ():
+    slowest = _slowest_liquid(scene)
+    for end in _MILDER[scene.motion.end] if slowest is not None else ():
         if trials.over:
             break
         trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.solution.stages)
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             text = f'end "{end}" instead of "{scene.motion.end}"'
-            return [(_SWITCH, Change(f"{_STILL} of {liquids[0]}", "motion.end", end, text))]
+            return [(_SWITCH, Change(f"{_STILL} of {slowest}", "motion.end", end, text))]
     return []
 
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import secrets
-from contextlib import suppress
 from pathlib import Path
 
-from nospill.errors import PlanFolderError
-from nospill.files import atomic_text
+from nospill.files import atomic_bytes, atomic_text
 from nospill.plots.report_pages import report_pdf, report_svgs
 from nospill.plots.text_pages import TextTable
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
@@ -32,7 +28,7 @@ def save_report(report: Report, path: str | Path, *, pdf: str | Path | None = No
     text = html_page(report, report_svgs(report.evidence))
     atomic_text(path, text)
     if pdf is not None:
-        _atomic_bytes(Path(pdf), report_pdf(report.evidence, pdf_tables(report)))
+        atomic_bytes(Path(pdf), report_pdf(report.evidence, pdf_tables(report)))
     return len(text.encode())
 
 
@@ -56,22 +52,3 @@ def pdf_tables(report: Report) -> tuple[TextTable, ...]:
         report.versions,
         certificate_table(report.certificate, everything=True),
     )
-
-
-def _atomic_bytes(path: Path, data: bytes) -> None:
-    """Readers see the old or the new file, as with `files.atomic_text`."""
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.partial")
-    try:
-        with partial.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise PlanFolderError(
-            f"cannot write {path}: {reason}; make room, ask for permission or name another place"
-        ) from error
-    finally:
-        with suppress(OSError):
-            partial.unlink()
