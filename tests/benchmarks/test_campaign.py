@@ -12,7 +12,9 @@ from typing import Any
 
 import pytest
 
+from nospill import planning_run
 from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
+from nospill.ocp.guess import starting_motions
 from nospill.scenario import read_scenario
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
@@ -41,7 +43,7 @@ def line(seed: int, **changes: Any) -> dict[str, Any]:
         "kind": "planned",
         "reason": None,
         "duration_s": 1.0,
-        "plan_time_s": 2.0,
+        "plan_processor_s": 2.0,
         "iterations": 50,
         "rounds": 1,
         "binding": "slip of c1",
@@ -190,6 +192,40 @@ def test_starts_are_drawn_from_cases_with_a_way() -> None:
     assert chosen == campaign.starts_seeds(cases, 10) and campaign.starts_seeds({}, 5) == []
 
 
+def test_starts_of_the_cases_in_another_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Job] = []
+
+    def run_job(job: Job) -> dict[str, Any]:
+        asked.append(job)
+        return {"seed": job.seed, "kind": "starts", "starts_from": [], "asked": job.starts}
+
+    monkeypatch.setattr(campaign, "run_job", run_job)
+    cases, starts = tmp_path / "cases.jsonl", tmp_path / "starts.jsonl"
+    cases.write_text("".join(json.dumps(stub(seed)) + "\n" for seed in range(4)))
+    campaign.main(["--out", str(starts), "--live", "--starts-check", "2", "--of", str(cases)])
+    assert len(asked) == 2 and all(job.table == {"name": f"campaign-{job.seed}"} for job in asked)
+    assert len(Lines.read(cases)) == 4 and len(Lines.read(starts)) == 2
+
+
+@pytest.mark.slow
+def test_starts_that_come_to_the_same_are_refined_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    refined: list[float] = []
+    refine = planning_run.PlanningRun.refine
+
+    def counted(run: planning_run.PlanningRun, coarse: Any) -> Any:
+        refined.append(coarse.stages.duration)
+        return refine(run, coarse)
+
+    monkeypatch.setattr(planning_run.PlanningRun, "refine", counted)
+    source = read_scenario("pp-two-cups").source
+    outcomes = list(campaign_case.random_starts(source, "campaign-1", 3))  # type: ignore[arg-type]
+    first = outcomes[0]
+    assert first["duration_s"] == pytest.approx(1.850, rel=1e-3) and len(refined) == 1
+    assert [outcome.get("as") for outcome in outcomes] == [None, 0, 0]
+    assert {outcome["duration_s"] for outcome in outcomes} == {first["duration_s"]}
+    assert planning_run.starting_motions is starting_motions  # all is as before
+
+
 def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a stand-in for dask.distributed: what is sent to the workers, and that a dead worker is a line."""
     sent: dict[str, Any] = {"files": [], "folders": []}
@@ -241,13 +277,15 @@ def test_without_dask_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPa
 
 
 def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    lines = [line(seed, plan_time_s=float(seed)) for seed in range(20)]
+    lines = [line(seed, plan_processor_s=float(seed)) for seed in range(20)]
     lines += [
         line(20, verify={"ok": False, "message": "c1 moves from t = 0.1 s on"}),
         line(21, fine={"ok": False, "broken": ["slip of c1 uses 100.2 %"]}),
         line(22, kind="crash", reason="exit code -11: Segmentation fault"),
         line(23, kind="not found", reason="No motion found: residual height of c1 is 3 mm against a limit of 2 mm"),
         line(24, kind="not found", reason="No motion found: residual height of c2 is 5 mm against a limit of 4 mm"),
+        line(26, kind="not found", reason="No motion found: the arm turns round", blamed="singularity of ur5e"),
+        line(27, kind="not found", reason="No motion found: ipopt gave up", blamed="planning of solver"),
         line(25, kind="out of reach", reason="path: out of reach of robot 'ur5e' from s = 0.1 on", unreachable=True),
     ]
     starts = [{"start": index, "duration_s": duration} for index, duration in enumerate([0.9, 1.2, None])]
@@ -265,7 +303,7 @@ def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert text.startswith("top") and text.endswith("bottom") and text.count("| crash |") == 1 + 1 + 1
     assert "| certified, rejected by the certificate at 8 kHz | 1 |" in text
     assert "| certified, something moves in MuJoCo | 1 |" in text
-    assert "| failures that do not name what is in the way | 1 of 4" in text
+    assert "| failures that do not name what is in the way | 2 of 6" in text
     assert "| left out of reach on purpose and told so | 1 of 1 |" in text
     assert "residual height of .. is # mm against a limit of # mm | 2 | 23 |" in text
     worst = [row.split(" | ")[0] for row in text.split("worst ten: seed")[1].splitlines()[2:]]
