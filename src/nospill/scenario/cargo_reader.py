@@ -20,6 +20,9 @@ from nospill.units import as_written, format_quantity, listed
 _SAME_MASS = 1e-9
 """Relative difference below which two masses count as equal."""
 
+_NOT_ALL = 0.98
+"""Part of a stated mass that may be liquid."""
+
 _FARTHEST_EMPTY_CENTRE = 1.5
 """Distance from mid-height to the implied centre of the empty container, in heights. Rounded figures (the published
 ones) put it a little above the rim; much farther means that mass and centre of mass contradict each other."""
@@ -119,17 +122,29 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
         where = "above" if room < 0.0 else "at"
         raise ScenarioError(
             f"liquid_height {_mm(level)} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup",
-            fill_reason(entry.name, rim, level, entry.max_slosh_height),
+            fill_reason(
+                entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
+            ),
         )
     limit = room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
             f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
-            fill_reason(entry.name, rim, level, entry.max_slosh_height),
+            fill_reason(
+                entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
+            ),
         )
     modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
     return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes)
+
+
+def _heaviest_fill(entry: CargoTable, container: Container, liquid: Liquid) -> float:
+    """The level that weighs as much as the stated mass, which includes the container; no bound without one."""
+    if entry.mass is None:
+        return math.inf
+    volume = entry.mass / liquid.density
+    return _NOT_ALL * container.level(volume) if volume < container.volume(container.height) else math.inf
 
 
 def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperties, MassProperties]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -68,8 +69,13 @@ def payload_reason(robot: Robot, tray: Tray, cargo: Sequence[Cargo], excess: flo
     return Reason(REST, "payload", robot.name, excess=excess, unit="kg", changes=changes)
 
 
-def fill_reason(name: str, rim: float, liquid_height: float, max_slosh_height: float | None) -> Reason:
-    """The reason for a cup whose liquid, or its allowed rise, is above the rim (lengths in m)."""
+def fill_reason(
+    name: str, rim: float, liquid_height: float, max_slosh_height: float | None, *, heaviest: float = math.inf
+) -> Reason:
+    """The reason for a cup whose liquid, or its allowed rise, is above the rim (lengths in m).
+
+    `heaviest`: the highest level that the stated mass allows.
+    """
     rise = 0.2 * rim if max_slosh_height is None else max_slosh_height
     room = rim - liquid_height
     changes: list[Change] = []
@@ -82,6 +88,7 @@ def fill_reason(name: str, rim: float, liquid_height: float, max_slosh_height: f
 
     if room > 0.0 and max_slosh_height is not None:
         offer("max_slosh_height", room, max_slosh_height)
-    if rim - rise > 0.0:
-        offer("liquid_height", rim - rise, liquid_height)
+    level = min(rim - rise, heaviest)
+    if level > 0.0:
+        offer("liquid_height", level, liquid_height)
     return Reason(REST, "fill", name, excess=rise - room, unit="m", changes=tuple(changes))
