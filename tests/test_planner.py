@@ -20,8 +20,8 @@ from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import build_problem
 from nospill.ocp.stages import Stages
 from nospill.planner import Planner, PlanningProgress, plan
-from nospill.planning_run import first_reserve
 from nospill.plans import Plan, load_plan
+from nospill.reserves import first_reserve
 from nospill.robots.inverse import joint_paths
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of

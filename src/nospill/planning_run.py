@@ -11,7 +11,6 @@ import numpy as np
 
 from nospill.certificate import Judgement, Row, judge
 from nospill.constraints import CONSTRAINTS
-from nospill.constraints.base import Place
 from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
@@ -33,6 +32,7 @@ from nospill.ocp.problem import Problem, Reserves, build_problem
 from nospill.ocp.stages import Stages
 from nospill.plans import Plan, PlanningReport, Starts
 from nospill.reasons import is_hopeless, last_resort
+from nospill.reserves import falls_short, first_reserve, further_reserve
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
@@ -40,23 +40,6 @@ from nospill.scene_numbers import structure_of
 from nospill.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.trajectory import Trajectory
 from nospill.warm_start import is_broken, slow_enough, with_restart_reserves
-
-FIRST_RESERVE = 1e-3
-FIRST_RESERVES = {"slip": 4.5e-3, "tip": 4e-3, "twist": 3e-3, "slosh height": 1.5e-3, "joint acceleration": 8e-3}
-"""Fraction of every budget kept from the optimiser at first, by constraint where it is not `FIRST_RESERVE`.
-
-It is what limits typically exceed between grid points and where the spline through the samples rounds the corners of
-the jerk, measured on the examples: enough for most motions to be certified at once, little enough to cost less than a
-thousandth of the duration.
-"""
-
-_FINER = {"slip": 1.5e-3, "tip": 1e-3, "twist": 1.5e-3}
-_FINER_ELSEWHERE = 2e-4
-_INTEGRATED = 2e-7
-"""Share of a budget, and m of a height, that have to be left: what a grid four times finer than the judge's may find
-between his instants, most where accelerations with corners decide. Measured on some hundred random scenarios."""
-
-_OF_OBJECTS = {constraint.name for constraint in CONSTRAINTS if constraint.place in (Place.OBJECT, Place.END)}
 
 _UNBOUNDED = -1e3
 _ROUNDS = 8
@@ -478,7 +461,7 @@ class PlanningRun:
 
     def _objections(self, judgement: Judgement) -> list[Row]:
         """The rows that fail or come too near to it, by the subjects of the run's scene."""
-        return [row for row in judgement.certificate.rows if _falls_short(row)]
+        return [row for row in judgement.certificate.rows if falls_short(row)]
 
     def _raise_reserves(self, objections: Sequence[Row]) -> bool:
         """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
@@ -489,8 +472,7 @@ class PlanningRun:
                 continue
             key = (row.constraint, subjects[row.constraint].index(row.subject))
             if key in self.kept:
-                exceeded = (_spare(row) - row.worst_margin) / (abs(row.limit) or 1.0)
-                self.reserves[key] += min(1.2 * exceeded + 2e-4, 0.1)
+                self.reserves[key] += further_reserve(row)
             self.kept.add(key)
             raised = True
         return raised
@@ -509,21 +491,3 @@ class PlanningRun:
             solver_status=solution.status,
             reserves={self._label(key): value for key, value in self.reserves.items() if value > first_reserve(key[0])},
         )
-
-
-def _spare(row: Row) -> float:
-    """What a row of a constraint has to leave, in its unit."""
-    if row.constraint not in _OF_OBJECTS:
-        return 0.0
-    share = _FINER.get(row.constraint, _FINER_ELSEWHERE) * abs(row.limit)
-    return share + (_INTEGRATED if row.unit == "m" else 0.0)
-
-
-def _falls_short(row: Row) -> bool:
-    """Whether a row leaves less than it has to."""
-    return not row.ok or row.worst_margin < _spare(row)
-
-
-def first_reserve(constraint: str) -> float:
-    """Fraction of a constraint's budget that is kept from the optimiser at first."""
-    return FIRST_RESERVES.get(constraint, FIRST_RESERVE)

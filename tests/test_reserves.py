@@ -1,0 +1,41 @@
+"""What a plan has to leave of its limits, and what is kept back where it does not."""
+
+from __future__ import annotations
+
+import pytest
+
+from nospill.certificate import Row
+from nospill.constraints import CONSTRAINTS
+from nospill.reserves import FIRST_RESERVES, falls_short, first_reserve, further_reserve
+
+
+def row(constraint: str, limit: float, margin: float, unit: str = "1") -> Row:
+    return Row(constraint, "c1", unit, limit, limit - margin, margin, 0.5, margin >= 0.0)
+
+
+def test_reserves_are_of_constraints_that_exist() -> None:
+    assert set(FIRST_RESERVES) <= {constraint.name for constraint in CONSTRAINTS}
+    assert first_reserve("slip") > first_reserve("joint speed") > 0.0
+
+
+@pytest.mark.parametrize(
+    ("case", "short"),
+    [
+        (row("slip", 1.0, 1.4e-3), True),
+        (row("slip", 1.0, 1.6e-3), False),
+        (row("residual height", 1e-3, 3e-7, "m"), True),  # 0.2e-6 of integration and a share of the limit
+        (row("residual height", 1e-3, 5e-7, "m"), False),
+        (row("joint speed", 3.0, 1e-9), False),  # nothing between the instants
+        (row("joint speed", 3.0, -1e-9), True),
+        (row("lift", 0.0, 1e-9), False),
+    ],
+)
+def test_a_finer_grid_finds_nothing_broken(case: Row, short: bool) -> None:
+    assert falls_short(case) is short
+
+
+def test_what_is_kept_back_makes_up_for_what_is_missing() -> None:
+    for margin in (1e-3, 0.0, -0.01):
+        missing = 1.5e-3 - margin
+        assert missing < further_reserve(row("slip", 1.0, margin)) < 1.2 * missing + 1e-3
+    assert further_reserve(row("slip", 1.0, -5.0)) == 0.1
