@@ -71,7 +71,7 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
     found = plan(changed_scene("matrix-rigid", changes | {"motion.max_duration": longest.value}))
     assert found.certificate.ok and 1.2 < found.duration <= longest.value
     # and no more than needed
-    assert longest.value < 1.05 * found.duration
+    assert longest.value < 1.08 * found.duration
 
 
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:

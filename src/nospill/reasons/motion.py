@@ -36,13 +36,14 @@ _STANDING = 1e5
 """s; in a motion of this length nothing moves to speak of."""
 _SPARE = 1.015
 """Suggested values go this much beyond the least that was found enough."""
-_JERK_SPARE = 1.08
-"""The same for the duration where joint jerks bind: between the nodes they go beyond by up to a fifth."""
+_TIME_SPARE, _JERK_SPARE = 1.04, 1.08
+"""The same for the duration: the fine grid and the judge take something on top; most where joint jerks bind, which go
+beyond by up to a fifth between the nodes."""
 _SOLVES = 5
 """Of one lever, at most."""
 _VAIN = 2
 """So many solves without a motion, and a lever is given up."""
-_CLOSE = 0.96
+_CLOSE = 0.95
 """A lever is wide enough, and no wider than it has to be, where the motion takes this part of the time allowed."""
 _LEVERS = 4
 _RESIDUAL, _STILL = ResidualHeight.name, EndDisplacement.name
@@ -76,7 +77,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> 
     """
     trials = Trials(run, joint_path)
     _require_possible_at_rest(trials)
-    found = trials.fastest(run.scene)
+    found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:
         return found.solution
     if found is not None:
@@ -155,7 +156,9 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     helped += _other_end(trials, found)
     helped.sort(key=lambda entry: entry[0])
     named = _named(helped, culprits)
-    needed = found.duration * max([_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)])
+    needed = found.duration * max(
+        [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
+    )
     text = f"max_duration {needed:.3g} s instead of {limit:.3g} s"
     helped.append((needed / limit - 1.0, Change("max_duration", "motion.max_duration", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]

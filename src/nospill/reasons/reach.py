@@ -34,8 +34,8 @@ _SPARE_PART, _SPARE_LENGTH, _SPARE_ANGLE = 1.05, 0.005, math.radians(1.0)
 """What a suggestion goes beyond the least that was found enough: at the very edge of its reach an arm is slow."""
 _TURN_STEP = math.radians(15.0)
 _TURNS = 12
-_PEAK_SPEED = 1.2
-"""Greatest speed over the mean that a fast motion has at least."""
+_TILTING = 0.8
+"""Part of the least time on a level tray that a tilting one may need."""
 _HURRY = 0.97
 """Part of the time allowed in which a changed task should be possible: what the fine grid takes on top."""
 _AGAIN = (1.0, 1.4, 2.0, 3.0)
@@ -79,7 +79,13 @@ class _Clock:
 
     @property
     def over(self) -> bool:
+        """Whether no new trial begins."""
         return time.perf_counter() - self.began > BUDGET
+
+    @property
+    def late(self) -> bool:
+        """Whether what was found to help is not confirmed any more."""
+        return time.perf_counter() - self.began > 2.0 * BUDGET
 
 
 def advised(scene: Scene, error: ScenarioError, confirm: Confirm) -> ScenarioError:
@@ -137,7 +143,7 @@ def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm
                     high = middle
             for factor in _AGAIN:
                 amount = factor * option.spare(high)
-                if _is_confirmed(scene, option.change(amount), confirm):
+                if not clock.late and _is_confirmed(scene, option.change(amount), confirm):
                     return amount * option.size, option.change(amount)
             given_up.add(index)
     return None
@@ -149,9 +155,14 @@ def _follows(task: _Task, limit: float) -> bool:
     tried = try_joint_paths(
         task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
     )
-    if not tried.paths or _PEAK_SPEED * tried.paths[0].speed_figure > limit:
+    if not tried.paths or _TILTING * _least_time(tried.paths[0], task.robot) > limit:
         return False
     return redundant_joint(task.robot) is not None or keeps_branch(determinants(task.robot, tried.paths[0].q, None))
+
+
+def _least_time(joint_path: JointPath, robot: Robot) -> float:
+    """What following a joint path takes at least, with one joint at full speed at every place, s."""
+    return float(np.trapezoid(np.max(np.abs(joint_path.dq_ds) / robot.max_speed, axis=1), joint_path.s))
 
 
 def _reaches(task: _Task) -> bool:

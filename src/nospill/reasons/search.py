@@ -31,7 +31,7 @@ _STARTS = (USUAL_START, Start(stretch=1.3))
 _STEP = 1e-4
 BUDGET = 20.0
 """s; no new trial begins later than this after the first."""
-WITHIN = 0.99
+WITHIN = 0.98
 """Part of the time allowed that a changed task should need: what the fine grid and the judge take on top."""
 
 
@@ -120,6 +120,7 @@ class Trials:
         *,
         near: Stages | None = None,
         longest: float | None = None,
+        enough: float | None = None,
     ) -> Found | None:
         """The fastest motion of a scene with the time left open; None where none is found.
 
@@ -127,18 +128,22 @@ class Trials:
             scene: the task, its max_duration aside.
             near: a motion to start from, of the same structure.
             longest: time that is open, s; several times what the task allows when left out.
+            enough: duration that ends the search; the first motion found when left out, else the best of all starts.
         """
         if longest is None:
             longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
         trial = self.run.trial(replace(scene, motion=replace(scene.motion, max_duration=longest)))
         starts = [trial.start(self.joint_path, start) for start in _STARTS]
+        best: Found | None = None
         for start in ([near] if near is not None else []) + starts:
             if start.intervals > _MOST_INTERVALS or self.over:
-                return None
+                break
             solution = trial.solve_near(start, iterations=_PATIENCE)
-            if usable(solution):
-                return Found(solution, _pulls(trial, solution))
-        return None
+            if usable(solution) and (best is None or solution.stages.duration < best.duration):
+                best = Found(solution, _pulls(trial, solution))
+            if best is not None and (enough is None or best.duration <= enough):
+                break
+        return best
 
 
 def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
