@@ -76,5 +76,5 @@ def test_where_no_turn_helps_the_best_failure_is_told(changed_scene):
     with pytest.raises(ScenarioError) as caught:
         settled_base(scene)
     text = str(caught.value)
-    assert text.startswith('matrix-liquid: [robot]: base_yaw is "free", but none of 12 turns')
+    assert text.startswith('[robot]: base_yaw is "free", but none of 12 turns')
     assert "joint_1" in text and " deg, " in text and "\n" not in text

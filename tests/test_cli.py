@@ -281,7 +281,7 @@ def test_no_solution_exits_3_and_writes_nothing(stand_in: StandIn, folder: Path,
     stand_in.planning = raising(NoSolutionError("slosh height of c1\n stands in the way"))
     result = nospill("plan", "tea.toml", "-o", "deep/tea", *(["--json"] if as_json else []))
     assert result.exit_code == 3
-    assert result.stderr.splitlines()[-1] == "slosh height of c1 stands in the way"
+    assert result.stderr.splitlines()[-1] == "tea.toml: slosh height of c1 stands in the way"
     assert list(folder.iterdir()) == []
     if as_json:
         summary = json.loads(result.stdout)
@@ -290,6 +290,8 @@ def test_no_solution_exits_3_and_writes_nothing(stand_in: StandIn, folder: Path,
         assert told == {"scenario": "tea", "status": "failed", "message": "slosh height of c1 stands in the way"}
     else:
         assert result.stdout == ""
+        stand_in.planning = raising(ScenarioError("path: out of reach"))
+        assert nospill("plan", "tea.toml").stderr.splitlines()[-1] == "tea.toml: path: out of reach"
 
 
 @pytest.mark.parametrize("as_json", [True, False])

@@ -53,7 +53,7 @@ def settled_base(scene: Scene) -> Scene:
         turn, tried = nearest
         failure = tried.failure()
         raise ScenarioError(
-            f'{scene.name}: [robot]: base_yaw is "free", but none of {len(turns)} turns of the base lets the arm '
+            f'[robot]: base_yaw is "free", but none of {len(turns)} turns of the base lets the arm '
             f"follow the path; the nearest to it: at {turn} deg, {failure}",
             failure.reason,
         )

@@ -51,7 +51,10 @@ def plan(
         outcome: Plan | NoSolutionError
         page: Path | None = None
         try:
-            outcome = find_plan(scene, progress=progress.show).timed("import", loading)
+            try:
+                outcome = find_plan(scene, progress=progress.show).timed("import", loading)
+            except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
+                raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if output is not None:
                 progress.say("write")
                 figures = None if no_figures else functools.partial(_write_figures, outcome)
@@ -64,7 +67,7 @@ def plan(
             from nospill.plans import failed_summary
 
             print_json(failed_summary(scene.name, one_line(outcome)))
-        raise outcome
+        raise NoSolutionError(f"{scenario}: {outcome}", outcome.reason)
     if as_json:
         saved = output / "summary.json" if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
