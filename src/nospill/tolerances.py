@@ -8,7 +8,7 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * mass: the same holds for that of a container, two ends. That of a solid cancels in every limit: no variant.
 * liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle; where the
   frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
-* damping: two ends, and factors in between where they are more than `DAMPING_STEP` apart.
+* damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
 
 Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
 tried (docs/uncertainty.md), which is no proof.
@@ -16,6 +16,7 @@ tried (docs/uncertainty.md), which is no proof.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
@@ -32,10 +33,11 @@ FREQUENCY_STEP = 0.01
 """Largest part by which the frequency may differ from one level that is tried to the next: over a motion of 2 s a mode
 at 2 Hz gets 0.25 rad out of step, and what neighbours both keep, a level between them exceeds by less than 1 %."""
 
-DAMPING_STEP = 4.0
-"""Largest ratio of one damping factor that is tried to the next: between x0.1 and x10 motions exceeded by 1 % what they
-kept at both."""
+DAMPING_STEP = 0.0125
+"""Largest difference of one damping ratio that is tried to the next, or a quarter of it where that is more: over a
+motion of 2 s a mode at 2 Hz then loses a quarter more or less of its swing."""
 
+_WIDE = 4.0 * DAMPING_STEP
 _ROUNDING = 1e-9
 _FINEST = 1e-5
 """m; levels in between are rounded to this."""
@@ -144,7 +146,7 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Departure]:
     if cargo.filling is not None:
         rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
         levels, between = ((-rise, 0.0, rise), _levels_between(cargo, cargo.filling, rise)) if rise else (levels, ())
-        factors = _factors(*tolerance.damping)
+        factors = _factors(*tolerance.damping, cargo.filling.modes.oscillators[0].damping)
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
@@ -154,10 +156,23 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Departure]:
         yield Departure(-tolerance.friction, level, factor)
 
 
-def _factors(low: float, high: float) -> tuple[float, ...]:
-    """Damping factors from one end to the other in equal ratios."""
-    steps = int(np.ceil(np.log(high / low) / np.log(DAMPING_STEP) - _ROUNDING))
-    return tuple(np.geomspace(low, high, steps + 1).tolist()) if steps else (low,)
+def _factors(low: float, high: float, ratio: float) -> tuple[float, ...]:
+    """Damping factors from one end to the other, no farther apart than `DAMPING_STEP` says for a damping ratio.
+
+    Steps are equal in a measure that is linear in the ratio up to four steps and logarithmic beyond.
+    """
+    first, last = _steps(low * ratio), _steps(high * ratio)
+    count = int(np.ceil(last - first - _ROUNDING))
+    between = [_ratio(step) / ratio for step in np.linspace(first, last, count + 1)[1:-1].tolist()]
+    return tuple(dict.fromkeys((low, *(float(f"{factor:.4g}") for factor in between), high)))
+
+
+def _steps(ratio: float) -> float:
+    return ratio / DAMPING_STEP if ratio < _WIDE else 4.0 + 4.0 * math.log(ratio / _WIDE)
+
+
+def _ratio(steps: float) -> float:
+    return steps * DAMPING_STEP if steps < 4.0 else _WIDE * math.exp(steps / 4.0 - 1.0)
 
 
 def _levels_between(cargo: Cargo, filling: Filling, rise: float) -> tuple[float, ...]:
