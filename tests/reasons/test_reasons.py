@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from nospill.cli import app
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planner import plan
 from nospill.reasons import with_change
@@ -77,3 +80,11 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
     with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on .*, by up to \d+"):
         plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
+
+
+def test_the_command_line_names_the_file_and_says_what_would_help() -> None:
+    file = Path(__file__).parents[2] / "docs" / "examples" / "out-of-reach.toml"
+    result = CliRunner().invoke(app, ["plan", str(file)])
+    assert result.exit_code == 2 and result.stdout == ""
+    told = result.stderr.splitlines()[-1]
+    assert told.startswith(f"{file}: path: out of reach") and "Smallest single change found: base" in told
