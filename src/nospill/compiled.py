@@ -46,6 +46,8 @@ _LEAVES = {
     "motion_file",
     "planner",
     "planning_corners",
+    "planning_growth",
+    "planning_hull",
     "planning_run",
     "plans",
     "plots",

@@ -9,7 +9,8 @@ from nospill.approaching import require_possible, starts_alike, with_approach
 from nospill.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ScenarioError
-from nospill.planning_corners import planning_run
+from nospill.planning_corners import corner_run
+from nospill.planning_hull import hull_run
 from nospill.planning_run import Memory, Progress
 from nospill.planning_run import PlanningProgress as PlanningProgress
 from nospill.plans import Plan, motion_maxima
@@ -17,6 +18,7 @@ from nospill.reasons import advised
 from nospill.robots.inverse import branch_in_words, joint_paths, preferred_path
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
+from nospill.tolerances import is_uncertain
 
 
 def plan(
@@ -51,7 +53,8 @@ def _planned(
         known = ", ".join(constraint.name for constraint in CONSTRAINTS)
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
     require_possible(scene)
-    run, base_is_free = planning_run(scene, progress, frozenset(ignore)), has_free_base(scene)
+    run = (corner_run if is_uncertain(scene) else hull_run)(scene, progress, frozenset(ignore))
+    base_is_free = has_free_base(scene)
     if base_is_free:
         with run.phase("base yaw"):
             try:

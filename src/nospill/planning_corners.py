@@ -7,21 +7,16 @@ he objects to none. Few of them ever matter, and an iteration with all of them t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 
-from nospill.certificate import Judgement, Row, condensed, constraint_traces, judge
-from nospill.constraints.base import Place
-from nospill.constraints.slosh_height import SloshHeight
+from nospill.certificate import Judgement, Row, condensed, judge
 from nospill.errors import MOTION, NoSolutionError, Reason
-from nospill.ocp.guess import from_trajectory
-from nospill.planning_run import REFINE_BARRIERS, REFINE_ITERATIONS, Memory, PlanningRun, Progress
+from nospill.planning_growth import GrowingRun, tracks
+from nospill.planning_run import Memory, PlanningRun, Progress
 from nospill.plans import Plan, describe
-from nospill.replay import replay
-from nospill.robots.regularity import clearance
 from nospill.scene import Scene
-from nospill.scene_numbers import structure_of
-from nospill.solvers import Solution, usable
+from nospill.solvers import Solution
 from nospill.tolerances import Variant, corner_scenes, heaviest, is_uncertain, scene_variants, spread, spread_name
 from nospill.trajectory import SloshTrack, Trajectory
 
@@ -32,13 +27,12 @@ larger problem costs more than they do."""
 _NEAR = 0.02
 """Variants that come this near a limit in an earlier plan are in the problem from the start."""
 
-_GROWTHS = 12
+Key = tuple[str, str]
+"""Name of an object and text of its variant."""
 
 
-def planning_run(scene: Scene, progress: Progress | None, ignored: frozenset[str]) -> PlanningRun:
-    """A run for a scene; where numbers of its objects may be off, one that sees to their corners."""
-    if not is_uncertain(scene):
-        return PlanningRun(scene, progress, ignored)
+def corner_run(scene: Scene, progress: Progress | None, ignored: frozenset[str]) -> CornerRun:
+    """A run for a scene with tolerances."""
     families = scene_variants(scene)
     stated = tuple(family[0] for family in families)
     return CornerRun(stated_scene(scene), progress, ignored, whole=scene, families=families, chosen=stated)
@@ -60,24 +54,18 @@ def stated_scene(scene: Scene) -> Scene:
 
 
 @dataclass(slots=True, kw_only=True)
-class CornerRun(PlanningRun):
+class CornerRun(GrowingRun[Key]):
     """A run whose scene holds the chosen variants.
 
     Attributes:
-        whole: the scene with its tolerances.
         families: all variants of each object, the stated one first.
         chosen: those in the problem.
         asked_for: name and text of those that are there for good.
     """
 
-    whole: Scene
     families: tuple[tuple[Variant, ...], ...]
     chosen: tuple[Variant, ...]
-    asked_for: set[tuple[str, str]] = field(default_factory=set)
-
-    def settle(self, scene: Scene) -> None:
-        """Go on with a scene that differs in the robot only."""
-        self.whole, self.scene = scene, replace(self.scene, robot=scene.robot)
+    asked_for: set[Key] = field(default_factory=set)
 
     def trial(self, scene: Scene) -> PlanningRun:
         """A run of its own on a scene at its stated numbers; what it learns does not come back."""
@@ -86,56 +74,25 @@ class CornerRun(PlanningRun):
     def restart(self, earlier: Plan, memory: Memory | None) -> Solution | None:
         """Solve from an earlier plan with the variants that come near a limit in it; None where that fails."""
         with self.phase("certify"):
-            judgement = judge(self._stated(earlier.trajectory), self.whole)  # its liquids may be others
+            judgement = judge(self.recorded(earlier.trajectory), self.whole)  # its liquids may be others
         near = self._worst(judgement, 1.0 - _NEAR)
-        self._choose(near - {_key(family[0]) for family in self.families})
+        self.choose(near - {_key(family[0]) for family in self.families})
         self._recall(earlier.report.reserves)
         self.tried += 1
-        found = self._solved_from(earlier.trajectory, judgement)
+        found = self.solved_from(earlier.trajectory, judgement)
         if found is None:
             self.asked_for.clear()
-            self._choose(())
+            self.choose(())
             return None
         self.durations.append(found.stages.duration)
         return found
-
-    def tighten(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
-        """Tighten; bring the variants into the problem that the judge objects to; until he objects to none.
-
-        Raises:
-            NoSolutionError: a motion was found for the stated numbers, but none with the variants.
-        """
-        trajectory, judgement, solution = PlanningRun.tighten(self, solution)
-        for _ in range(_GROWTHS):
-            missing = self._missing(judgement)
-            if not missing:
-                break
-            self._choose(missing)
-            grown = self._solved_from(trajectory, judgement)
-            if grown is None:
-                raise _nothing_holds(trajectory, judgement)
-            self.rounds += 1
-            trajectory, judgement, solution = PlanningRun.tighten(self, grown)
-        return trajectory, judgement, solution
-
-    def _judged(self, solution: Solution) -> tuple[Trajectory, Judgement]:
-        with self.phase("export"):
-            trajectory = self._stated(self.exported(solution.stages))
-        with self.phase("certify"):
-            return trajectory, judge(trajectory, self.whole)
-
-    def _stated(self, trajectory: Trajectory) -> Trajectory:
-        """The trajectory with the liquids as stated, which is what a plan records."""
-        return replace(
-            trajectory, slosh=_tracks(trajectory, self.whole, {cargo.name: cargo.name for cargo in self.whole.cargo})
-        )
 
     def _objections(self, judgement: Judgement) -> list[Row]:
         """Rows that fail by the names of the problem's objects; none while a variant is missing there.
 
         What a variant that is not in the problem exceeds slightly is laid to the account of all that stand for it.
         """
-        if self._missing(judgement):
+        if self.missing(judgement):
             return []
         inside = {item.name: [variant for variant in self.chosen if variant.name == item.name] for item in self.chosen}
         found = [row for row in judgement.certificate.rows if not row.ok and row.subject not in inside]
@@ -146,16 +103,16 @@ class CornerRun(PlanningRun):
                     found.append(replace(row, subject=names[_key(variant)], variant=""))
         return list(condensed(found))
 
-    def _names(self) -> dict[tuple[str, str], str]:
+    def _names(self) -> dict[Key, str]:
         """What the chosen variants are called in the problem; an object at its stated numbers keeps its name."""
         stated = {_key(family[0]) for family in self.families}
         return {key: key[0] if key in stated else spread_name(*key) for key in map(_key, self.chosen)}
 
-    def _missing(self, judgement: Judgement) -> set[tuple[str, str]]:
+    def missing(self, judgement: Judgement) -> set[Key]:
         """Of every constraint and object the worst variant that fails and is not in the problem: (name, text)."""
         return self._worst(judgement, 1.0 + _SLIGHT, {_key(item) for item in self.chosen})
 
-    def _worst(self, judgement: Judgement, use: float, known: Collection[tuple[str, str]] = ()) -> set[tuple[str, str]]:
+    def _worst(self, judgement: Judgement, use: float, known: Collection[Key] = ()) -> set[Key]:
         """Of every constraint and object the variant that uses most of the limit, if it uses more than `use`.
 
         Those in `known` are left out.
@@ -166,7 +123,7 @@ class CornerRun(PlanningRun):
             (row.subject, row.variant) for row in condensed(row for row in rows if (row.subject, row.variant) in wanted)
         }
 
-    def _choose(self, wanted: Iterable[tuple[str, str]]) -> None:
+    def choose(self, wanted: Iterable[Key]) -> None:
         """Take variants into the problem, with the reserves that are known.
 
         The stated object leaves it where another one stands for it, and comes back for good if it is asked for.
@@ -175,73 +132,38 @@ class CornerRun(PlanningRun):
         chosen: list[Variant] = []
         for family in self.families:
             chosen += [item for item in family if _key(item) in self.asked_for] or [family[0]]
-        reserves = {self._label(key): value for key, value in self.reserves.items()}
         self.chosen = tuple(chosen)
         stated, names = {item.name: item for item in stated_scene(self.whole).cargo}, self._names()
         several = spread(self.whole, self.chosen).cargo
         cargo = [stated.get(names[_key(item)], own) for item, own in zip(chosen, several, strict=True)]
-        self.scene = replace(self.scene, cargo=tuple(cargo))
-        self._reset()
-        self._recall(reserves)
+        self.set_cargo(tuple(cargo))
 
-    def _solved_from(self, trajectory: Trajectory, judgement: Judgement) -> Solution | None:
-        """Solve on the full grid from a motion; None where nothing converges."""
+    def problem_rows(self, judgement: Judgement) -> list[Row]:
+        """The rows of the variants in the problem, and those that are of no object."""
         names = self._names()
         known = [row for row in judgement.corners if (row.subject, row.variant) in names]
-        self._keep_near([replace(row, subject=names[row.subject, row.variant]) for row in known])
-        self._keep_near(
-            [row for row in judgement.certificate.rows if row.subject not in {cargo.name for cargo in self.whole.cargo}]
+        objects = {cargo.name for cargo in self.whole.cargo}
+        others = [row for row in judgement.certificate.rows if row.subject not in objects]
+        return [replace(row, subject=names[row.subject, row.variant]) for row in known] + others
+
+    def start_tracks(self, trajectory: Trajectory) -> dict[str, SloshTrack]:
+        """The liquids of the variants in the problem."""
+        names, found = self._names(), dict[str, SloshTrack]()
+        for corner in corner_scenes(self.whole):
+            wanted = {key[0]: names[key] for key in corner.texts.items() if key in names}
+            found |= tracks(trajectory, corner.scene, wanted) if wanted else {}
+        return found
+
+    def nothing_holds(self, trajectory: Trajectory, judgement: Judgement) -> NoSolutionError:
+        """A motion was found for the stated numbers, but none with the variants."""
+        worst = judgement.certificate.worst
+        return NoSolutionError(
+            "No motion found that holds over the tolerances, though there is one of "
+            f"{trajectory.end_time:.3g} s without those in the way: there {describe(worst)}. "
+            "Narrow the tolerance or relax that limit.",
+            Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
         )
-        with self.phase("corners"):
-            tracks: dict[str, SloshTrack] = {}
-            for corner in corner_scenes(self.whole):
-                wanted = {key[0]: names[key] for key in corner.texts.items() if key in names}
-                tracks |= _tracks(trajectory, corner.scene, wanted) if wanted else {}
-        start = from_trajectory(
-            self.scene, replace(trajectory, slosh=tracks), self._wanted_intervals(trajectory.end_time)
-        )
-        if not self.least_determinant:
-            self.least_determinant = clearance(self._determinants(start))
-        for barrier in (*REFINE_BARRIERS, None):
-            solution = self.solve(start, barrier=barrier, iterations=REFINE_ITERATIONS)
-            if usable(solution) and solution.converged:
-                if self.regular or self._keeps_branch(solution.stages):
-                    return solution
-                self.regular = True
-        return None
 
 
-def _nothing_holds(trajectory: Trajectory, judgement: Judgement) -> NoSolutionError:
-    worst = judgement.certificate.worst
-    return NoSolutionError(
-        "No motion found that holds over the tolerances, though there is one of "
-        f"{trajectory.end_time:.3g} s without those in the way: there {describe(worst)}. "
-        "Narrow the tolerance or relax that limit.",
-        Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
-    )
-
-
-def _key(variant: Variant) -> tuple[str, str]:
+def _key(variant: Variant) -> Key:
     return variant.name, variant.text
-
-
-def _tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]) -> dict[str, SloshTrack]:
-    """The liquids of a scene along a motion as the judge integrates them, at the samples.
-
-    Args:
-        trajectory: the motion; its own liquids are not read.
-        scene: whose liquids.
-        names: object -> what its track is called; others are left out.
-    """
-    played = replay(trajectory, scene)
-    every = round(played.rate / trajectory.rate)
-    traces = constraint_traces(trajectory, scene, played, places=(Place.OBJECT,))
-    heights = {trace.subject: trace.value[::every] for trace in traces if trace.constraint == SloshHeight.name}
-    tracks, first = {}, 0
-    for cargo, item in zip(scene.cargo, structure_of(scene).objects, strict=True):
-        own = slice(first, first + item.coordinates)
-        first = own.stop
-        if item.oscillators and cargo.name in names:
-            parts = (played.slosh_displacement[::every, own], played.slosh_velocity[::every, own])
-            tracks[names[cargo.name]] = SloshTrack(*parts, heights[cargo.name])
-    return tracks
