@@ -53,6 +53,7 @@ _LEAVES = {
     "plots",
     "report",
     "reasons",
+    "reserves",
     "scenario",
     "simulate",
     "solvers",

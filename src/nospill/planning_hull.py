@@ -21,6 +21,7 @@ from nospill.numbers import flatten
 from nospill.planning_growth import GrowingRun
 from nospill.planning_run import PlanningRun, Progress
 from nospill.plans import describe
+from nospill.reserves import falls_short
 from nospill.scene import Scene
 from nospill.scene_numbers import object_numbers
 from nospill.trajectory import SloshTrack, Trajectory
@@ -101,11 +102,13 @@ class HullRun(GrowingRun[str]):
         )
 
     def _outside(self, judgement: Judgement) -> list[Row]:
-        """Rows that fail of objects that are not in the problem."""
-        inside = {cargo.name for cargo in self.scene.cargo}
-        others = {cargo.name for cargo in self.whole.cargo} - inside
-        rows = judgement.certificate.rows
-        return [row for row in rows if not row.ok and row.subject in others and row.constraint not in self.ignored]
+        """Rows that fail, or come too near to it, of objects that are not in the problem."""
+        others = {cargo.name for cargo in self.whole.cargo} - {cargo.name for cargo in self.scene.cargo}
+        return [
+            row
+            for row in judgement.certificate.rows
+            if row.subject in others and falls_short(row) and row.constraint not in self.ignored
+        ]
 
     def _objections(self, judgement: Judgement) -> list[Row]:
         """Rows of the problem that fail; what an object outside exceeds slightly is laid to all those within."""
