@@ -144,6 +144,7 @@ def settling_time(plan: Plan) -> float:
             continue
         still = STILL_FRACTION * cargo.filling.max_slosh_height
         decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)
+        decay *= cargo.tolerance.damping[0] if cargo.tolerance is not None else 1.0
         ratio = heights[cargo.name] / still
         if ratio > 1.0:
             longest = max(longest, math.log(ratio) / decay if decay > 0.0 else math.inf)

@@ -15,6 +15,7 @@ from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.planning_growth import GrowingRun, tracks
 from nospill.planning_run import Memory, PlanningRun, Progress
 from nospill.plans import Plan, describe
+from nospill.reserves import falls_short
 from nospill.scene import Scene
 from nospill.solvers import Solution
 from nospill.tolerances import Variant, corner_scenes, heaviest, is_uncertain, scene_variants, spread, spread_name
@@ -88,17 +89,18 @@ class CornerRun(GrowingRun[Key]):
         return found
 
     def _objections(self, judgement: Judgement) -> list[Row]:
-        """Rows that fail by the names of the problem's objects; none while a variant is missing there.
+        """Rows that fail or come too near to it, by the names of the problem's objects.
 
+        There are none while a variant is missing in the problem.
         What a variant that is not in the problem exceeds slightly is laid to the account of all that stand for it.
         """
         if self.missing(judgement):
             return []
         inside = {item.name: [variant for variant in self.chosen if variant.name == item.name] for item in self.chosen}
-        found = [row for row in judgement.certificate.rows if not row.ok and row.subject not in inside]
+        found = [row for row in judgement.certificate.rows if falls_short(row) and row.subject not in inside]
         names = self._names()
         for row in judgement.corners:
-            for variant in inside.get(row.subject, ()) if not row.ok else ():
+            for variant in inside.get(row.subject, ()) if falls_short(row) else ():
                 if row.variant == variant.text or (row.subject, row.variant) not in names:
                     found.append(replace(row, subject=names[_key(variant)], variant=""))
         return list(condensed(found))
