@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from nospill.errors import ScenarioError
-from nospill.robots.inverse import TriedPaths, try_joint_paths
+from nospill.robots.inverse import try_joint_paths
+from nospill.robots.no_joint_path import farthest_reached
 from nospill.scenario import scene_from_table
 from nospill.scene import Scene
 
@@ -33,25 +34,24 @@ def settled_base(scene: Scene) -> Scene:
         return scene
     turns = sorted(range(-180 + STEP_DEG, 181, STEP_DEG), key=lambda turn: (abs(turn), -turn))
     found: list[tuple[float, float, int, Scene]] = []
-    nearest: tuple[int, TriedPaths] | None = None
+    nearest: tuple[float, int, Scene] | None = None
     for order, turn in enumerate(turns):
         candidate = _turned(scene, turn)
-        tried = try_joint_paths(
-            candidate.robot,
-            candidate.path,
-            tool_position=candidate.tray.offset,
-            tool_yaw=candidate.tray.yaw_on_flange,
-        )
-        if tried.paths:
-            best = tried.paths[0]
-            # rounded, so that turns of an upright arm compare by their margins and not by rounding errors
-            found.append((float(f"{best.speed_figure:.6g}"), -float(f"{best.limit_margin:.6g}"), order, candidate))
-        elif nearest is None or tried.reached > nearest[1].reached:
-            nearest = turn, tried
+        tool, yaw = candidate.tray.offset, candidate.tray.yaw_on_flange
+        reached = farthest_reached(candidate.robot, candidate.path, tool, yaw)
+        if reached == 1.0:  # else following it, which takes much longer, leads nowhere
+            tried = try_joint_paths(candidate.robot, candidate.path, tool_position=tool, tool_yaw=yaw)
+            reached += tried.reached
+            if tried.paths:
+                best = tried.paths[0]
+                # rounded, so that turns of an upright arm compare by their margins and not by rounding errors
+                found.append((float(f"{best.speed_figure:.6g}"), -float(f"{best.limit_margin:.6g}"), order, candidate))
+        if nearest is None or reached > nearest[0]:
+            nearest = reached, turn, candidate
     if not found:
-        assert nearest is not None  # every turn has failed
-        turn, tried = nearest
-        failure = tried.failure()
+        assert nearest is not None  # there are turns
+        _, turn, candidate = nearest
+        failure = _failure(candidate)
         raise ScenarioError(
             f'[robot]: base_yaw is "free", but none of {len(turns)} turns of the base lets the arm '
             f"follow the path; the nearest to it: at {turn} deg, {failure}",
@@ -74,3 +74,10 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
 def _turned(scene: Scene, turn: int) -> Scene:
     table = scene.source | {"robot": _robot_table(scene) | {"base_yaw": f"{turn} deg"}}
     return scene_from_table(table, name=scene.name)
+
+
+def _failure(scene: Scene) -> ScenarioError:
+    """Why an arm cannot follow its path."""
+    return try_joint_paths(
+        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+    ).failure()

@@ -21,9 +21,9 @@ from nospill.ocp.problem import build_problem
 from nospill.plans import describe
 from nospill.reasons.changes import advice
 from nospill.reasons.levers import Lever, levers_of
-from nospill.reasons.reach import helpful_changes
+from nospill.reasons.reach import Option, helpful_changes, smaller_turn
 from nospill.reasons.search import WITHIN, Found, Searcher, Trials, first_share
-from nospill.robots.inverse import JointPath
+from nospill.robots.inverse import JointPath, preferred_path, try_joint_paths
 from nospill.robots.redundancy import redundant_joint
 from nospill.robots.regularity import determinants, keeps_branch
 from nospill.scene import EndCondition, Scene
@@ -39,6 +39,7 @@ _SPARE = 1.015
 _TIME_SPARE, _JERK_SPARE = 1.04, 1.08
 """The same for the duration: the fine grid and the judge take something on top; most where joint jerks bind, which go
 beyond by up to a fifth between the nodes."""
+_TURN_BISECTIONS = 3
 _SOLVES = 5
 """Of one lever, at most."""
 _VAIN = 2
@@ -154,6 +155,7 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
             if enough is not None:
                 helped.append((enough, lever.change(enough)))
     helped += _other_end(trials, found)
+    helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
     named = _named(helped, culprits)
     needed = found.duration * max(
@@ -279,6 +281,33 @@ def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
             text = f'end "{end}" instead of "{scene.motion.end}"'
             return [(_SWITCH, Change(f"{_STILL} of {slowest}", "motion.end", end, text))]
     return []
+
+
+def _less_turn(trials: Trials) -> list[tuple[float, Change]]:
+    """A smaller turn of the tray along the path, where that makes the motion fast enough."""
+    scene = trials.run.scene
+    for option in smaller_turn(scene):
+        low, high = 0.0, option.amounts[-1]
+        if not _is_fast_enough(trials, option, high):
+            return []
+        for _ in range(_TURN_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if _is_fast_enough(trials, option, middle):
+                high = middle
+            else:
+                low = middle
+        return [(high * option.size, option.change(high))]
+    return []
+
+
+def _is_fast_enough(trials: Trials, option: Option, amount: float) -> bool:
+    scene, moved = trials.run.scene, option.moved(amount)
+    paths = try_joint_paths(moved.robot, moved.path, tool_position=moved.tool_position, tool_yaw=moved.tool_yaw).paths
+    if not paths or trials.over:
+        return False
+    best = preferred_path(paths, scene.robot, scene.start_near)
+    found = trials.fastest(replace(scene, path=moved.path), joint_path=best)
+    return found is not None and found.duration <= WITHIN * trials.limit
 
 
 def _wide_enough(trials: Trials, constraint: str, subject: str, share: float) -> list[tuple[float, Change]]:

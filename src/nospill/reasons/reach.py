@@ -14,9 +14,8 @@ from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.paths import Path
 from nospill.reasons.changes import advice, with_change
 from nospill.reasons.levers import own_robot
-from nospill.robots.closed_form import solutions_anywhere
-from nospill.robots.following import tray_poses
 from nospill.robots.inverse import JointPath, try_joint_paths
+from nospill.robots.no_joint_path import farthest_reached
 from nospill.robots.redundancy import redundant_joint
 from nospill.robots.regularity import determinants, keeps_branch
 from nospill.robots.robot import Robot
@@ -28,8 +27,6 @@ BUDGET = 10.0
 _SAMPLES = 41
 _LEAST_SHIFT, _GROWTH, _LARGEST_SHIFT = 0.01, 1.5, 1.5
 _BISECTIONS = 4
-_PLACES = 7
-"""Along the path, where it is looked whether the arm gets there at all."""
 _SPARE_PART, _SPARE_LENGTH, _SPARE_ANGLE = 1.05, 0.005, math.radians(1.0)
 """What a suggestion goes beyond the least that was found enough: at the very edge of its reach an arm is slow."""
 _TURN_STEP = math.radians(15.0)
@@ -47,7 +44,7 @@ Confirm = Callable[[Scene, JointPath], bool]
 
 
 @dataclass(frozen=True, slots=True)
-class _Option:
+class Option:
     """One kind of change: how much of it, from nothing on.
 
     Attributes:
@@ -58,13 +55,13 @@ class _Option:
 
     amounts: tuple[float, ...]
     size: float
-    moved: Callable[[float], _Task]
+    moved: Callable[[float], Task]
     change: Callable[[float], Change]
     spare: Callable[[float], float]
 
 
 @dataclass(frozen=True, slots=True)
-class _Task:
+class Task:
     """What a joint path depends on."""
 
     robot: Robot
@@ -121,7 +118,7 @@ def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Cha
     return tuple(change for _, change in sorted(found, key=lambda entry: entry[0]))
 
 
-def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
+def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
     """The option that helps with the least amount, all growing together; with its size."""
     limit, given_up = scene.motion.max_duration, set[int]()
     for step in range(max((len(option.amounts) for option in options), default=0)):
@@ -149,8 +146,8 @@ def _least(scene: Scene, options: list[_Option], clock: _Clock, confirm: Confirm
     return None
 
 
-def _follows(task: _Task, limit: float) -> bool:
-    if not _reaches(task):
+def _follows(task: Task, limit: float) -> bool:
+    if farthest_reached(task.robot, task.path, task.tool_position, task.tool_yaw) < 1.0:
         return False
     tried = try_joint_paths(
         task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
@@ -163,32 +160,6 @@ def _follows(task: _Task, limit: float) -> bool:
 def _least_time(joint_path: JointPath, robot: Robot) -> float:
     """What following a joint path takes at least, with one joint at full speed at every place, s."""
     return float(np.trapezoid(np.max(np.abs(joint_path.dq_ds) / robot.max_speed, axis=1), joint_path.s))
-
-
-def _reaches(task: _Task) -> bool:
-    """Whether some places along the path are reached at all, joint limits aside; a quick look before a long one."""
-    positions, rotations = tray_poses(task.path, np.linspace(0.0, 1.0, _PLACES))
-    joint = redundant_joint(task.robot)
-    values: list[tuple[int, float] | None] = [None]
-    if joint is not None:
-        values = [(joint, float(at)) for at in np.linspace(task.robot.lower[joint], task.robot.upper[joint], 7)[1:-1]]
-    return all(
-        any(
-            len(
-                solutions_anywhere(
-                    task.robot,
-                    positions[place],
-                    rotations[place],
-                    tool_position=task.tool_position,
-                    tool_yaw=task.tool_yaw,
-                    held=held,
-                )
-            )
-            for held in values
-        )
-        # the ends first: it is mostly there
-        for place in sorted(range(_PLACES), key=lambda place: min(place, _PLACES - 1 - place))
-    )
 
 
 def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
@@ -207,11 +178,11 @@ def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
 # --- what can be changed -------------------------------------------------------------------------------------------
 
 
-def _families(scene: Scene, reason: Reason) -> Iterator[list[_Option]]:
+def _families(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
     """Kinds of changes; the options of one kind are tried together, the one that needs least is taken."""
     if reason.constraint == "joint position":
         yield _wider_limit(scene, reason)
-    yield _smaller_turn(scene)
+    yield smaller_turn(scene)
     yield _lower_tray(scene)
     yield _shifts(scene, reason)
     yield _turned_tray(scene)
@@ -219,8 +190,8 @@ def _families(scene: Scene, reason: Reason) -> Iterator[list[_Option]]:
         yield _turned_base(scene)
 
 
-def _task(scene: Scene) -> _Task:
-    return _Task(scene.robot, scene.path, scene.tray.offset, scene.tray.yaw_on_flange)
+def _task(scene: Scene) -> Task:
+    return Task(scene.robot, scene.path, scene.tray.offset, scene.tray.yaw_on_flange)
 
 
 def _robot_table(scene: Scene) -> dict[str, Any]:
@@ -238,7 +209,7 @@ def _reach(scene: Scene) -> float:
     return scene.robot.reach or 1.0
 
 
-def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
+def _shifts(scene: Scene, reason: Reason) -> list[Option]:
     """The base moved: along the axes, and towards where the path is farthest; upright, a lower tray is the same."""
     task, base = _task(scene), _base_position(scene)
     directions = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
@@ -254,7 +225,7 @@ def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
     for direction in directions:
         offset = np.array([*direction, 0.0])
 
-        def moved(amount: float, offset: np.ndarray = offset) -> _Task:
+        def moved(amount: float, offset: np.ndarray = offset) -> Task:
             coefficients = task.path.coefficients.copy()
             coefficients[-1] -= amount * offset
             return replace(task, path=Path(task.path.breaks, coefficients))
@@ -266,7 +237,7 @@ def _shifts(scene: Scene, reason: Reason) -> list[_Option]:
             text = f"base {1e3 * amount:.3g} mm elsewhere (base_position {shown} mm instead of {now} mm)"
             return Change("reach of the arm", "robot.base_position", place.tolist(), text)
 
-        options.append(_Option(amounts, 1.0 / _reach(scene), moved, change, _longer))
+        options.append(Option(amounts, 1.0 / _reach(scene), moved, change, _longer))
     return options
 
 
@@ -274,7 +245,7 @@ def _longer(amount: float) -> float:
     return _SPARE_PART * amount + _SPARE_LENGTH
 
 
-def _lower_tray(scene: Scene) -> list[_Option]:
+def _lower_tray(scene: Scene) -> list[Option]:
     """The tray nearer to the flange."""
     task, offset = _task(scene), scene.tray.offset
     height = float(offset[2])
@@ -284,7 +255,7 @@ def _lower_tray(scene: Scene) -> list[_Option]:
     def nearer(amount: float) -> np.ndarray:
         return offset - np.array([0.0, 0.0, math.copysign(min(amount, abs(height)), height)])
 
-    def moved(amount: float) -> _Task:
+    def moved(amount: float) -> Task:
         return replace(task, tool_position=nearer(amount))
 
     def change(amount: float) -> Change:
@@ -293,10 +264,10 @@ def _lower_tray(scene: Scene) -> list[_Option]:
         return Change("reach of the arm", "tray.offset", value.tolist(), f"tray.offset {new} instead of {old}")
 
     amounts = tuple(abs(height) * part / 16.0 for part in range(1, 17))
-    return [_Option(amounts, 1.0 / _reach(scene), moved, change, _longer)]
+    return [Option(amounts, 1.0 / _reach(scene), moved, change, _longer)]
 
 
-def _smaller_turn(scene: Scene) -> list[_Option]:
+def smaller_turn(scene: Scene) -> list[Option]:
     """The yaw along the path, less of it about its start."""
     task, table = _task(scene), scene.source["path"]
     assert isinstance(table, dict)
@@ -305,7 +276,7 @@ def _smaller_turn(scene: Scene) -> list[_Option]:
     if turn < 1e-6:
         return []
 
-    def moved(amount: float) -> _Task:
+    def moved(amount: float) -> Task:
         part = max(1.0 - amount / turn, 0.0)
         coefficients = task.path.coefficients.copy()
         coefficients[:, :, 3] *= part
@@ -320,17 +291,17 @@ def _smaller_turn(scene: Scene) -> list[_Option]:
         return Change("turn of the tray", "path.yaw", value, text)
 
     amounts = tuple(turn * part / 16.0 for part in range(1, 17))
-    return [_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: min(amount + _SPARE_ANGLE, turn))]
+    return [Option(amounts, 1.0 / math.pi, moved, change, lambda amount: min(amount + _SPARE_ANGLE, turn))]
 
 
-def _turned_tray(scene: Scene) -> list[_Option]:
+def _turned_tray(scene: Scene) -> list[Option]:
     """The tray mounted in another direction."""
     task, now = _task(scene), scene.tray.yaw_on_flange
     amounts = tuple(_TURN_STEP * step for step in range(1, _TURNS + 1))
     options = []
     for sign in (1.0, -1.0):
 
-        def moved(amount: float, sign: float = sign) -> _Task:
+        def moved(amount: float, sign: float = sign) -> Task:
             return replace(task, tool_yaw=now + sign * amount)
 
         def change(amount: float, sign: float = sign) -> Change:
@@ -338,11 +309,11 @@ def _turned_tray(scene: Scene) -> list[_Option]:
             new, old = (format_quantity(angle, "angle", digits=4) for angle in (value, now))
             return Change("turn of the tray", "tray.yaw_on_flange", value, f"tray.yaw_on_flange {new} instead of {old}")
 
-        options.append(_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
+        options.append(Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
     return options
 
 
-def _turned_base(scene: Scene) -> list[_Option]:
+def _turned_base(scene: Scene) -> list[Option]:
     """The base turned about the world's vertical."""
     given = _robot_table(scene).get("base_yaw", 0.0)
     if given == "free":
@@ -352,7 +323,7 @@ def _turned_base(scene: Scene) -> list[_Option]:
     options = []
     for sign in (1.0, -1.0):
 
-        def moved(amount: float, sign: float = sign) -> _Task:
+        def moved(amount: float, sign: float = sign) -> Task:
             angle = -sign * amount
             cosine, sine = math.cos(angle), math.sin(angle)
             coefficients = task.path.coefficients.copy()
@@ -368,11 +339,11 @@ def _turned_base(scene: Scene) -> list[_Option]:
             new, old = (format_quantity(angle, "angle", digits=4) for angle in (value, now))
             return Change("turn of the base", "robot.base_yaw", value, f"base_yaw {new} instead of {old}")
 
-        options.append(_Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
+        options.append(Option(amounts, 1.0 / math.pi, moved, change, lambda amount: amount + _SPARE_ANGLE))
     return options
 
 
-def _wider_limit(scene: Scene, reason: Reason) -> list[_Option]:
+def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
     """The limit that is passed, where the scenario and not the robot has set it."""
     robot, own = scene.robot, own_robot(scene)
     joint, excess = robot.joints.index(reason.subject), reason.excess or 0.0
@@ -384,7 +355,7 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[_Option]:
             continue
         most = min(room, 4.0 * excess + math.radians(5.0))
 
-        def moved(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> _Task:
+        def moved(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> Task:
             values = limits.copy()
             values[joint] += sign * amount
             return replace(task, robot=replace(robot, **{key: values}))
@@ -398,6 +369,6 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[_Option]:
 
         amounts = tuple(most * part / 8.0 for part in range(1, 9))
         options.append(
-            _Option(amounts, 1.0 / math.pi, moved, change, lambda amount, room=room: min(amount + _SPARE_ANGLE, room))
+            Option(amounts, 1.0 / math.pi, moved, change, lambda amount, room=room: min(amount + _SPARE_ANGLE, room))
         )
     return options

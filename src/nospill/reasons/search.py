@@ -121,6 +121,7 @@ class Trials:
         near: Stages | None = None,
         longest: float | None = None,
         enough: float | None = None,
+        joint_path: JointPath | None = None,
     ) -> Found | None:
         """The fastest motion of a scene with the time left open; None where none is found.
 
@@ -129,11 +130,12 @@ class Trials:
             near: a motion to start from, of the same structure.
             longest: time that is open, s; several times what the task allows when left out.
             enough: duration that ends the search; the first motion found when left out, else the best of all starts.
+            joint_path: in place of the one the search failed with.
         """
         if longest is None:
             longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
         trial = self.run.trial(replace(scene, motion=replace(scene.motion, max_duration=longest)))
-        starts = [trial.start(self.joint_path, start) for start in _STARTS]
+        starts = [trial.start(joint_path or self.joint_path, start) for start in _STARTS]
         best: Found | None = None
         for start in ([near] if near is not None else []) + starts:
             if start.intervals > _MOST_INTERVALS or self.over:

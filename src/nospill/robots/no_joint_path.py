@@ -17,6 +17,7 @@ _ORIENTATION_WEIGHT = 100.0  # m per rad
 _RANDOM_STARTS = 16
 _REACHED = 1e-6  # m
 _BISECTIONS = 20
+_PLACES = 9
 
 
 def explain(
@@ -34,7 +35,7 @@ def explain(
     if followed.complete.any():
         return _limit_in_the_way(robot, followed, path)
     s = followed.s
-    solved = np.array([_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
+    solved = np.array([is_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
     if not solved.all():
         return _out_of_reach(robot, path, s, solved, tool_position, tool_yaw)
     best = int(np.argmax(followed.last))
@@ -83,7 +84,26 @@ def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioE
     )
 
 
-def _reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
+def farthest_reached(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> float:
+    """How far along the path every place is reachable, by a quick look at some of them; 1 where all of these are.
+
+    Args:
+        robot: the arm.
+        path: path of the tray.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+    """
+    places = np.linspace(0.0, 1.0, _PLACES)
+    reached = 0.0
+    for place in places:
+        if not is_reachable(robot, path, float(place), tool_position, tool_yaw):
+            return reached
+        reached = float(place)
+    return reached
+
+
+def is_reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
+    """Whether the arm can put the level tray on the path at s, joint limits aside."""
     positions, rotations = tray_poses(path, np.array([s]))
     held = redundant_joint(robot)
     if held is None:
@@ -101,7 +121,7 @@ def _out_of_reach(
         inside = float(s[first - 1])
         for _ in range(_BISECTIONS):
             middle = 0.5 * (inside + edge)
-            if _reachable(robot, path, middle, tool_position, tool_yaw):
+            if is_reachable(robot, path, middle, tool_position, tool_yaw):
                 inside = middle
             else:
                 edge = middle
