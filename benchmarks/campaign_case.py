@@ -173,8 +173,8 @@ def only_start(
     """
     usual, search, resort = planning_run.starting_motions, planning_run.PlanningRun.search, planning_run.last_resort
 
-    def alone(run: planning_run.PlanningRun, joint_path: JointPath) -> Solution:
-        coarse = search(run, joint_path)
+    def alone(run: planning_run.PlanningRun, joint_path: JointPath, **how: bool) -> Solution:
+        coarse = search(run, joint_path, **how)
         duration = coarse.stages.duration
         for regular, other, found in known:
             if regular == run.regular and abs(duration / other - 1.0) < _ALIKE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -15,7 +15,6 @@ from nospill.constraints.joint_position import JointPosition
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.errors import NOT_CONVERGED, ModelError, NoSolutionError, Reason
-from nospill.numbers import Structure
 from nospill.ocp.answer import export_samples, with_joints_solved
 from nospill.ocp.guess import (
     USUAL_START,
@@ -30,9 +29,12 @@ from nospill.ocp.guess import (
 from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Problem, Reserves, build_problem
 from nospill.ocp.stages import Stages
+from nospill.planning_records import Memory as Memory
+from nospill.planning_records import PlanningProgress as PlanningProgress
+from nospill.planning_records import Progress as Progress
 from nospill.plans import Plan, PlanningReport, Starts
 from nospill.reasons import is_hopeless, last_resort
-from nospill.reserves import falls_short, first_reserve, further_reserve
+from nospill.reserves import falls_short, first_reserve, further_reserve, range_reserves
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
@@ -62,32 +64,6 @@ REFINE_ITERATIONS = 100
 _SAME = 1e-3
 _NEAR = 0.3
 _NEAR_AT_START = 0.75
-
-
-@dataclass(frozen=True, slots=True)
-class PlanningProgress:
-    """Where planning stands.
-
-    The phase and, while solving, iteration, current end time (s) and largest scaled violation.
-    """
-
-    phase: str
-    iteration: int | None = None
-    duration_s: float | None = None
-    violation: float | None = None
-
-
-Progress = Callable[[PlanningProgress], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Memory:
-    """What one planning leaves for the next one of the same structure: answer with multipliers, rows, reserves."""
-
-    structure: Structure
-    solution: Solution
-    kept: frozenset[tuple[str, int]]
-    reserves: Reserves
 
 
 @dataclass(slots=True)
@@ -247,17 +223,9 @@ class PlanningRun:
             values = values[[0, -1]]  # a tray that may lean gets round a singularity it does not end behind
         self.least_determinant = clearance(values)
         self.crossed = None if keeps_branch(values) else joint_path
-        self._make_room(joint_path)
+        for key, room in range_reserves(self.scene, joint_path).items():
+            self.reserves[key] = min(self.reserves[key], room)
         return motion
-
-    def _make_room(self, joint_path: JointPath) -> None:
-        """Keep no more of a joint's range back than the path leaves where the pose, and with it the joint, is given."""
-        robot = self.scene.robot
-        given = joint_path.q[[0, -1]] if self.scene.motion.tilt_free else joint_path.q
-        nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
-        for joint, room in enumerate(np.maximum(nearest, 0.0) / (robot.upper - robot.lower)):
-            key = (JointPosition.name, joint)
-            self.reserves[key] = min(self.reserves[key], float(room))
 
     def find(self, joint_path: JointPath) -> Solution:
         """Search and refine; once more with the arm kept regular if the motion leaves its branch.
@@ -265,23 +233,47 @@ class PlanningRun:
         Each instant of a problem sees its own joints only: a motion can hop between branches, or run through a
         singularity, between two of them. Most motions do neither, and the rows against it are left out. They cannot
         hold where the path itself leads through a singularity. A level tray goes through by its joint path, a leaning
-        one would need joints without a limit of speed, so there the tray stays level.
+        one would need joints without a limit of speed: it leans past the singularity, or else stays level.
         """
-        self.start(joint_path)
-        if self.crossed is not None and self.scene.motion.tilt_free:
-            self.asked = self.scene
-            self.scene = replace(self.scene, motion=replace(self.scene.motion, tilt_free=False))
-            self._reset()
+        values = self._determinants(self.start(joint_path))
+        may_lean = self.scene.motion.tilt_free and not keeps_branch(values)
+        if may_lean and self.crossed is not None:
+            return self._found_level(joint_path)
         coarse = self.search(joint_path)
         if self.crossed or self._keeps_branch(coarse.stages):
             fine = self.refine(coarse)
-            if self.crossed or self._keeps_branch(fine.stages):
+            if self.crossed or self._is_playable(fine):
                 return fine
         self.regular = True
+        if not may_lean:
+            return self.refine(self.search(joint_path))
+        try:
+            fine = self.refine(self.search(joint_path, briefly=True))
+        except NoSolutionError:
+            return self._found_level(joint_path)
+        return fine if self._is_playable(fine) else self._found_level(joint_path)
+
+    def _found_level(self, joint_path: JointPath) -> Solution:
+        """The same where the tray, though it might lean, stays level."""
+        self.asked, self.regular = self.scene, False
+        self.scene = replace(self.scene, motion=replace(self.scene.motion, tilt_free=False))
+        self._reset()
         return self.refine(self.search(joint_path))
 
-    def search(self, joint_path: JointPath) -> Solution:
-        """Solve from several starts on a coarse grid and return the best answer."""
+    def _is_playable(self, solution: Solution) -> bool:
+        """Whether the arm follows between the nodes as well, on its branch."""
+        try:
+            joints = self.exported(solution.stages).joint_position
+        except ModelError:
+            return False
+        return keeps_branch(determinants(self.scene.robot, joints, solution.stages.self_motion))
+
+    def search(self, joint_path: JointPath, *, briefly: bool = False) -> Solution:
+        """Solve from several starts on a coarse grid and return the best answer.
+
+        Raises:
+            NoSolutionError: there is none; where the search is brief, without much of a reason.
+        """
         options = self.scene.planning
         self.durations.clear()
         self.kept = set()
@@ -292,7 +284,7 @@ class PlanningRun:
             return self._overlooked(joint_path, None)
         best: Solution | None = None
         last: Solution | None = None
-        for start in starting_motions(self.scene, further=_LAST_STARTS):
+        for start in starting_motions(self.scene, further=0 if briefly else _LAST_STARTS):
             if tried >= options.starts and best is not None:
                 break
             patience = _COARSE_ITERATIONS if tried < options.starts else _LAST_ITERATIONS
@@ -310,6 +302,8 @@ class PlanningRun:
             if self._agreed():
                 break
         self.tried += tried
+        if best is None and briefly:
+            raise NoSolutionError("No motion found at once.")
         return self._overlooked(joint_path, last) if best is None else best
 
     def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:

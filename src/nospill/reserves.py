@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from nospill.certificate import Row
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place
+from nospill.constraints.joint_position import JointPosition
+from nospill.robots.inverse import JointPath
+from nospill.scene import Scene
 
 FIRST_RESERVE = 1e-3
 FIRST_RESERVES = {"slip": 4.5e-3, "tip": 4e-3, "twist": 3e-3, "slosh height": 1.5e-3, "joint acceleration": 8e-3}
@@ -23,12 +28,24 @@ between his instants, most where accelerations with corners decide. Measured on 
 
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.place in (Place.OBJECT, Place.END))
 
-_MORE, _LEAST, _MOST = 1.2, 2e-4, 0.1
+_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.1
 
 
 def first_reserve(constraint: str) -> float:
     """Fraction of a constraint's budget that is kept from the optimiser at first."""
     return FIRST_RESERVES.get(constraint, FIRST_RESERVE)
+
+
+def range_reserves(scene: Scene, joint_path: JointPath) -> dict[tuple[str, int], float]:
+    """The most of a joint's range that may be kept back: what the path leaves where it says where the joint is.
+
+    That is on all of it for a level tray, at its ends for one that leans. Keyed as the reserves of a problem are.
+    """
+    robot = scene.robot
+    given = joint_path.q[[0, -1]] if scene.motion.tilt_free else joint_path.q
+    nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
+    shares = np.maximum(nearest, 0.0) / (robot.upper - robot.lower)
+    return {(JointPosition.name, joint): float(share) for joint, share in enumerate(shares)}
 
 
 def falls_short(row: Row) -> bool:

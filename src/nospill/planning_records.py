@@ -1,0 +1,36 @@
+"""What a call of the planner tells while it runs, and what it leaves for the next one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from nospill.numbers import Structure
+from nospill.ocp.problem import Reserves
+from nospill.solvers import Solution
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningProgress:
+    """Where planning stands.
+
+    The phase and, while solving, iteration, current end time (s) and largest scaled violation.
+    """
+
+    phase: str
+    iteration: int | None = None
+    duration_s: float | None = None
+    violation: float | None = None
+
+
+Progress = Callable[[PlanningProgress], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What one planning leaves for the next one of the same structure: answer with multipliers, rows, reserves."""
+
+    structure: Structure
+    solution: Solution
+    kept: frozenset[tuple[str, int]]
+    reserves: Reserves
