@@ -20,6 +20,7 @@ from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.examples import EXAMPLES, example_path
 from nospill.files import atomic_text
 from nospill.robots.robot import Robot
+from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
@@ -198,6 +199,19 @@ def _start_near(scenario: Scenario, robot: Robot, approach: ApproachRules | None
     return robot.home if scenario.robot.home is not None else None
 
 
+def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
+    """`read_cargo` with what the scenario says of all objects."""
+    return read_cargo(
+        entry,
+        friction=scenario.tray.friction,
+        friction_reserve=scenario.tray.friction_reserve,
+        footprint_reserve=scenario.tray.footprint_reserve,
+        fidelity=scenario.fidelity,
+        slosh_modes=scenario.planning.slosh_modes,
+        tolerance=scenario.tolerance,
+    )
+
+
 def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
     cargo: list[Cargo] = []
     faults: list[Fault] = []
@@ -211,15 +225,7 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
             faults.append((f"cargo {index + 1}", text))
         owners.setdefault(entry.name, index)
         try:
-            item = read_cargo(
-                entry,
-                friction=scenario.tray.friction,
-                friction_reserve=scenario.tray.friction_reserve,
-                footprint_reserve=scenario.tray.footprint_reserve,
-                fidelity=scenario.fidelity,
-                slosh_modes=scenario.planning.slosh_modes,
-                tolerance=scenario.tolerance,
-            )
+            item = read_object(entry, scenario)
         except (ScenarioError, ModelError) as error:
             reason = reason if faults else error.reason
             faults.append((place, str(error)))

@@ -17,10 +17,10 @@ from nospill.cargo import Cargo
 from nospill.errors import ModelError, ScenarioError
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
-from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import cargo_place, faults_of
 from nospill.scenario.model import Scenario
+from nospill.scenario.reader import read_object
 from nospill.scene import Scene
 from nospill.studio.draft import Key
 from nospill.tray import Tray
@@ -114,15 +114,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
     faults: list[Fault] = []
     for index, entry in enumerate(scenario.cargo):
         try:
-            item = read_cargo(
-                entry,
-                friction=scenario.tray.friction,
-                friction_reserve=scenario.tray.friction_reserve,
-                footprint_reserve=scenario.tray.footprint_reserve,
-                fidelity=scenario.fidelity,
-                slosh_modes=scenario.planning.slosh_modes,
-                tolerance=scenario.tolerance,
-            )
+            item = read_object(entry, scenario)
         except (ScenarioError, ModelError) as error:
             where = cargo_place(index, table["cargo"][index])
             faults.append(Fault(_cargo_key(index, str(error), table), str(error), where))
