@@ -18,7 +18,6 @@ def _task(robot: Table, path: Table, cargo: list[Table], motion: Table, **tray: 
         "cargo": cargo,
         "path": path,
         "motion": motion,
-        "planning": {"intervals": 40},
     }
 
 
@@ -281,13 +280,13 @@ CASES: tuple[Case, ...] = (
         ("joint_5",),
     ),
     Case(
-        "over the arm's own axis",
-        "kuka can",
-        {"path.start": [-0.4, 0.0, 1.0], "path.end": [0.4, 0.0, 1.0]},
+        "too near to the arm's own axis",
+        "ur5e can",
+        {"path.start": [-0.4, 0.0, 0.6], "path.end": [0.4, 0.0, 0.6], "motion.max_duration": "4 s"},
         ROBOT,
-        "singularity",
-        ("kuka-kr6-r900",),
-        (0.45, 0.55),
+        "reach",
+        ("ur5e",),
+        (0.2, 0.5),
     ),
     Case(
         "approach from outside the limits",

@@ -34,6 +34,7 @@ from nospill.planning_records import PlanningProgress as PlanningProgress
 from nospill.planning_records import Progress as Progress
 from nospill.plans import Plan, PlanningReport, Starts
 from nospill.reasons import is_hopeless, last_resort
+from nospill.reasons.search import WITHIN, Trials
 from nospill.reserves import falls_short, first_reserve, further_reserve, range_reserves
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
@@ -209,9 +210,10 @@ class PlanningRun:
 
     def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
         """Whether a motion of a scene is found at once; what is learnt of it does not come back."""
-        trial = self.trial(scene)
-        found = trial.solve_near(trial.start(joint_path), iterations=_COARSE_ITERATIONS)
-        return usable(found) and (trial.crossed is not None or trial._keeps_branch(found.stages))
+        found = Trials(self.trial(scene), joint_path).fastest(scene)
+        if found is None or found.duration > WITHIN * scene.motion.max_duration:
+            return False
+        return self._keeps_branch(found.solution.stages)
 
     def start(self, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
         """A smooth starting motion on the coarse grid."""

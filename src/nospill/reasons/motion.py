@@ -40,6 +40,7 @@ _TIME_SPARE, _JERK_SPARE = 1.04, 1.08
 """The same for the duration: the fine grid and the judge take something on top; most where joint jerks bind, which go
 beyond by up to a fifth between the nodes."""
 _TURN_BISECTIONS = 3
+_CONFIRMATIONS = 3
 _SOLVES = 5
 """Of one lever, at most."""
 _VAIN = 2
@@ -248,7 +249,19 @@ def _least_share(trials: Trials, lever: Lever, found: Found, share: float) -> fl
             break
         wider = 1.5 * share + 0.05 if trial is None else _next_share(points, 0.5 * (WITHIN + _CLOSE) * limit)
         share = min(wider, lever.most)
-    return None if best is None else min(best * _SPARE, lever.most)
+    return None if best is None else _confirmed(trials, lever, min(best * _SPARE, lever.most))
+
+
+def _confirmed(trials: Trials, lever: Lever, share: float) -> float | None:
+    """The share with which a motion is found from nothing too, as a user will who writes it into the file."""
+    for _ in range(_CONFIRMATIONS):
+        trial = trials.fastest(lever.scene(share))
+        if trial is not None and trial.duration <= WITHIN * trials.limit:
+            return share
+        if trials.over or share >= lever.most:
+            return None
+        share = min(1.2 * share + 0.02, lever.most)
+    return None
 
 
 def _next_share(points: list[tuple[float, float]], wanted: float) -> float:
