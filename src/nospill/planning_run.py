@@ -224,7 +224,8 @@ class PlanningRun:
         if self.scene.motion.tilt_free and values[0] * values[-1] > 0.0 and not keeps_branch(values):
             values = values[[0, -1]]  # a tray that may lean gets round a singularity it does not end behind
         self.least_determinant = clearance(values)
-        self.crossed = None if keeps_branch(values) else joint_path
+        # A seventh joint gets past by itself.
+        self.crossed = None if motion.self_motion is not None or keeps_branch(values) else joint_path
         for key, room in range_reserves(self.scene, joint_path).items():
             self.reserves[key] = min(self.reserves[key], room)
         return motion
@@ -238,7 +239,8 @@ class PlanningRun:
         one would need joints without a limit of speed: it leans past the singularity, or else stays level.
         """
         values = self._determinants(self.start(joint_path))
-        may_lean = self.scene.motion.tilt_free and not keeps_branch(values)
+        singular = not (len(self.scene.robot.joints) > 6 or keeps_branch(values))
+        may_lean = self.scene.motion.tilt_free and singular
         if may_lean and self.crossed is not None:
             return self._found_level(joint_path)
         coarse = self.search(joint_path)

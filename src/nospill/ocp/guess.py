@@ -91,7 +91,7 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
     if direction is not None:
         change = np.gradient(speeds @ direction, duration / intervals)
         own = np.column_stack([joints @ direction, speeds @ direction, change])
-        closed.append((own, np.diff(change) * intervals / duration))
+        closed.append(_closed(own, duration / intervals))
     for index, (states, jerks) in enumerate(closed):
         table[:, 3 * index : 3 * index + 3] = states
         table[:-1, layout.jerks.start + index] = jerks
