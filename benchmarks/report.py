@@ -82,7 +82,8 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
 
     for key in ("baseline liquid", "baseline rigid"):
         if key in seconds:
-            yield Line(f"{key} ({found[key]['iterations']} iterations)", seconds[key])
+            stopped = "" if found[key].get("status", "Solve_Succeeded") == "Solve_Succeeded" else ", not converged"
+            yield Line(f"{key} ({found[key]['iterations']} iterations{stopped})", seconds[key])
     yield from faster("cold matrix-liquid", "baseline liquid", 60)
     yield from faster("cold matrix-rigid", "baseline rigid", 12)
     yield from share("cold matrix-liquid-tilt", "baseline rigid", 0.5)
