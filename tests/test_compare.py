@@ -99,7 +99,7 @@ def test_a_plan_folder_needs_a_cup(tmp_path: Path) -> None:
         predicted_heights(tmp_path)
     with pytest.raises(PlanFolderError, match="not a plan folder"):
         predicted_heights(f"{tmp_path}:c1")
-    with pytest.raises(ScenarioError, match="no such file"):
+    with pytest.raises(ScenarioError, match="does not exist"):
         predicted_heights(tmp_path / "absent:c1")
 
 
@@ -131,8 +131,8 @@ def test_command_says_what_is_wrong_in_one_line(tmp_path: Path) -> None:
     heights = tmp_path / "p.csv"
     write_heights(heights, prediction())
     for arguments, words in (
-        ([str(heights), "absent.csv"], "no such file"),
-        (["absent.csv", str(heights)], "no such file"),
+        ([str(heights), "absent.csv"], "does not exist"),
+        (["absent.csv", str(heights)], "does not exist"),
         ([str(heights), str(heights), "-o", "figure.xyz"], ".png, .pdf or .svg"),
         ([str(heights), str(heights), "-o", str(tmp_path / "absent" / "f.png")], "cannot write"),
     ):

@@ -266,7 +266,7 @@ def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
     again = planner.plan(first.scene)
     assert again.certificate.ok
     # what is kept back for fear of another round costs a little
-    assert 0.0 <= again.duration / first.duration - 1.0 < 5e-4
+    assert 0.0 <= again.duration / first.duration - 1.0 < 1e-3
     assert again.report.starts.tried == 1 and again.report.iterations < first.report.iterations / 2
 
 

@@ -183,7 +183,7 @@ def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
     finally:
         _stage_functions.cache_clear()
     assert fast.compiled
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so"]
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so", ".sum"]
     random = np.random.default_rng(1)
     for name in ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures"):
         ours, theirs = getattr(fast, name), getattr(plain, name)
