@@ -66,7 +66,7 @@ def run_job(job: Job) -> dict[str, Any]:
 
 def environment(folder: str | None) -> dict[str, str]:
     """Of a process: one thread, no compiler (structures hardly ever come again), the package of a folder first."""
-    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_COMPILE": "off"}
+    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_THREADS": "1", "NOSPILL_COMPILE": "off"}
     if folder is not None:
         settings["PYTHONPATH"] = folder
     return os.environ | settings

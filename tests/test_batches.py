@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.batches import call, evaluate
+from nospill.batches import call, evaluate, over_columns, thread_count
 
 
 def function() -> ca.Function:
@@ -96,3 +96,38 @@ def test_call_refuses_what_does_not_fit() -> None:
         call(dense, np.zeros(4))
     with pytest.raises(ValueError, match="its output is sparse"):
         call(sparse, np.zeros(3))
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, 4, 7])
+@pytest.mark.parametrize("count", [1, 2, 5, 100, 101])
+def test_threads_change_no_bit(threads: int, count: int) -> None:
+    x, y = columns(count)
+    found = over_columns(F, count, [2], threads=threads)(x, y, P).full()
+    np.testing.assert_array_equal(found, over_columns(F, count, [2])(x, y, P).full())
+    np.testing.assert_allclose(found, expected(x, y), rtol=1e-14, atol=1e-14)
+
+
+def test_threads_within_an_expression_with_two_outputs_and_two_shared_inputs() -> None:
+    x, p, q = ca.SX.sym("x", 2), ca.SX.sym("p"), ca.SX.sym("q")
+    two = ca.Function("two", [x, p, q], [p * ca.sum1(x), ca.vertcat(q + x[0], x[1], p)])
+    columns_of, first, second = ca.MX.sym("x", 2, 5), ca.MX.sym("p"), ca.MX.sym("q")
+    whole = ca.Function(
+        "whole", [columns_of, first, second], list(over_columns(two, 5, [1, 2], threads=2)(columns_of, first, second))
+    )
+    values = np.arange(10.0).reshape(2, 5)
+    sums, rest = whole(values, 2.0, 3.0)
+    np.testing.assert_array_equal(sums.full(), 2 * values.sum(axis=0, keepdims=True))
+    np.testing.assert_array_equal(rest.full(), [values[0] + 3, values[1], np.full(5, 2.0)])
+
+
+@pytest.mark.parametrize(("told", "count"), [("3", 3), ("0", 1), ("1", 1)])
+def test_threads_are_as_many_as_told(told: str, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NOSPILL_THREADS", told)
+    assert thread_count() == count
+
+
+@pytest.mark.parametrize("told", ["", "many", "-2", "1.5"])
+def test_threads_are_otherwise_as_many_as_the_process_may_run(told: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NOSPILL_THREADS", told)
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 3, 5}, raising=False)
+    assert thread_count() == 3

@@ -1,17 +1,68 @@
-"""CasADi functions on arrays: without its own matrices in between, and on many samples.
+"""CasADi functions on arrays: without its own matrices in between, on many samples, and on several threads.
 
 A call through CasADi's matrices copies every number several times, which for short expressions takes longer than
 evaluating them; here the function reads and writes the arrays themselves.
+
+NOSPILL_THREADS = how many threads share out what is slow enough, else as many as the process may run at once. Results
+are the same to the last bit.
 """
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 _CHUNK = 500
+
+
+def thread_count() -> int:
+    """How many threads may work at once, at least one; a setting that is no number counts as none."""
+    told = os.environ.get("NOSPILL_THREADS", "")
+    if told.isdecimal():
+        return max(1, int(told))
+    # What the process may use is less than what the machine has, in a container for example; not every system tells.
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def over_columns(function: Any, count: int, shared: list[int], *, threads: int = 1) -> Callable[..., Any]:
+    """A function of one column as one of `count` columns, which threads share out among themselves.
+
+    A thread takes some 30 us to start: worth it for CasADi's virtual machine, not for machine code.
+
+    Args:
+        function: its inputs and outputs are columns.
+        count: number of columns.
+        shared: places of the inputs that are the same for all of them.
+        threads: how many work on it.
+
+    Returns:
+        Takes and gives what `function.map` does, whatever the count.
+    """
+    # One thread for each share: CasADi would start one for every column. Shares are alike in length.
+    share = -(-count // threads)
+    threads = -(-count // share)
+    if threads == 1:
+        return function.map(f"{function.name()}_map", "serial", count, shared, [])  # type: ignore[no-any-return]
+    part = function.map(f"{function.name()}_part", "serial", share, shared, [])
+    whole = part.map(f"{function.name()}_map", "thread", threads, shared, [])
+    missing = share * threads - count
+    if not missing:
+        return whole  # type: ignore[no-any-return]
+
+    def call(*inputs: Any) -> Any:
+        padded = [
+            given if index in shared else ca.horzcat(given, ca.repmat(given[:, -1], 1, missing))
+            for index, given in enumerate(inputs)
+        ]
+        found = whole(*padded)
+        return tuple(output[:, :count] for output in found) if isinstance(found, tuple) else found[:, :count]
+
+    return call
 
 
 def call(function: Any, *arguments: np.ndarray) -> np.ndarray:
@@ -67,4 +118,4 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
 
 @lru_cache(maxsize=64)
 def _mapped(function: Any, count: int) -> Any:
-    return function.map("mapped", "serial", count, [function.n_in() - 1], [])
+    return over_columns(function, count, [function.n_in() - 1])

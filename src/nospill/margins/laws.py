@@ -8,7 +8,6 @@ it is mapped over the samples, with the tray's motion shared by all.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -17,6 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.batches import over_columns, thread_count
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Budget, Constraint, Place, figures
 from nospill.frames import SX, FrameMotion
@@ -153,11 +153,7 @@ def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _
     given, motion = ca.MX.sym("p", size), ca.MX.sym("motion", 27, steps)
     start = ca.vertcat(given, ca.MX.zeros(2 * count), _NEVER * ca.MX.ones(2 * len(during)))
     one = ca.Function("one", [given, motion], [finish(advance.fold(steps)(start, motion))])
-    threads = max(count for count in (1, 2, 4, 5, 10, 20) if count <= (os.cpu_count() or 1))
-    # One thread for each share of the batch: CasADi would start one for every sample.
-    call = one.map("share", "serial", batch // threads, [1], [])
-    if threads > 1:
-        call = call.map("all", "thread", threads, [1], [])
+    call = over_columns(one, batch, [1], threads=thread_count())
     return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
 
 
