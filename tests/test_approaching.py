@@ -18,13 +18,14 @@ from nospill.approaching import (
     starts_alike,
     with_approach,
 )
-from nospill.certificate import APPROACH, judge
+from nospill.certificate import judge
 from nospill.cli import app
 from nospill.errors import MissingExtraError, NoSolutionError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.planner import plan as find_plan
 from nospill.plans import Plan, PlanningReport, Starts, describe, failed_summary, load_plan, motion_maxima
 from nospill.scenario import write_scenario
+from nospill.verdict import APPROACH
 
 EXAMPLE = "matrix-liquid-soft-end"
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))

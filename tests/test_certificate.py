@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from nospill.certificate import Certificate, certify, judge
+from nospill.certificate import certify, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ModelError, PlanFolderError
 from nospill.ocp.answer import export_samples
@@ -18,6 +18,7 @@ from nospill.robots.inverse import joint_paths
 from nospill.scenario import read_scenario
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
+from nospill.verdict import Certificate
 
 RECORD_ROWS = {
     "path position",

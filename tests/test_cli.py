@@ -18,11 +18,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from nospill.certificate import Certificate, Row
 from nospill.cli import app
 from nospill.errors import NoSolutionError, PlanFolderError, ScenarioError
 from nospill.files import atomic_folder
 from nospill.plans import SUMMARY_KEYS, describe, failed_summary, shown_unit
+from nospill.verdict import Certificate, Row
 
 # fmt: off
 COMMANDS = (

@@ -22,11 +22,11 @@ from functools import cache
 
 import pytest
 
-from nospill.certificate import Row
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import ScenarioError
 from nospill.planner import plan
 from nospill.scene import Scene
+from nospill.verdict import Row
 
 pytestmark = pytest.mark.slow
 

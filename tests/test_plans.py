@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nospill.certificate import Certificate, Judgement, Row, judge, limit_use
+from nospill.certificate import Judgement, judge
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.ocp.answer import export_samples
 from nospill.ocp.guess import Start, smooth_start
@@ -28,6 +28,7 @@ from nospill.plans import (
 )
 from nospill.robots.inverse import joint_paths
 from nospill.scenario import read_scenario
+from nospill.verdict import Certificate, Row, limit_use
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:

@@ -18,7 +18,7 @@ from matplotlib.text import Text
 from PIL import Image
 from scipy.integrate import solve_ivp
 
-from nospill.certificate import Judgement, Trace, judge
+from nospill.certificate import Judgement, judge
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place
 from nospill.errors import PlanFolderError
@@ -33,6 +33,7 @@ from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
 from nospill.robots.inverse import joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene import Scene
+from nospill.verdict import Trace
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.certificate import Row
 from nospill.constraints import CONSTRAINTS
 from nospill.reserves import FIRST_RESERVES, falls_short, first_reserve, further_reserve, range_reserves
 from nospill.robots.inverse import joint_paths
 from nospill.scenario import read_scenario
+from nospill.verdict import Row
 
 
 def row(constraint: str, limit: float, margin: float, unit: str = "1") -> Row:

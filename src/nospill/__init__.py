@@ -21,7 +21,6 @@ from nospill.errors import PlanFolderError as PlanFolderError
 from nospill.errors import ScenarioError as ScenarioError
 
 if TYPE_CHECKING:
-    from nospill.certificate import Certificate as Certificate
     from nospill.certificate import certify as certify
     from nospill.planner import Planner as Planner
     from nospill.planner import plan as plan
@@ -31,9 +30,10 @@ if TYPE_CHECKING:
     from nospill.scene import Scene as Scene
     from nospill.simulate import simulate_slosh as simulate_slosh
     from nospill.trajectory import Trajectory as Trajectory
+    from nospill.verdict import Certificate as Certificate
 
 _PLACES = {
-    "Certificate": ("nospill.certificate", "Certificate"),
+    "Certificate": ("nospill.verdict", "Certificate"),
     "certify": ("nospill.certificate", "certify"),
     "Plan": ("nospill.plans", "Plan"),
     "load_plan": ("nospill.plans", "load_plan"),

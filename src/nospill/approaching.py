@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.approach import find_approach, judge_segment, require_ruckig
-from nospill.certificate import APPROACH, Certificate, certify
+from nospill.certificate import certify
 from nospill.constraints.residual_height import STILL_FRACTION, ResidualHeight
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
@@ -17,6 +17,12 @@ from nospill.handover import Handover, read_samples, require_fit
 from nospill.interpolation import resampled
 from nospill.plans import Plan, describe
 from nospill.scene import Scene
+from nospill.verdict import APPROACH, Certificate
+
+_ADVICE = (
+    "the tray leans as the joints turn it on a straight line in joint space: "
+    'start nearer to the motion, or with tray = "empty" under [approach].'
+)
 
 
 def require_possible(scene: Scene) -> None:
@@ -70,12 +76,6 @@ def _less(plan: Plan) -> tuple[Change, ...]:
         return ()
     text = 'approach.tray "empty" instead of "loaded"'
     return (Change("load of the approach", "approach.tray", "empty", text),)
-
-
-_ADVICE = (
-    "the tray leans as the joints turn it on a straight line in joint space: "
-    'start nearer to the motion, or with tray = "empty" under [approach].'
-)
 
 
 def certify_whole(plan: Plan) -> Certificate:

@@ -34,6 +34,8 @@ Functions = dict[str, Any]
 _LEAVES = {
     "__init__",
     "approach",
+    "approaching",
+    "base_yaw",
     "cli",
     "compare",
     "cup_file",
@@ -48,6 +50,8 @@ _LEAVES = {
     "planning_corners",
     "planning_growth",
     "planning_hull",
+    "planning_records",
+    "planning_rows",
     "planning_run",
     "plans",
     "plots",

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nospill.certificate import Certificate, certify
+from nospill.certificate import certify
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
 from nospill.holds import held_samples, hold_periods
@@ -20,6 +20,7 @@ from nospill.interpolation import HIGHEST_RATE, JointMotion, JointSamples, plann
 from nospill.plans import Plan
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
+from nospill.verdict import Certificate
 
 USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
 """Hz; the rates among which one that would do is looked for."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 
-from nospill.certificate import Judgement, Row, condensed, judge
+from nospill.certificate import Judgement, judge
 from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.planning_growth import GrowingRun, tracks
 from nospill.planning_run import Memory, PlanningRun, Progress
@@ -20,6 +20,7 @@ from nospill.scene import Scene
 from nospill.solvers import Solution
 from nospill.tolerances import Variant, corner_scenes, heaviest, is_uncertain, scene_variants, spread, spread_name
 from nospill.trajectory import SloshTrack, Trajectory
+from nospill.verdict import Row, condensed
 
 _SLIGHT = 5e-3
 """What a variant that is not in the problem may exceed a limit by, as a part of it, for reserves to see to it: a
@@ -78,7 +79,7 @@ class CornerRun(GrowingRun[Key]):
             judgement = judge(self.recorded(earlier.trajectory), self.whole)  # its liquids may be others
         near = self._worst(judgement, 1.0 - _NEAR)
         self.choose(near - {_key(family[0]) for family in self.families})
-        self._recall(earlier.report.reserves)
+        self.rows.recall(earlier.report.reserves)
         self.tried += 1
         found = self.solved_from(earlier.trajectory, judgement)
         if found is None:

@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from nospill.cargo import Cargo
-from nospill.certificate import Judgement, Row, constraint_traces, judge
+from nospill.certificate import Judgement, constraint_traces, judge
 from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.errors import NoSolutionError
 from nospill.ocp.guess import from_trajectory
+from nospill.planning_rows import Rows
 from nospill.planning_run import REFINE_BARRIERS, REFINE_ITERATIONS, PlanningRun
 from nospill.replay import replay
 from nospill.robots.regularity import clearance
@@ -25,6 +26,7 @@ from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.solvers import Solution, usable
 from nospill.trajectory import SloshTrack, Trajectory
+from nospill.verdict import Row
 
 _GROWTHS = 12
 
@@ -98,14 +100,14 @@ class GrowingRun(PlanningRun, ABC, Generic[Key]):
 
     def set_cargo(self, cargo: tuple[Cargo, ...]) -> None:
         """Let the problem hold other objects, with the reserves that are known."""
-        reserves = {self._label(key): value for key, value in self.reserves.items()}
+        known = self.rows.labelled()
         self.scene = replace(self.scene, cargo=cargo)
-        self._reset()
-        self._recall(reserves)
+        self.rows = Rows.of(self.scene, self.ignored)
+        self.rows.recall(known)
 
     def solved_from(self, trajectory: Trajectory, judgement: Judgement) -> Solution | None:
         """Solve on the full grid from a motion of the whole scene; None where nothing converges."""
-        self._keep_near(self.problem_rows(judgement))
+        self.rows.keep_near(self.problem_rows(judgement))
         with self.phase("corners"):
             slosh = dict(self.start_tracks(trajectory))
         start = from_trajectory(

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from nospill.cargo import Cargo
-from nospill.certificate import Judgement, Row, condensed
+from nospill.certificate import Judgement
 from nospill.constraints import CONSTRAINTS
 from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.numbers import flatten
@@ -25,6 +25,7 @@ from nospill.reserves import falls_short
 from nospill.scene import Scene
 from nospill.scene_numbers import object_numbers
 from nospill.trajectory import SloshTrack, Trajectory
+from nospill.verdict import Row, condensed
 
 _DIGITS = 12
 _SLIGHT = 5e-3

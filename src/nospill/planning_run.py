@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.certificate import Judgement, Row, judge
-from nospill.constraints import CONSTRAINTS
-from nospill.constraints.joint_position import JointPosition
+from nospill.certificate import Judgement, judge
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.errors import NOT_CONVERGED, ModelError, NoSolutionError, Reason
@@ -32,19 +30,20 @@ from nospill.ocp.stages import Stages
 from nospill.planning_records import Memory as Memory
 from nospill.planning_records import PlanningProgress as PlanningProgress
 from nospill.planning_records import Progress as Progress
+from nospill.planning_rows import Rows
 from nospill.plans import Plan, PlanningReport, Starts
 from nospill.reasons import is_hopeless, last_resort
 from nospill.reasons.search import WITHIN, Trials
-from nospill.reserves import falls_short, first_reserve, further_reserve, range_reserves
+from nospill.reserves import falls_short, range_reserves
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.trajectory import Trajectory
+from nospill.verdict import Row
 from nospill.warm_start import is_broken, slow_enough, with_restart_reserves
 
-_UNBOUNDED = -1e3
 _ROUNDS = 8
 _AGREEMENT = 5e-3
 _COARSEST = 25
@@ -63,7 +62,6 @@ _BROKEN_ITERATIONS = 50
 _TIGHTEN_ITERATIONS = 40
 REFINE_ITERATIONS = 100
 _SAME = 1e-3
-_NEAR = 0.3
 _NEAR_AT_START = 0.75
 
 
@@ -81,27 +79,23 @@ class PlanningRun:
     rounds: int = 0
     tried: int = 0
     durations: list[float] = field(default_factory=list)
-    reserves: Reserves = field(default_factory=dict)
-    kept: set[tuple[str, int]] = field(default_factory=set)
     regular: bool = False
     least_determinant: float = 0.0
     crossed: JointPath | None = None
     asked: Scene | None = None
+    rows: Rows = field(init=False)
 
     def __post_init__(self) -> None:
-        self._reset()
+        self.rows = Rows.of(self.scene, self.ignored)
+
+    @property
+    def reserves(self) -> Reserves:
+        """Part of every budget that is kept from the optimiser."""
+        return self.rows.reserves
 
     def settle(self, scene: Scene) -> None:
         """Go on with a scene of the same structure."""
         self.scene = scene
-
-    def _reset(self) -> None:
-        """Every row takes part, each with its first reserve."""
-        counts = {constraint.name: len(constraint.subjects(self.scene)) for constraint in CONSTRAINTS}
-        self.reserves = {(name, index): first_reserve(name) for name, count in counts.items() for index in range(count)}
-        self._keep_all()
-        # Rows at the end always stand in the problem; a budget a thousand times as large leaves them without effect.
-        self.reserves |= {key: _UNBOUNDED for key in self.reserves if key[0] in self.ignored}
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
@@ -123,10 +117,11 @@ class PlanningRun:
         warm: Solution | None = None,
         iterations: int | None = None,
         by_error: bool = False,
+        roughly: bool = False,
     ) -> Solution:
         """Solve on the start's grid, with the rows that are kept; a first barrier alone says that the start is good."""
         options = self.scene.planning
-        problem = self._problem(start, self.kept)
+        problem = self._problem(start, self.rows.kept)
         with self.phase("solve"):
             solution = solve(
                 problem,
@@ -138,6 +133,7 @@ class PlanningRun:
                     barrier_start=barrier,
                     room=_NO_ROOM if room is None and barrier is not None else room,
                     by_error=by_error,
+                    roughly=roughly,
                     progress=self._iteration if self.progress is not None else None,
                 ),
                 warm=warm,
@@ -148,7 +144,7 @@ class PlanningRun:
 
     def problem(self, motion: Stages) -> Problem:
         """The problem with the rows that are kept, about a motion."""
-        return self._problem(motion, self.kept)
+        return self._problem(motion, self.rows.kept)
 
     def _problem(self, start: Stages, kept: Collection[tuple[str, int]]) -> Problem:
         scene = self.scene
@@ -168,7 +164,7 @@ class PlanningRun:
 
     def _slack(self, motion: Stages) -> dict[tuple[str, int], float]:
         """Of every row, kept or not, on a motion."""
-        return row_slack(self._problem(motion, self._all()), motion)
+        return row_slack(self._problem(motion, self.rows.all), motion)
 
     def solve_near(self, start: Stages, *, iterations: int, by_error: bool = False) -> Solution:
         """Solve with the rows that come near their limits on the start; what the answer breaks is added, and again.
@@ -177,18 +173,19 @@ class PlanningRun:
         """
         slack = self._slack(start)
         # The start's liquids are at rest: their height says nothing.
-        self.kept |= {key for key, value in slack.items() if value <= _NEAR_AT_START or key[0] == SloshHeight.name}
-        self.kept &= self._all()
+        rows = self.rows
+        rows.kept |= {key for key, value in slack.items() if value <= _NEAR_AT_START or key[0] == SloshHeight.name}
+        rows.kept &= rows.all
         barrier: float | None = None
         while True:
             solution = self.solve(start, barrier=barrier, iterations=iterations, by_error=by_error)
             if not usable(solution):
                 return solution
             solution = replace(solution, slack=self._slack(solution.stages))
-            broken = {key for key, value in solution.slack.items() if value < -FEASIBLE} & self._all()
-            if broken <= self.kept:
+            broken = {key for key, value in solution.slack.items() if value < -FEASIBLE} & rows.all
+            if broken <= rows.kept:
                 return solution
-            self.kept |= broken
+            rows.kept |= broken
             start, barrier = solution.stages, REFINE_BARRIERS[1]
 
     def _determinants(self, stages: Stages) -> np.ndarray:
@@ -205,7 +202,7 @@ class PlanningRun:
     def trial(self, scene: Scene) -> PlanningRun:
         """A run of its own on a scene, which reports to the same place; what it learns does not come back."""
         other = PlanningRun(scene, self.progress, self.ignored)
-        other.regular, other.kept = self.regular, set()
+        other.regular, other.rows.kept = self.regular, set()
         return other
 
     def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
@@ -261,7 +258,7 @@ class PlanningRun:
         """The same where the tray, though it might lean, stays level."""
         self.asked, self.regular = self.scene, False
         self.scene = replace(self.scene, motion=replace(self.scene.motion, tilt_free=False))
-        self._reset()
+        self.rows = Rows.of(self.scene, self.ignored)
         return self.refine(self.search(joint_path))
 
     def _is_playable(self, solution: Solution) -> bool:
@@ -280,7 +277,7 @@ class PlanningRun:
         """
         options = self.scene.planning
         self.durations.clear()
-        self.kept = set()
+        self.rows.kept = set()
         tried = 0
         expected = estimate_duration(self.scene, joint_path)
         # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
@@ -323,24 +320,24 @@ class PlanningRun:
 
     def memory(self, solution: Solution) -> Memory:
         """What the next run on a similar scene may start from."""
-        return Memory(structure_of(self.scene), solution, frozenset(self.kept), dict(self.reserves))
+        return Memory(structure_of(self.scene), solution, frozenset(self.rows.kept), dict(self.reserves))
 
     def restart(self, earlier: Plan, memory: Memory | None) -> Solution | None:
         """Solve from an earlier plan, with its multipliers where they are at hand; None where neither converges."""
         if memory is not None and memory.structure == structure_of(self.scene) and not self.ignored:
-            self.kept = set(memory.kept)
-            self.reserves = with_restart_reserves(memory.reserves)
+            self.rows.kept = set(memory.kept)
+            self.rows.reserves = with_restart_reserves(memory.reserves)
             if self._wanted_intervals(earlier.duration) == memory.solution.stages.intervals:
                 found = self._restarted(memory.solution.stages, warm=memory.solution)
                 if found is not None:
                     return found
-        self._keep_near(earlier.certificate.rows)
-        self._recall(earlier.report.reserves)
-        self.reserves = with_restart_reserves(self.reserves)
+        self.rows.keep_near(earlier.certificate.rows)
+        self.rows.recall(earlier.report.reserves)
+        self.rows.reserves = with_restart_reserves(self.reserves)
         start = from_trajectory(self.scene, earlier.trajectory, self._wanted_intervals(earlier.duration))
         found = self._restarted(start, warm=None)
         if found is None:
-            self._keep_all()
+            self.rows.keep_all()
         return found
 
     def _wanted_intervals(self, duration: float) -> int:
@@ -349,60 +346,35 @@ class PlanningRun:
     def _restarted(self, start: Stages, *, warm: Solution | None) -> Solution | None:
         """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
         self.tried += 1
-        if is_broken(self.problem(start), start):
-            start = slow_enough(self.problem, start)
-            solution = self.solve(start, room=_ROOM_IF_BROKEN, iterations=_BROKEN_ITERATIONS)
+        problem = self.problem(start)
+        if is_broken(problem, start):
+            start = slow_enough(problem, start)
+            solution = self.solve(start, room=_ROOM_IF_BROKEN, iterations=_BROKEN_ITERATIONS, roughly=True)
             if not solution.converged:
                 solution = self.solve(start, barrier=REFINE_BARRIERS[1], iterations=REFINE_ITERATIONS)
         else:
             barrier = _AGAIN_BARRIER if warm else REFINE_BARRIERS[0]
-            solution = self.solve(start, barrier=barrier, warm=warm, iterations=REFINE_ITERATIONS)
+            solution = self.solve(start, barrier=barrier, warm=warm, iterations=REFINE_ITERATIONS, roughly=True)
         if not (usable(solution) and solution.converged and self._keeps_branch(solution.stages)):
             return None
         self.durations.append(solution.stages.duration)
         return solution
 
-    def _recall(self, reserves: dict[str, float]) -> None:
-        for key in self.reserves:
-            self.reserves[key] = max(self.reserves[key], reserves.get(self._label(key), 0.0))
-
-    def _label(self, key: tuple[str, int]) -> str:
-        subjects = next(item.subjects(self.scene) for item in CONSTRAINTS if item.name == key[0])
-        return f"{key[0]} | {subjects[key[1]]}"
-
-    def _all(self) -> set[tuple[str, int]]:
-        # On a level tray the path alone says where six joints are, and `joint_paths` has looked at that.
-        given = not self.scene.motion.tilt_free and len(self.scene.robot.joints) == 6
-        left_out = self.ignored | {JointPosition.name} if given else self.ignored
-        return {key for key in self.reserves if key[0] not in left_out}
-
-    def _keep_all(self) -> None:
-        self.kept = self._all()
-
-    def _keep_near(self, rows: Sequence[Row]) -> None:
-        """Leave rows far from their limits to the judge: they come back if he objects. Fewer rows, faster steps."""
-        subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
-        for row in rows:
-            own = subjects.get(row.constraint, ())
-            if row.subject in own and row.use < 1 - _NEAR:
-                self.kept.discard((row.constraint, own.index(row.subject)))
-
     def refine(self, coarse: Solution) -> Solution:
         """Carry the coarse answer to the full grid, or as far as that goes: the judge does not ask for a grid."""
         fewest = resolving_intervals(self.scene, coarse.stages.duration, _FINE_SWING)
         wanted = max(self.scene.planning.intervals, fewest)
-        near = {key for key, slack in coarse.slack.items() if slack <= _NEAR} & self._all()
-        first = self._refined(coarse.stages, wanted, near)
+        first = self._refined(coarse.stages, wanted, self.rows.close(coarse.slack))
         if first is not None:
             return first
         middle = max(wanted // 2, coarse.stages.intervals)
-        halfway = self._refined(coarse.stages, middle, self._all())
-        last = None if halfway is None else self._refined(halfway.stages, wanted, self._all())
+        halfway = self._refined(coarse.stages, middle, self.rows.all)
+        last = None if halfway is None else self._refined(halfway.stages, wanted, self.rows.all)
         return last or halfway or coarse
 
     def _refined(self, start: Stages, intervals: int, kept: set[tuple[str, int]]) -> Solution | None:
         """Solve with some rows from a motion on another grid; None where no barrier to begin with leads anywhere."""
-        self.kept = set(kept)
+        self.rows.kept = set(kept)
         start = resample(start, layout_of(structure_of(self.scene)), intervals)
         start = with_joints_solved(self.scene, start, self.crossed)
         for barrier in REFINE_BARRIERS:
@@ -426,12 +398,12 @@ class PlanningRun:
         trajectory, judgement = self._judged(solution)
         last = self.rounds + _ROUNDS
         while (objections := self._objections(judgement)) and self.rounds < last:
-            kept = len(self.kept)
-            if not self._raise_reserves(objections):
+            kept = len(self.rows.kept)
+            if not self.rows.answer(objections, self.ignored):
                 break
             self.rounds += 1
-            rows = len(self._problem(solution.stages, self.kept).transcription.lower)
-            if len(self.kept) == kept and len(solution.multipliers) == rows:
+            rows = len(self.problem(solution.stages).transcription.lower)
+            if len(self.rows.kept) == kept and len(solution.multipliers) == rows:
                 again = self.solve(
                     solution.stages, barrier=_TIGHTEN_BARRIER, warm=solution, iterations=_TIGHTEN_ITERATIONS
                 )
@@ -461,20 +433,6 @@ class PlanningRun:
         """The rows that fail or come too near to it, by the subjects of the run's scene."""
         return [row for row in judgement.certificate.rows if falls_short(row)]
 
-    def _raise_reserves(self, objections: Sequence[Row]) -> bool:
-        """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
-        raised = False
-        subjects = {constraint.name: constraint.subjects(self.scene) for constraint in CONSTRAINTS}
-        for row in objections:
-            if row.constraint not in subjects or row.constraint in self.ignored:
-                continue
-            key = (row.constraint, subjects[row.constraint].index(row.subject))
-            if key in self.kept:
-                self.reserves[key] += further_reserve(row)
-            self.kept.add(key)
-            raised = True
-        return raised
-
     def report(self, solution: Solution) -> PlanningReport:
         """What it cost."""
         best = min(self.durations)
@@ -487,5 +445,5 @@ class PlanningRun:
             starts=Starts(self.tried, len(self.durations), agreed, tuple(self.durations)),
             phases=dict(self.phases),
             solver_status=solution.status,
-            reserves={self._label(key): value for key, value in self.reserves.items() if value > first_reserve(key[0])},
+            reserves=self.rows.raised(),
         )

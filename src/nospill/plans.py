@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from nospill.approach import Segment, read_segment, segment_text
-from nospill.certificate import APPROACH, Certificate, Judgement, Row
+from nospill.certificate import Judgement
 from nospill.errors import PlanFolderError
 from nospill.export.plan_files import write_plan_files
 from nospill.files import atomic_folder
@@ -22,6 +22,7 @@ from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scene import ApproachRules, Scene
 from nospill.scene_numbers import numbers_of, structure_of
 from nospill.trajectory import Trajectory, read_trajectory, trajectory_text
+from nospill.verdict import APPROACH, Certificate, Row
 
 SCENARIO_FILE = "scenario.toml"
 TRAJECTORY_FILE = "trajectory.csv"

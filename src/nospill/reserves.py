@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.certificate import Row
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place
 from nospill.constraints.joint_position import JointPosition
 from nospill.robots.inverse import JointPath
 from nospill.scene import Scene
+from nospill.verdict import Row
 
 FIRST_RESERVE = 1e-3
 FIRST_RESERVES = {"slip": 4.5e-3, "tip": 4e-3, "twist": 3e-3, "slosh height": 1.5e-3, "joint acceleration": 8e-3}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from nospill.constraints.slosh_height import SloshHeight
 from nospill.ocp.guess import slowed
 from nospill.ocp.problem import Problem, Reserves
@@ -39,21 +37,21 @@ def is_broken(problem: Problem, motion: Stages) -> bool:
     return any(value < -(_BROKEN_HEIGHT if key[0] == SloshHeight.name else _BROKEN) for key, value in slack.items())
 
 
-def slow_enough(problem_about: Callable[[Stages], Problem], motion: Stages) -> Stages:
+def slow_enough(problem: Problem, motion: Stages) -> Stages:
     """The motion slowed down as little as keeps the rows of the problem; itself if slowing down does not help.
 
     From a motion that breaks many rows, the first dozen steps of an interior point method each end at the next bound.
 
     Args:
-        problem_about: makes the problem, scaled for a motion.
+        problem: whose rows; how it is scaled does not matter.
         motion: on its grid.
     """
 
     def keeps(factor: float) -> bool:
         slow = slowed(motion, layout, factor)
-        return min(row_slack(problem_about(slow), slow).values(), default=0.0) >= 0.0
+        return min(row_slack(problem, slow).values(), default=0.0) >= 0.0
 
-    layout = problem_about(motion).transcription.layout
+    layout = problem.transcription.layout
     low, high = 1.0, _SLOWEST
     if not keeps(high):
         return motion

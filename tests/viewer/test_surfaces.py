@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.cargo import Cargo
-from nospill.certificate import Trace
+from nospill.verdict import Trace
 from nospill.viewer.film import Film, make_film
 from nospill.viewer.geometry import wall_thickness
 from nospill.viewer.surfaces import liquid_surface

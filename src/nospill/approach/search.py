@@ -9,9 +9,9 @@ import numpy as np
 from nospill.approach.judge import judge_segment
 from nospill.approach.profile import jerk_limited
 from nospill.approach.segment import Segment, sampled
-from nospill.certificate import Certificate
 from nospill.errors import ModelError
 from nospill.scene import ApproachRules, Scene
+from nospill.verdict import Certificate
 
 SLOWEST = 10.0
 """How many times as long an approach may take as its limits alone ask for."""

@@ -17,8 +17,8 @@ from nospill.cli.sharing import write_plan_report
 from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.certificate import Certificate
     from nospill.plans import Plan
+    from nospill.verdict import Certificate
 
 
 def plan(

@@ -112,6 +112,14 @@ class Constraint(ABC):
         """Per subject, the budgets that must hold at this instant."""
 
 
+def worst_figures(constraint: Constraint, budgets: tuple[Budget, ...]) -> SX:
+    """Value, limit and margin (3, 1) of the budget of a subject that has the least margin."""
+    worst, *others = (ca.vertcat(*figures(budget, constraint.relative)) for budget in budgets)
+    for other in others:
+        worst = ca.if_else(other[2] < worst[2], other, worst)
+    return worst
+
+
 def liquid_names(scene: Scene) -> tuple[str, ...]:
     """Names of the cargo with liquid."""
     return tuple(cargo.name for cargo in scene.cargo if cargo.filling)

@@ -18,7 +18,7 @@ import numpy as np
 
 from nospill.batches import over_columns, thread_count
 from nospill.constraints import CONSTRAINTS
-from nospill.constraints.base import Budget, Constraint, Place, figures
+from nospill.constraints.base import Constraint, Place, worst_figures
 from nospill.frames import SX, FrameMotion
 from nospill.interpolation import planned_motion
 from nospill.numbers import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
@@ -179,12 +179,5 @@ def _worst(
     found = []
     for constraint in CONSTRAINTS:
         if constraint.place is place:
-            found += [(constraint, _closest(constraint, budgets)) for budgets in constraint.budgets(sample)]
+            found += [(constraint, worst_figures(constraint, budgets)) for budgets in constraint.budgets(sample)]
     return found
-
-
-def _closest(constraint: Constraint, budgets: tuple[Budget, ...]) -> SX:
-    closest, *others = (ca.vertcat(*figures(budget, constraint.relative)) for budget in budgets)
-    for other in others:
-        closest = ca.if_else(other[2] < closest[2], other, closest)
-    return closest

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.certificate import limit_use
 from nospill.constraints.base import Place
 from nospill.errors import ScenarioError
 from nospill.margins.laws import object_margins, ride
@@ -19,6 +18,7 @@ from nospill.plans import Plan
 from nospill.scene import Scene
 from nospill.scene_numbers import object_numbers
 from nospill.tolerances import require_possible
+from nospill.verdict import limit_use
 
 LARGEST_SAMPLES = 1_000_000
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from nospill.certificate import Judgement, Trace
+from nospill.certificate import Judgement
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place
 from nospill.frames import SX, FrameMotion
@@ -16,6 +16,7 @@ from nospill.plans import MotionMaxima, Plan, motion_maxima
 from nospill.sample import coordinate_count, sample_objects, split_states
 from nospill.scene_numbers import numbers_of, structure_of
 from nospill.slosh.height import crest
+from nospill.verdict import Trace
 
 AFTER_END = 0.4
 """s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""

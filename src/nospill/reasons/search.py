@@ -24,6 +24,8 @@ _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""
 _LEAST_TIME, _MOST_TIME = 20.0, 600.0
 """s; bounds of that."""
+SLOW = 20.0
+"""s; a motion of this length is slow enough to tell what is impossible at any speed."""
 _MOST_INTERVALS = 250
 """A trial on more intervals than this takes too long to be worth it."""
 _PATIENCE = 80
@@ -45,7 +47,11 @@ class Searcher(Protocol):
     """
 
     scene: Scene
-    reserves: Reserves
+
+    @property
+    def reserves(self) -> Reserves:
+        """Of every row."""
+        ...
 
     def trial(self, scene: Scene) -> Searcher:
         """A searcher of its own for a scene."""

@@ -8,7 +8,6 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.cargo import Cargo
-from nospill.certificate import Certificate
 from nospill.constraints import CONSTRAINTS
 from nospill.containers.base import DiscFootprint
 from nospill.plans import shown_unit
@@ -17,6 +16,7 @@ from nospill.plots.text_pages import TextTable
 from nospill.scene import Scene
 from nospill.tolerances import tolerance_text
 from nospill.trajectory import Trajectory
+from nospill.verdict import Certificate
 
 _FIDELITY = {
     "deliverable": "the published equations, contact as if the liquid were frozen",
