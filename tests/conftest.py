@@ -26,12 +26,13 @@ from nospill.trajectory import Trajectory
 
 @pytest.fixture(scope="session", autouse=True)
 def no_compiled_functions(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """No compiler at work behind the tests, and none of the user's compiled functions in them.
+    """No compiler at work behind the tests, none of the user's compiled functions in them, and one thread each.
 
-    A test that wants them sets both variables itself (monkeypatch).
+    A test that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "off")
+        patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
         patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("nospill-cache")))
         yield
 

@@ -15,7 +15,7 @@ import pytest
 from nospill.constraints import CONSTRAINTS
 from nospill.ocp.problem import Problem, build_problem
 from nospill.ocp.stage_functions import _stage_functions, stage_functions
-from nospill.ocp.transcription import transcribe
+from nospill.ocp.transcription import _transcribe, transcribe
 from nospill.scenario import read_scenario
 from nospill.scene_numbers import numbers_of, structure_of
 
@@ -197,6 +197,25 @@ def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
             assert all(np.array_equal(one, other) for one, other in zip(*pair, strict=True))
         else:
             assert np.array_equal(*pair) if isinstance(pair[0], np.ndarray) else pair[0] == pair[1]
+
+
+@pytest.mark.parametrize("threads", ["2", "3"])
+def test_threads_change_no_bit(threads, monkeypatch):
+    """Stages shared out to threads, evenly and not, against one after the other."""
+    found = problem("matrix-liquid-tilt")
+    plain = found.transcription
+    monkeypatch.setenv("NOSPILL_THREADS", threads)
+    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None)
+    point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
+    assert plain.height == shared.height  # the problem keeps every row, too
+    for name, inputs in (
+        ("constraint_function", [point, found.parameters]),
+        ("jac_g", [point, found.parameters]),
+        ("grad_f", [point, found.parameters]),
+        ("hess_lag", [point, found.parameters, 0.7, multipliers]),
+    ):
+        for one, other in zip(getattr(shared, name).call(inputs), getattr(plain, name).call(inputs), strict=True):
+            np.testing.assert_array_equal(one.full(), other.full())
 
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
