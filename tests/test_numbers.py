@@ -131,5 +131,6 @@ def test_deliverable_fidelity_is_one_point_that_resists_yaw():
     assert numbers.spin_inertia == scene.cargo[0].total.inertia[2, 2] > 0
     assert numbers.friction == pytest.approx(0.419677, rel=1e-5)
     assert numbers.twist_radius == pytest.approx(2 / 3 * 0.035)
-    np.testing.assert_allclose(numbers.footprint, 0.035 * (1 - scene.cargo[0].footprint_reserve))
+    np.testing.assert_allclose(numbers.footprint, 0.035)
+    assert numbers.footprint_reserve == scene.cargo[0].footprint_reserve == 0.05
     np.testing.assert_allclose(numbers.position, (-0.09216, -0.06878, 0))

@@ -46,7 +46,8 @@ class ObjectNumbers:
         spin_inertia: kg m^2, an inertia that counts for turns about the z axis only.
         weight: of everything, N, the scale of forces.
         friction: coefficient the plan may use.
-        footprint: (2,) m, that the plan may use: radius twice for a disc, half lengths for a rectangle.
+        footprint: (2,) m: radius twice for a disc, half lengths for a rectangle. footprint_reserve: part of it that the
+            plan keeps from tipping.
         twist_radius: mean lever arm of friction under uniform pressure, m; 2R/3 for a disc.
         grip_radius: radius of gyration of the footprint about its weaker axis, m; R/2 for a disc.
         liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
@@ -62,6 +63,7 @@ class ObjectNumbers:
     weight: Number
     friction: Number
     footprint: Number
+    footprint_reserve: Number
     twist_radius: Number
     grip_radius: Number
     liquid_height: Number

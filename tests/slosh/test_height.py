@@ -35,6 +35,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         weight=0.0,
         friction=0.0,
         footprint=np.zeros(2),
+        footprint_reserve=0.0,
         twist_radius=0.0,
         grip_radius=0.0,
         liquid_height=DEPTH,

@@ -35,7 +35,7 @@ class Tip(Constraint):
 
 def _budgets(item: ObjectSample) -> tuple[Budget, ...]:
     pressing, moment = item.wrench.force[2], item.wrench.moment
-    weight, half = item.numbers.weight, item.numbers.footprint
+    weight, half = item.numbers.weight, (1.0 - item.numbers.footprint_reserve) * item.numbers.footprint
     if item.structure.footprint == "disc":
         return (Cone(ca.vertcat(-moment[1], moment[0]), half[0] * pressing, half[0] * weight),)
     return (

@@ -30,7 +30,7 @@ NOT_PROVEN = (
     ("What is not a row", "Collisions, and any joint quantity that has no row in the table, are not judged."),
     ("The liquid beyond its model", "A linear surface is believed up to about a third of the radius: no breaking "
      "waves, drops, foam or floating things."),
-    ("Contact beyond the model", "A flat footprint under uniform pressure and Coulomb friction with one coefficient: "
+    ("Contact beyond the model", "A flat footprint, pressed linearly, and Coulomb friction with one coefficient: "
      "no warped tray, vibration or sticking."),
     ("Between the instants", "Every limit is checked on a grid of 2 kHz or more, and very likely "
      "holds between its points, too."),
