@@ -13,7 +13,7 @@ _SMOOTH = 1e-3
 """Part of the object's weight below which the eccentricity of the pressure is rounded off."""
 _EDGE, _ROUNDED = 0.03, 0.01
 """Parts of the footprint: nearer to its edge than the first, the lever gets no shorter; the second rounds this off. At
-a distance of 5 %, the usual reserve, the lever is 2 % too long, a quarter of what the bound gives away there."""
+a distance of 5 %, the usual reserve, the lever is 5 % too long, half of what the bound gives away there."""
 
 
 class Slip(Constraint):
@@ -58,13 +58,13 @@ def _turning(item: ObjectSample) -> SX:
     T = M_z - c_x f_y + c_y f_x = (M . f)/N with the centre of pressure c = (-M_y, M_x)/N.
     """
     force, moment, numbers = item.wrench.force, item.wrench.moment, item.numbers
-    x, y = moment[1] / numbers.footprint[0], moment[0] / numbers.footprint[1]
-    little = _SMOOTH * numbers.weight
+    half, little = numbers.footprint, _SMOOTH * numbers.weight
     if item.structure.footprint == "disc":
-        off_centre = ca.sqrt(x**2 + y**2 + little**2)
+        off_centre = ca.sqrt(moment[0] ** 2 + moment[1] ** 2 + (little * half[0]) ** 2) / half[0]
     else:  # the fourth power: smooth, at least the larger of both, and no more than it where one is small
-        off_centre = ca.sqrt(ca.sqrt(x**4 + y**4 + little**4))
+        off_centre = ca.sqrt(ca.sqrt((moment[1] / half[0]) ** 4 + (moment[0] / half[1]) ** 4 + little**4))
     room = force[2] - off_centre  # N (1 - e)
-    least = _EDGE * force[2]
+    # Above zero, and in proportion to the forces, also where the object tips or lifts: solvers come through there.
+    least = _EDGE * ca.sqrt(force[2] ** 2 + off_centre**2)
     room = 0.5 * (room + least + ca.sqrt((room - least) ** 2 + (_ROUNDED * force[2]) ** 2 + little**2))
     return ca.dot(moment, force) / (numbers.grip_radius * room)
