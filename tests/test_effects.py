@@ -137,10 +137,6 @@ def test_a_constraint_left_out_is_broken(case: Case, rows: Callable[..., tuple[R
     assert max(row.use for row in left_out) > 1.01
 
 
-def test_twist_alone_is_not_missed(rows: Callable[..., tuple[Row, ...]]) -> None:
-    assert all(row.ok for row in own(rows("tin loaded on one side", frozenset({"twist"})), "twist"))
-
-
 def test_a_name_that_is_no_constraint(variant: Callable[[str], Scene]) -> None:
     with pytest.raises(ScenarioError, match=r'^ignore: "slosh" is no constraint; there are: slosh height, '):
         plan(variant("tray"), ignore={"slosh"})

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.scenario import read_scenario
@@ -41,6 +41,7 @@ def test_objects_are_drawn_where_they_stand() -> None:
         assert node.attrib["data-fits"] == "true"
 
 
+@settings(deadline=None)
 @given(st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-180, 180))
 def test_the_plan_and_the_reader_agree_on_what_is_wrong(x1: float, y1: float, x2: float, y2: float, yaw: float) -> None:
     table: dict[str, Any] = dict(read_scenario("mixed-tray").source)
@@ -111,6 +112,7 @@ def test_names_are_no_markup() -> None:
     assert not [node for node in picture.iter() if node.tag.endswith("img")]
 
 
+@settings(deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_snapping_goes_to_the_nearest_point_of_the_grid(x: float, y: float) -> None:
     near = snapped(x, y, grid=GRID)
