@@ -39,16 +39,16 @@ def test_rows_far_from_their_limit_are_left_to_the_judge_and_come_back_when_he_o
     rows.keep_near([row("slip", "c2", 0.31), row("slip", "c1", 0.29), row("path position", "tray", 0.9)])
     assert key not in rows.kept and ("slip", 0) in rows.kept
     before = dict(rows.reserves)
-    assert rows.answer([row("slip", "c2", -0.01)], frozenset())
+    assert rows.answer([row("slip", "c2", -0.01)])
     assert key in rows.kept and rows.reserves == before  # to take part may be enough
-    assert rows.answer([row("slip", "c2", -0.01)], frozenset())
+    assert rows.answer([row("slip", "c2", -0.01)])
     assert rows.reserves[key] > before[key] + 0.01
     assert rows.raised() == {"slip | c2": rows.reserves[key]}
 
 
 def test_there_is_nothing_to_act_on_where_the_record_or_an_ignored_constraint_fails(scene):
     rows = Rows.of(scene, frozenset({"slip"}))
-    assert not rows.answer([row("path position", "tray", -0.1), row("slip", "c1", -0.1)], frozenset({"slip"}))
+    assert not rows.answer([row("path position", "tray", -0.1), row("slip", "c1", -0.1)])
 
 
 def test_close_rows_by_what_is_left_of_each(scene):

@@ -27,12 +27,14 @@ class Rows:
 
     Attributes:
         subjects: by constraint, their names.
-        left_out: constraints the optimiser does not look at.
+        ignored: constraints that the user wants left out.
+        left_out: those and what is known to hold beforehand.
         reserves: of every row, the fraction of its budget that is kept back.
         kept: rows that take part.
     """
 
     subjects: dict[str, tuple[str, ...]]
+    ignored: frozenset[str]
     left_out: frozenset[str]
     reserves: Reserves
     kept: set[Key]
@@ -45,7 +47,8 @@ class Rows:
         reserves |= {key: _UNBOUNDED for key in reserves if key[0] in ignored}
         # On a level tray the path alone says where six joints are, and `joint_paths` has looked at that.
         given = not scene.motion.tilt_free and len(scene.robot.joints) == 6
-        found = cls(subjects, ignored | {JointPosition.name} if given else ignored, reserves, set())
+        left_out = ignored | {JointPosition.name} if given else ignored
+        found = cls(subjects, ignored, left_out, reserves, set())
         found.keep_all()
         return found
 
@@ -69,11 +72,11 @@ class Rows:
         """Those that come near their limits, by what is left of each."""
         return {key for key, value in slack.items() if value <= _NEAR} & self.all
 
-    def answer(self, objections: Sequence[Row], ignored: frozenset[str]) -> bool:
+    def answer(self, objections: Sequence[Row]) -> bool:
         """Take back rows that were left out, raise the reserve of the others; whether there was any to act on."""
         raised = False
         for row in objections:
-            if row.constraint not in self.subjects or row.constraint in ignored:
+            if row.constraint not in self.subjects or row.constraint in self.ignored:
                 continue
             key = (row.constraint, self.subjects[row.constraint].index(row.subject))
             if key in self.kept:

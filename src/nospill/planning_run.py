@@ -399,7 +399,7 @@ class PlanningRun:
         last = self.rounds + _ROUNDS
         while (objections := self._objections(judgement)) and self.rounds < last:
             kept = len(self.rows.kept)
-            if not self.rows.answer(objections, self.ignored):
+            if not self.rows.answer(objections):
                 break
             self.rounds += 1
             rows = len(self.problem(solution.stages).transcription.lower)
