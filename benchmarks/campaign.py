@@ -74,7 +74,8 @@ def main(words: list[str] | None = None) -> None:
 def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--out", type=Path, default=REPOSITORY / "benchmarks" / "results" / "campaign.jsonl")
-    parser.add_argument("--cases", type=int, default=1000, help="seeds from 0 to this less one")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of the cases")
+    parser.add_argument("--cases", type=int, default=1000, help="seeds from the first to this less one")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time on this machine")
     parser.add_argument(
         "--limit", type=float, default=900.0, help="longest processor time of a case, s; of a further start too"
@@ -95,7 +96,7 @@ def _wanted(lines: Lines, arguments: argparse.Namespace, folder: str | None) -> 
     """What is not in the file yet: cases, or the further starts of cases that are there."""
     limit = arguments.limit
     if not arguments.starts_check:
-        return [Job(seed, limit, folder) for seed in range(arguments.cases) if seed not in lines.cases]
+        return [Job(seed, limit, folder) for seed in range(arguments.first, arguments.cases) if seed not in lines.cases]
     cases = lines.cases if arguments.of is None else {line["seed"]: line for line in Lines.read(arguments.of)}
     chosen = starts_seeds(cases, arguments.starts_check)
     tables = {seed: cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
