@@ -15,12 +15,12 @@ from nospill.batches import evaluate
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Place, worst_figures
 from nospill.constraints.joint_torque import JointTorque
-from nospill.frames import SX, FrameMotion
+from nospill.frames import SX, FrameMotion, body_motion
 from nospill.holds import held_trajectory
 from nospill.interpolation import JointMotion
 from nospill.numbers import Shapes, Structure, flatten, symbolic
 from nospill.record_checks import record_rows, require_fit, require_motion
-from nospill.replay import MINIMUM_RATE, Replay, body_motion, replay, slosh_accelerations
+from nospill.replay import MINIMUM_RATE, Replay, replay, slosh_accelerations
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of

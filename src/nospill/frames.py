@@ -89,3 +89,8 @@ class FrameMotion:
         """The same motion in axes fixed to the body but turned by `yaw` rad about its z."""
         back = rotation_z(yaw).T
         return FrameMotion(back @ self.angular_velocity, back @ self.angular_acceleration, back @ self.specific_force)
+
+
+def body_motion(body: SX) -> FrameMotion:
+    """Nine rows (9, 1) as a frame motion: angular velocity, angular acceleration, specific force."""
+    return FrameMotion(body[:3], body[3:6], body[6:])

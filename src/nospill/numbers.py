@@ -145,12 +145,20 @@ class Structure:
 
 def flatten(record: object) -> np.ndarray:
     """All leaves of a numbers record in field order (arrays column by column), shape (n,)."""
+    leaves: list[np.ndarray] = []
+    _gather(record, leaves)
+    return np.concatenate(leaves) if leaves else np.zeros(0)
+
+
+def _gather(record: object, leaves: list[np.ndarray]) -> None:
     if isinstance(record, tuple):
-        parts = [flatten(item) for item in record]
-        return np.concatenate(parts) if parts else np.zeros(0)
-    if dataclasses.is_dataclass(record):
-        return np.concatenate([flatten(getattr(record, field.name)) for field in dataclasses.fields(record)])
-    return np.asarray(record, dtype=float).ravel(order="F")
+        for item in record:
+            _gather(item, leaves)
+    elif dataclasses.is_dataclass(record):
+        for field in dataclasses.fields(record):
+            _gather(getattr(record, field.name), leaves)
+    else:
+        leaves.append(np.asarray(record, dtype=float).ravel(order="F"))
 
 
 def symbolic(template: Record, vector: ca.SX) -> Record:
@@ -200,12 +208,16 @@ class Shapes:
     """A numbers record as a cache key beside its structure, which already decides every shape: all compare equal.
 
     Attributes:
-        record: the template for `symbolic`. size: number of leaves.
+        record: the template for `symbolic`.
     """
 
     def __init__(self, record: SceneNumbers) -> None:
         self.record = record
-        self.size = len(flatten(record))
+
+    @property
+    def size(self) -> int:
+        """Number of leaves."""
+        return len(flatten(self.record))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Shapes)

@@ -116,6 +116,8 @@ class GrowingRun(PlanningRun, ABC, Generic[Key]):
         if not self.least_determinant:
             self.least_determinant = clearance(self._determinants(start))
         for barrier in (*REFINE_BARRIERS, None):
+            if self.out_of_time:
+                break
             solution = self.solve(start, barrier=barrier, iterations=REFINE_ITERATIONS)
             if usable(solution) and solution.converged:
                 if self.regular or self._keeps_branch(solution.stages):

@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from nospill.cargo import Cargo
 from nospill.certificate import Judgement
@@ -56,8 +55,11 @@ def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
 
 def _vertices(places: np.ndarray) -> Iterable[int]:
     """Indices of the corners of the convex hull of places (m, 2)."""
-    if len(places) < 3:
+    lowest, highest = places.min(axis=0), places.max(axis=0)
+    if len(places) < 3 or np.all((places == lowest) | (places == highest)):  # all at corners of one rectangle
         return range(len(places))
+    from scipy.spatial import ConvexHull, QhullError  # slow to load
+
     try:
         return (int(vertex) for vertex in ConvexHull(places).vertices)
     except QhullError:  # all on one line: its ends

@@ -63,6 +63,7 @@ _TIGHTEN_ITERATIONS = 40
 REFINE_ITERATIONS = 100
 _SAME = 1e-3
 _NEAR_AT_START = 0.75
+_TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 @dataclass(slots=True)
@@ -87,6 +88,11 @@ class PlanningRun:
 
     def __post_init__(self) -> None:
         self.rows = Rows.of(self.scene, self.ignored)
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time to look for a motion is up."""
+        return time.perf_counter() - self.began > self.scene.planning.max_plan_time
 
     @property
     def reserves(self) -> Reserves:
@@ -286,7 +292,7 @@ class PlanningRun:
         best: Solution | None = None
         last: Solution | None = None
         for start in starting_motions(self.scene, further=0 if briefly else _LAST_STARTS):
-            if tried >= options.starts and best is not None:
+            if (tried >= options.starts and best is not None) or (tried and self.out_of_time):
                 break
             patience = _COARSE_ITERATIONS if tried < options.starts else _LAST_ITERATIONS
             if best is not None:
@@ -349,7 +355,7 @@ class PlanningRun:
         problem = self.problem(start)
         if is_broken(problem, start):
             start = slow_enough(problem, start)
-            solution = self.solve(start, room=_ROOM_IF_BROKEN, iterations=_BROKEN_ITERATIONS, roughly=True)
+            solution = self.solve(start, room=_ROOM_IF_BROKEN, warm=warm, iterations=_BROKEN_ITERATIONS, roughly=True)
             if not solution.converged:
                 solution = self.solve(start, barrier=REFINE_BARRIERS[1], iterations=REFINE_ITERATIONS)
         else:
@@ -378,6 +384,8 @@ class PlanningRun:
         start = resample(start, layout_of(structure_of(self.scene)), intervals)
         start = with_joints_solved(self.scene, start, self.crossed)
         for barrier in REFINE_BARRIERS:
+            if self.out_of_time:
+                break
             solution = self.solve(start, barrier=barrier, iterations=REFINE_ITERATIONS)
             if usable(solution) and solution.converged:
                 return solution
@@ -397,7 +405,7 @@ class PlanningRun:
     def _tightened(self, solution: Solution) -> tuple[Trajectory, Judgement, Solution]:
         trajectory, judgement = self._judged(solution)
         last = self.rounds + _ROUNDS
-        while (objections := self._objections(judgement)) and self.rounds < last:
+        while (objections := self._objections(judgement)) and self.rounds < last and not self.out_of_time:
             kept = len(self.rows.kept)
             if not self.rows.answer(objections):
                 break
@@ -444,6 +452,6 @@ class PlanningRun:
             rounds=self.rounds,
             starts=Starts(self.tried, len(self.durations), agreed, tuple(self.durations)),
             phases=dict(self.phases),
-            solver_status=solution.status,
+            solver_status=solution.status + (_TIME_IS_UP if self.out_of_time else ""),
             reserves=self.rows.raised(),
         )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from nospill.errors import PlanFolderError
 from nospill.replay import Replay
@@ -11,6 +12,9 @@ from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.trajectory import Trajectory
 from nospill.verdict import Row, limit_row
+
+if TYPE_CHECKING:  # slow to load, and needed only after solving
+    from scipy.spatial.transform import Rotation
 
 POSITION_TOLERANCE = 1e-4
 """m; the tray may leave the path by this much."""
@@ -93,6 +97,8 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     `bare` is the motion without its holds. The samples must come at the rate the controller plays them at,
     `scene.output_rate`.
     """
+    from scipy.spatial.transform import Rotation
+
     per_sample = round(played.rate / trajectory.rate)
     position, attitude = _path_error(trajectory, scene, played, per_sample)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
@@ -121,6 +127,8 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
 
 def _path_error(trajectory: Trajectory, scene: Scene, played: Replay, per_sample: int) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from the path at recorded s and tilt, per sample."""
+    from scipy.spatial.transform import Rotation
+
     planned = scene.path.at(np.clip(trajectory.s, 0.0, 1.0))
     # Intrinsic z, y, x: R = Rz(yaw) Ry(theta_y) Rx(theta_x).
     angles = np.column_stack([planned[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]])
@@ -131,6 +139,8 @@ def _pose_error(
     played: Replay, per_sample: int, position: np.ndarray, attitude: Rotation
 ) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from a given pose, per sample."""
+    from scipy.spatial.transform import Rotation
+
     distance = np.linalg.norm(played.tray.position[::per_sample] - position, axis=1)
     turn = attitude.inv() * Rotation.from_matrix(played.tray.rotation[::per_sample])
     return distance, turn.magnitude()

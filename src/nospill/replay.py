@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from nospill import compiled
-from nospill.frames import SX, FrameMotion
+from nospill.frames import SX, FrameMotion, body_motion
 from nospill.interpolation import JointMotion, planned_motion
 from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
@@ -74,7 +74,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    made = _functions(structure, Shapes(numbers))
+    made, parameters = _functions(structure, Shapes(numbers)), flatten(numbers)
     grid, tray, body, finest = np.empty(0), None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -88,7 +88,7 @@ def replay(
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
-        return _integrate(made["step"], numbers, body[:, ::every], float(grid[2 * every] - grid[0]))
+        return _integrate(made["step"], parameters, body[:, ::every], float(grid[2 * every] - grid[0]))
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -148,11 +148,6 @@ def _tray(scene: Scene, spline: JointMotion, grid: np.ndarray, function: Any) ->
     return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
 
 
-def body_motion(body: SX) -> FrameMotion:
-    """The nine rows of `Replay.body` as a frame motion."""
-    return FrameMotion(body[:3], body[3:6], body[6:])
-
-
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
     """Accelerations of all slosh coordinates (k, 1) from displacements and velocities, m/s^2."""
     rates, start = [], 0
@@ -186,12 +181,12 @@ def _step(structure: Structure, shapes: Shapes) -> Any:
     return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=shapes.size)
 
 
-def _integrate(step: Any, numbers: SceneNumbers, body: np.ndarray, length: float) -> np.ndarray:
+def _integrate(step: Any, parameters: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
     """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
     return integrate(
         step,
         np.zeros(step.size1_in(0)),
         inputs=body,
         lengths=np.full((body.shape[1] - 1) // 2, length),
-        parameters=flatten(numbers),
+        parameters=parameters,
     )

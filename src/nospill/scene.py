@@ -64,7 +64,7 @@ class ApproachRules:
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, solver, number of starts."""
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, solver, times (s), number of starts."""
 
     path_jerk_weight: float
     tilt_jerk_weight: float
@@ -72,6 +72,7 @@ class PlanningOptions:
     solver: str
     max_iterations: int
     max_solve_time: float
+    max_plan_time: float
     starts: int
     seed: int
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
 from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
 from nospill.robots.dynamics import Load, load_of
+from nospill.robots.urdf_tree import rotation_of
 from nospill.scene import Scene
 
 
@@ -47,8 +49,27 @@ def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """A scene as a key: the same object, since scenes cannot be hashed by what they hold and never change."""
+
+    scene: Scene
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Known) and other.scene is self.scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+
 def numbers_of(scene: Scene) -> SceneNumbers:
-    """The numbers of a scene."""
+    """The numbers of a scene; those of the last few scenes are kept."""
+    return _numbers(_Known(scene))
+
+
+@lru_cache(maxsize=8)
+def _numbers(known: _Known) -> SceneNumbers:
+    scene = known.scene
     further = {
         name: np.zeros(len(scene.robot.joints)) if limit is None else limit
         for name, limit in _further_limits(scene).items()
@@ -83,12 +104,12 @@ def numbers_of(scene: Scene) -> SceneNumbers:
 def flange_load(scene: Scene) -> Load:
     """What the flange carries as one rigid body, flange axes: tray as an even plate, liquids at rest."""
     tray = scene.tray
-    turn = Rotation.from_euler("z", tray.yaw_on_flange).as_matrix()
+    turn = rotation_of((0.0, 0.0, tray.yaw_on_flange))
     x, y = tray.size
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
     load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
     for cargo in scene.cargo if scene.carried is None else scene.carried:
-        own = turn @ Rotation.from_euler("z", cargo.yaw).as_matrix()
+        own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
         centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
         load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
     return load

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,9 @@ from typer.testing import CliRunner
 from nospill.cli import app
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planner import plan
-from nospill.reasons import with_change
+from nospill.planning_run import PlanningRun
+from nospill.reasons import last_resort, with_change
+from nospill.robots.inverse import joint_paths, preferred_path
 from nospill.scene import Scene
 
 pytestmark = pytest.mark.slow
@@ -75,6 +78,30 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
     assert found.certificate.ok and 1.2 < found.duration <= longest.value
     # and no more than needed
     assert longest.value < 1.08 * found.duration
+
+
+def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1, "planning.max_plan_time": 1e-3})
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    run = PlanningRun(scene, None, frozenset())
+    last = run.solve_near(run.start(way), iterations=10)
+    assert run.out_of_time
+    with pytest.raises(NoSolutionError) as raised:
+        last_resort(run, way, last)
+    assert raised.value.kind == "not converged" and raised.value.reason is not None
+    assert (raised.value.reason.constraint, raised.value.reason.subject) == ("planning", "max_plan_time")
+    told = r"within planning\.max_plan_time 0\.001 s; the last motion tried breaks slip of \w+ most\."
+    assert re.search(told, str(raised.value))
+
+
+def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Changed) -> None:
+    found = plan(changed_scene("matrix-rigid", FEW | {"planning.max_plan_time": 1e-3}))
+    assert found.report.starts.tried == 1 and found.report.rounds == 0
+    assert found.report.solver_status.endswith("; the time planning.max_plan_time was up")
+    usual = plan(changed_scene("matrix-rigid", FEW))
+    assert "max_plan_time" not in usual.report.solver_status and usual.certificate.ok
+    assert not found.certificate.ok and found.duration == pytest.approx(usual.duration, rel=0.1)
 
 
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from nospill.errors import ModelError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
@@ -42,6 +41,8 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
     reason = _reason_against(scene, samples.rate)
     if reason is not None:
         raise ScenarioError(reason)
+    from scipy.spatial.transform import Rotation  # slow to load
+
     tray, robot = scene.tray, scene.robot
     position, rotation = kinematics(robot).poses(
         samples.position, tool_position=tray.offset, tool_yaw=tray.yaw_on_flange
@@ -67,6 +68,8 @@ def _read(path: Path, scene: Scene) -> JointSamples:
     reason = _reason_against(scene, 0.0)
     if reason is not None:
         raise PlanFolderError(f"{path}: {reason}")
+    from scipy.spatial.transform import Rotation  # slow to load
+
     lines = text_of(path).rstrip().splitlines()
     start = _start(lines, scene, path)
     if HEADER not in lines:

@@ -19,10 +19,10 @@ import numpy as np
 from nospill.batches import over_columns, thread_count
 from nospill.constraints import CONSTRAINTS
 from nospill.constraints.base import Constraint, Place, worst_figures
-from nospill.frames import SX, FrameMotion
+from nospill.frames import SX, FrameMotion, body_motion
 from nospill.interpolation import planned_motion
 from nospill.numbers import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
-from nospill.replay import body_motion, slosh_accelerations
+from nospill.replay import slosh_accelerations
 from nospill.robots.kinematics import kinematics
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from nospill import compiled
+from nospill.batches import evaluate
 from nospill.errors import ModelError
-from nospill.frames import SX, FrameMotion
-from nospill.numbers import SceneNumbers, Structure, constants
+from nospill.frames import SX, body_motion
+from nospill.numbers import Shapes, Structure, flatten, symbolic
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, StageSamples, sample_stages
 from nospill.ocp.tray_state import tray_state
 from nospill.robots.inverse import JointPath
 from nospill.robots.kinematics import kinematics
 from nospill.robots.newton import Held, solve_joints
-from nospill.sample import sample_objects, split_states
+from nospill.sample import coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
 from nospill.slosh.height import crest
@@ -50,17 +53,17 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
     Raises:
         ModelError: the joints cannot follow (does not happen on a feasible motion).
     """
-    structure = structure_of(scene)
-    numbers = constants(numbers_of(scene))
-    layout = layout_of(structure)
+    from scipy.spatial.transform import Rotation  # slow to load, and needed only after solving
+
+    layout = layout_of(structure_of(scene))
     count = int(np.ceil(stages.duration * scene.output_rate - 1e-9)) + 1
     t = np.arange(count) / scene.output_rate
     samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
     samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
-    tray = _tray_samples(structure, numbers, layout, samples.chains)
+    tray = _tray_samples(scene, samples.chains)
     position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
     tilt = [np.zeros((count, 2)) for _ in range(3)]
-    if structure.tilt_free:
+    if scene.motion.tilt_free:
         tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
     return Trajectory(
         t=t,
@@ -76,7 +79,7 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
         joint_acceleration=acceleration,
         tray_position=tray.position,
         tray_quaternion=Rotation.from_matrix(tray.rotation).as_quat(),
-        slosh=_slosh_tracks(scene, structure, numbers, samples, tray),
+        slosh=_slosh_tracks(scene, samples, tray),
     )
 
 
@@ -86,11 +89,10 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
     Joints that were carried over from another grid are off by the curvature of their way. With a joint path `near`
     they are solved from it, and not from the motion's own.
     """
-    structure = structure_of(scene)
-    layout = layout_of(structure)
+    layout = layout_of(structure_of(scene))
     t = np.arange(stages.intervals + 1) * stages.interval
     chains = stages.table[:, : 3 * layout.chains]
-    tray = _tray_samples(structure, constants(numbers_of(scene)), layout, chains)
+    tray = _tray_samples(scene, chains)
     if near is not None:
         table = stages.table.copy()
         table[:, layout.joint_position] = near.at(np.clip(chains[:, 0], 0.0, 1.0))
@@ -106,24 +108,54 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
     return replace(stages, table=table)
 
 
-def _tray_samples(structure: Structure, numbers: SceneNumbers, layout: Layout, chains: np.ndarray) -> TraySamples:
-    symbol = SX.sym("chains", 3 * layout.chains)
-    state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
-    motion, rotation = state.motion, state.rotation
-    acceleration, angular_acceleration = state.acceleration(numbers.gravity)
-    parts = [
-        state.position,
-        ca.vec(rotation.T),
-        state.velocity,
-        rotation @ motion.angular_velocity,
-        acceleration,
-        angular_acceleration,
-        motion.angular_velocity,
-        motion.angular_acceleration,
-        motion.specific_force,
-    ]
-    function = ca.Function("tray", [symbol], [ca.densify(ca.vertcat(*parts))], {"cse": True})
-    flat = np.array(function(ca.DM(chains.T)).full())
+@lru_cache(maxsize=16)
+def _functions(structure: Structure, shapes: Shapes) -> compiled.Functions:
+    """The tray's pose and motion from the chains; the liquids' crests from their displacements and the tray's motion.
+
+    Last input of both: the scene's numbers.
+    """
+
+    def build() -> tuple[compiled.Functions, None]:
+        parameters = SX.sym("p", shapes.size)
+        numbers = symbolic(shapes.record, parameters)
+        layout = layout_of(structure)
+        symbol = SX.sym("chains", 3 * layout.chains)
+        state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+        motion, rotation = state.motion, state.rotation
+        acceleration, angular_acceleration = state.acceleration(numbers.gravity)
+        parts = [
+            state.position,
+            ca.vec(rotation.T),
+            state.velocity,
+            rotation @ motion.angular_velocity,
+            acceleration,
+            angular_acceleration,
+            motion.angular_velocity,
+            motion.angular_acceleration,
+            motion.specific_force,
+        ]
+        made = {"tray": _dense("tray", [symbol, parameters], parts)}
+        count = coordinate_count(structure)
+        if count:
+            displacement, body = SX.sym("q", count), SX.sym("body", 9)
+            zeros = SX.zeros(count)
+            slosh = split_states(structure, displacement, zeros, zeros)
+            objects = sample_objects(structure, numbers, body_motion(body), slosh)
+            heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
+            made["crests"] = _dense("crests", [displacement, body, parameters], heights)
+        return made, None
+
+    return compiled.functions("export", structure, build)[0]
+
+
+def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
+    return ca.Function(name, inputs, [ca.densify(ca.vertcat(*parts))], {"cse": True})
+
+
+def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
+    numbers = numbers_of(scene)
+    function = _functions(structure_of(scene), Shapes(numbers))["tray"]
+    flat = evaluate(function, [chains.T], flatten(numbers))
     return TraySamples(
         position=flat[:3].T.copy(),
         rotation=flat[3:12].T.reshape(-1, 3, 3),
@@ -163,19 +195,12 @@ def _joint_samples(
     return position, speed, acceleration
 
 
-def _slosh_tracks(
-    scene: Scene, structure: Structure, numbers: SceneNumbers, samples: StageSamples, tray: TraySamples
-) -> dict[str, SloshTrack]:
-    count = samples.displacement.shape[1]
-    if count == 0:
+def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    if not coordinate_count(structure):
         return {}
-    displacement, body = SX.sym("q", count), SX.sym("body", 9)
-    zeros = SX.zeros(count)
-    slosh = split_states(structure, displacement, zeros, zeros)
-    objects = sample_objects(structure, numbers, FrameMotion(body[:3], body[3:6], body[6:]), slosh)
-    heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
-    function = ca.Function("heights", [displacement, body], [ca.densify(ca.vertcat(*heights))])
-    table = np.array(function(ca.DM(samples.displacement.T), ca.DM(tray.body)).full())
+    function = _functions(structure, Shapes(numbers))["crests"]
+    table = evaluate(function, [samples.displacement.T, tray.body], flatten(numbers))
     tracks, start = {}, 0
     carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
     for row, (cargo, item) in enumerate(carriers):

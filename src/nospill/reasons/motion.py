@@ -57,6 +57,8 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> 
     """
     trials = Trials(run, joint_path)
     require_possible_at_rest(trials)
+    if run.out_of_time:
+        raise _no_time_to_plan(run.scene, last)
     found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:
         return found.solution
@@ -263,6 +265,20 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
             if judged is not None and judged[0].ok:
                 return [lever.change(share)]
     return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]
+
+
+def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
+    """The error for a search that was ended; says what its last attempt breaks most."""
+    nearest, further = "", "Give it more time."
+    if last is not None and min(last.slack.values()) < 0.0:
+        name, index = min(last.slack, key=lambda key: last.slack[key])
+        subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
+        nearest = f"; the last motion tried breaks {name} of {subjects[name][index]} most"
+        further = "Give it more time, relax that limit or take another end condition."
+    return NoSolutionError(
+        f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",
+        Reason(NOT_CONVERGED, "planning", "max_plan_time"),
+    )
 
 
 def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:

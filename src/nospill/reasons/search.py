@@ -53,6 +53,11 @@ class Searcher(Protocol):
         """Of every row."""
         ...
 
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time to look for a motion is up; a trial has a time of its own."""
+        ...
+
     def trial(self, scene: Scene) -> Searcher:
         """A searcher of its own for a scene."""
         ...

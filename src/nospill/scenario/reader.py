@@ -282,6 +282,7 @@ def _planning(scenario: Scenario) -> PlanningOptions:
         solver=options.solver,
         max_iterations=options.max_iterations,
         max_solve_time=options.max_solve_time,
+        max_plan_time=options.max_plan_time,
         starts=options.starts,
         seed=options.seed,
     )

@@ -12,10 +12,10 @@ from nospill.constraints import CONSTRAINTS
 from nospill.constraints.apparent_gravity import ApparentGravity
 from nospill.constraints.base import Place
 from nospill.constraints.slosh_height import SloshHeight
-from nospill.frames import SX
+from nospill.frames import SX, body_motion
 from nospill.numbers import constants
 from nospill.plans import Plan
-from nospill.replay import Replay, body_motion
+from nospill.replay import Replay
 from nospill.sample import object_motion
 from nospill.scene import Scene
 from nospill.scene_numbers import numbers_of, structure_of
