@@ -85,7 +85,7 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
     run = PlanningRun(scene, None, frozenset())
-    last = run.solve_near(run.start(way), iterations=10)
+    last = run.solve_near(run.start(way), iterations=12)
     assert run.out_of_time
     with pytest.raises(NoSolutionError) as raised:
         last_resort(run, way, last)
