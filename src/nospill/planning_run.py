@@ -291,14 +291,14 @@ class PlanningRun:
             return self._overlooked(joint_path, None)
         best: Solution | None = None
         last: Solution | None = None
-        for start in starting_motions(self.scene, further=0 if briefly else _LAST_STARTS):
+        for start, patience, by_error in self._attempts(briefly):
             if (tried >= options.starts and best is not None) or (tried and self.out_of_time):
                 break
-            patience = _COARSE_ITERATIONS if tried < options.starts else _LAST_ITERATIONS
+            if tried >= options.starts:
+                self.rows.keep_all()
             if best is not None:
                 patience = _SECOND_ITERATIONS
-            # What one way of accepting steps wanders on without end, the other often solves at once.
-            last = self.solve_near(self.start(joint_path, start), iterations=patience, by_error=tried % 2 == 1)
+            last = self.solve_near(self.start(joint_path, start), iterations=patience, by_error=by_error)
             tried += 1
             if usable(last):
                 self.durations.append(last.stages.duration)
@@ -312,6 +312,22 @@ class PlanningRun:
         if best is None and briefly:
             raise NoSolutionError("No motion found at once.")
         return self._overlooked(joint_path, last) if best is None else best
+
+    def _attempts(self, briefly: bool) -> Iterator[tuple[Start, int, bool]]:
+        """Starts, how many iterations each gets, and whether its steps count by their error.
+
+        What one way of accepting steps wanders on without end, the other often solves at once. Those beyond the number
+        that is asked for are for when nothing is found, and take all rows: first the usual two again, which often
+        converge then.
+        """
+        count = self.scene.planning.starts
+        starts = list(starting_motions(self.scene, further=0 if briefly else _LAST_STARTS))
+        for index, start in enumerate(starts[:count]):
+            yield start, _COARSE_ITERATIONS, index % 2 == 1
+        if not briefly:
+            yield from ((start, _COARSE_ITERATIONS, start is not starts[0]) for start in starts[1::-1])
+        for index, start in enumerate(starts[count:], start=count):
+            yield start, _LAST_ITERATIONS, index % 2 == 1
 
     def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:
         found = last_resort(self, joint_path, last)

@@ -91,7 +91,7 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
         last_resort(run, way, last)
     assert raised.value.kind == "not converged" and raised.value.reason is not None
     assert (raised.value.reason.constraint, raised.value.reason.subject) == ("planning", "max_plan_time")
-    told = r"within planning\.max_plan_time 0\.001 s; the last motion tried breaks slip of \w+ most\."
+    told = r"within planning\.max_plan_time 0\.001 s; the last one tried breaks the limit on slip of \w+\."
     assert re.search(told, str(raised.value))
 
 

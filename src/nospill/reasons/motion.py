@@ -270,10 +270,11 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
 def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
     """The error for a search that was ended; says what its last attempt breaks most."""
     nearest, further = "", "Give it more time."
-    if last is not None and min(last.slack.values()) < 0.0:
+    if last is not None:
         name, index = min(last.slack, key=lambda key: last.slack[key])
         subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
-        nearest = f"; the last motion tried breaks {name} of {subjects[name][index]} most"
+        does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
+        nearest = f"; the last one tried {does} the limit on {name} of {subjects[name][index]}"
         further = "Give it more time, relax that limit or take another end condition."
     return NoSolutionError(
         f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",

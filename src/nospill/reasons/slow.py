@@ -74,9 +74,12 @@ def with_time(scene: Scene, max_duration: float) -> Scene:
 
 
 def slow_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:
-    """What the judge says of the slowest smooth motion, and that motion; None if its liquids cannot be integrated."""
-    trajectory = export_samples(scene, smooth_start(scene, joint_path, 100, Start(stretch=1e6)))
+    """What the judge says of the slowest smooth motion, and that motion.
+
+    None if the arm cannot follow it between the nodes or its liquids cannot be integrated.
+    """
     try:
+        trajectory = export_samples(scene, smooth_start(scene, joint_path, 100, Start(stretch=1e6)))
         verdict = judge(trajectory, scene).certificate
     except ModelError:
         return None
