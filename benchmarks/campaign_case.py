@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import resource
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,8 @@ KINDS = (PLANNED, UNCERTIFIED, REFUSED, IMPOSSIBLE, OUT_OF_REACH, NOT_FOUND, CRA
 """How a case may end. `refused`: the reader did not take the scenario. `crash`: anything but an error of nospill."""
 
 _STARTS_STREAM = 7
+_SEARCHING = 0.6
+"""Part of a process's time that is for the search; the rest is for the reason, the judges and the simulation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,10 +75,21 @@ def failure_of(error: NospillError, scene: Scene) -> Failure:
     return Failure(NOT_FOUND, f"{type(error).__name__}: {error}")
 
 
-def run(table: dict[str, Any], name: str) -> dict[str, Any]:
-    """Plan a scenario and look at the answer from three sides; the figures of its line."""
+def limited(scene: Scene, longest: float) -> Scene:
+    """The scene with so much time to look for a motion, s, that a reason can be told before the process ends."""
+    return replace(scene, planning=replace(scene.planning, max_plan_time=min(longest, scene.planning.max_plan_time)))
+
+
+def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[str, Any]:
+    """Plan a scenario and look at the answer from three sides; the figures of its line.
+
+    Args:
+        table: the scenario.
+        name: what it is called.
+        longest: time to look for a motion, s.
+    """
     try:
-        scene = scene_from_table(table, name=name)
+        scene = limited(scene_from_table(table, name=name), longest)
     except NospillError as error:
         return {"kind": REFUSED, "reason": str(error)}
     began = time.process_time()
@@ -138,9 +152,14 @@ class _SameAnswerError(NospillError):
         self.outcome = outcome
 
 
-def random_starts(table: dict[str, Any], name: str, count: int) -> Iterator[dict[str, Any]]:
-    """The outcome of `count` random starts, each taken as if it were the only one; drawn from the scenario's name."""
-    scene = scene_from_table(table, name=name)
+def random_starts(
+    table: dict[str, Any], name: str, count: int, *, longest: float = math.inf
+) -> Iterator[dict[str, Any]]:
+    """The outcome of `count` random starts, each taken as if it were the only one; drawn from the scenario's name.
+
+    Each has `longest` s to look for a motion.
+    """
+    scene = limited(scene_from_table(table, name=name), longest)
     random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
     known: list[tuple[bool, float, dict[str, Any]]] = []
     for index in range(count):
@@ -209,6 +228,7 @@ def main() -> None:
     if arguments.processor_time is not None:
         # The hard limit is later: at the soft one the system says SIGXCPU, which cannot be mistaken for a crash.
         resource.setrlimit(resource.RLIMIT_CPU, (arguments.processor_time, arguments.processor_time + 5))
+    longest = _SEARCHING * (arguments.processor_time or math.inf) / max(1, arguments.starts)
     name = f"campaign-{arguments.seed}"
     if arguments.given:
         table = json.load(sys.stdin)
@@ -219,10 +239,10 @@ def main() -> None:
         table = case.table
         _print({"scenario": table, "structure": case.structure, "unreachable": case.unreachable})
     if arguments.starts:
-        for outcome in random_starts(table, name, arguments.starts):
+        for outcome in random_starts(table, name, arguments.starts, longest=longest):
             _print(outcome)
         return
-    line = run(table, name)
+    line = run(table, name, longest=longest)
     _print(line | {"peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import gzip
 import json
 import os
 from collections.abc import Iterator
@@ -43,8 +44,8 @@ class Lines:
 
     @staticmethod
     def read(path: Path) -> list[dict[str, Any]]:
-        """All whole lines of a file, in order; a last one that was cut off by a kill does not count."""
-        with path.open("rb") as file:
+        """All whole lines of a file, gzipped or not, in order; a last one that was cut off by a kill does not count."""
+        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
             return [json.loads(line) for line in file if line.endswith(b"\n")]
 
     @classmethod

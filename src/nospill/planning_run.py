@@ -63,6 +63,7 @@ _TIGHTEN_ITERATIONS = 40
 REFINE_ITERATIONS = 100
 _SAME = 1e-3
 _NEAR_AT_START = 0.75
+_LEAST_TIME = 10.0
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
@@ -90,9 +91,13 @@ class PlanningRun:
         self.rows = Rows.of(self.scene, self.ignored)
 
     @property
+    def _time_left(self) -> float:
+        return self.began + self.scene.planning.max_plan_time - time.perf_counter()
+
+    @property
     def out_of_time(self) -> bool:
         """Whether the time to look for a motion is up."""
-        return time.perf_counter() - self.began > self.scene.planning.max_plan_time
+        return self._time_left < 0.0
 
     @property
     def reserves(self) -> Reserves:
@@ -135,7 +140,7 @@ class PlanningRun:
                 solver=options.solver,
                 options=SolveOptions(
                     max_iterations=iterations or options.max_iterations,
-                    max_time=options.max_solve_time,
+                    max_time=min(options.max_solve_time, max(self._time_left, _LEAST_TIME)),
                     barrier_start=barrier,
                     room=_NO_ROOM if room is None and barrier is not None else room,
                     by_error=by_error,

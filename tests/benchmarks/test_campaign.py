@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import subprocess
 import sys
@@ -63,6 +64,9 @@ def test_lines_are_kept_and_found_again(tmp_path: Path) -> None:
     with Lines.writer(file) as lines:
         assert list(lines.cases) == [3] and list(lines.starts) == [3]
     assert Lines.read(file)[0] == line(3)
+    packed = tmp_path / "campaign.jsonl.gz"
+    packed.write_bytes(gzip.compress(file.read_bytes()))
+    assert Lines.read(packed) == Lines.read(file)
 
 
 def test_half_a_line_of_a_killed_run_is_cut_off(tmp_path: Path) -> None:
