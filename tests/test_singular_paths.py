@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from nospill.certificate import certify
+from nospill.ocp.answer import smooth_where_singular
 from nospill.planner import plan
+from nospill.robots.catalog import load_robot
+from nospill.robots.kinematics import kinematics
 from nospill.robots.regularity import determinants, keeps_branch
 from nospill.scenario import scene_from_table
 
@@ -104,3 +107,21 @@ def test_a_joint_that_starts_at_the_edge_of_its_range_is_no_obstacle() -> None:
     position = usual.trajectory.joint_position
     table["robot"]["limits"] = {"upper": (np.max(position, axis=0) + 1e-4).tolist()}
     assert plan(scene_from_table(table, name="edge")).duration == pytest.approx(usual.duration, rel=1e-3)
+
+
+def test_rates_that_rounding_has_lost_at_a_singularity_come_from_the_neighbours() -> None:
+    t = np.linspace(0.0, 0.1, 51)
+    wrist = 0.4 * (t - t[25])  # zero, where the axes of joints 4 and 6 line up, at one of the samples
+    others = np.tile([0.3, -0.9, -1.9, 0.0, 0.0, 0.4], (51, 1))
+    q = others + np.outer(wrist, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+    jacobian = kinematics(load_robot("comau-smart-six")).jacobians(q)
+    true = np.column_stack([np.sin(t + joint) for joint in range(6)])
+    lost = true.copy()
+    lost[25, [3, 5]] += [-10.0, 10.0]
+    speed, acceleration = smooth_where_singular(t, jacobian, lost, 2.0 * lost)
+    np.testing.assert_allclose(speed, true, atol=1e-6)
+    np.testing.assert_allclose(acceleration, 2.0 * true, atol=2e-6)
+    assert lost[25, 3] < -9.0  # what is given stays as it is
+    regular = np.arange(51) != 25
+    kept, _ = smooth_where_singular(t[regular], jacobian[regular], lost[regular], lost[regular])
+    np.testing.assert_array_equal(kept, lost[regular])

@@ -26,6 +26,9 @@ from nospill.scene_numbers import numbers_of, structure_of
 from nospill.slosh.height import crest
 from nospill.trajectory import SloshTrack, Trajectory
 
+_SINGULAR = 1e-5
+"""Part of the largest determinant of the Jacobian at which the rates of the joints are lost."""
+
 
 @dataclass(frozen=True, slots=True)
 class TraySamples:
@@ -192,7 +195,25 @@ def _joint_samples(
     if held is not None:
         change = np.hstack([change, chains[:, -1:]])
     acceleration = np.linalg.solve(jacobian, change[:, :, None])[:, :, 0]
-    return position, speed, acceleration
+    return position, *smooth_where_singular(t, jacobian, speed, acceleration)
+
+
+def smooth_where_singular(
+    t: np.ndarray, jacobian: np.ndarray, speed: np.ndarray, acceleration: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds and accelerations (m, n), taken from the neighbours where the arm is singular but for rounding.
+
+    A motion may lead straight through a singularity; an instant that falls on it leaves the joints' rates to rounding.
+    """
+    size = np.abs(np.linalg.det(jacobian))
+    lost = size < _SINGULAR * size.max()
+    if not np.any(lost) or np.all(lost):
+        return speed, acceleration
+    speed, acceleration = speed.copy(), acceleration.copy()
+    for rates in (speed, acceleration):
+        for column in rates.T:
+            column[lost] = np.interp(t[lost], t[~lost], column[~lost])
+    return speed, acceleration
 
 
 def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
