@@ -270,7 +270,7 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
 def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
     """The error for a search that was ended; says what its last attempt breaks most."""
     nearest, further = "", "Give it more time."
-    if last is not None:
+    if last is not None and last.slack:
         name, index = min(last.slack, key=lambda key: last.slack[key])
         subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
         does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
