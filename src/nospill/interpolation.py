@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.piecewise import Pieces, interpolating_spline
 from nospill.trajectory import Trajectory
 
 LOWEST_RATE, HIGHEST_RATE = 10.0, 1000.0
@@ -85,13 +86,11 @@ class _Played:
 
 
 def _quintic_spline(samples: JointSamples) -> JointMotion:
-    from scipy.interpolate import make_interp_spline
-
     t, q = samples.t, samples.position
     hold = np.arange(1, _HOLD_SAMPLES + 1) / samples.rate
     times = np.concatenate([t[0] - hold[::-1], t, t[-1] + hold])
     padded = np.concatenate([np.repeat(q[:1], len(hold), axis=0), q, np.repeat(q[-1:], len(hold), axis=0)])
-    return _Played(make_interp_spline(times, padded, k=5), float(t[0]), float(t[-1]))
+    return _Played(interpolating_spline(times, padded, 5), float(t[0]), float(t[-1]))
 
 
 def _quintic_hermite(samples: JointSamples) -> JointMotion:
@@ -101,8 +100,6 @@ def _quintic_hermite(samples: JointSamples) -> JointMotion:
     e = (v1 - v0 - a0 h) h and f = (a1 - a0) h^2: c3 h^3 = 10 d - 4 e + f/2, c4 h^4 = -15 d + 7 e - f,
     c5 h^5 = 6 d - 3 e + f/2.
     """
-    from scipy.interpolate import PPoly
-
     if samples.speed is None or samples.acceleration is None:
         raise ValueError("the quintic of a segment needs speeds and accelerations of the samples")
     h = np.diff(samples.t)[:, None]
@@ -119,7 +116,7 @@ def _quintic_hermite(samples: JointSamples) -> JointMotion:
         v0,
         q0,
     ]
-    return _Played(PPoly(np.stack(coefficients), samples.t), float(samples.t[0]), float(samples.t[-1]))
+    return _Played(Pieces(samples.t, np.stack(coefficients)), float(samples.t[0]), float(samples.t[-1]))
 
 
 QUINTIC_SPLINE = Interpolation(

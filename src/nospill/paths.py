@@ -51,16 +51,7 @@ class Path:
 
     def derivative(self, s: np.ndarray | float, order: int = 1) -> np.ndarray:
         """Derivative of given order with respect to s, shape (m, 4); at a break the piece to its right counts."""
-        values = np.atleast_1d(np.asarray(s, dtype=float))
-        count = self.coefficients.shape[1]
-        span = np.clip(np.searchsorted(self.breaks, values, side="right") - 1, 0, count - 1)
-        offset = (values - self.breaks[span])[:, None]
-        degree = self.coefficients.shape[0] - 1
-        result = np.zeros((values.size, self.coefficients.shape[2]))
-        for index in range(degree - order + 1):
-            factor = math.perm(degree - index, order)
-            result = result * offset + factor * self.coefficients[index, span]
-        return result
+        return Pieces(self.breaks, self.coefficients)(np.atleast_1d(np.asarray(s, dtype=float)), order)
 
     @property
     def length(self) -> float:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from nospill.attitudes import angles_between, matrices, tray_quaternions
 from nospill.errors import PlanFolderError
 from nospill.replay import Replay
 from nospill.scene import Scene
 from nospill.scene_numbers import structure_of
 from nospill.trajectory import Trajectory
 from nospill.verdict import Row, limit_row
-
-if TYPE_CHECKING:  # slow to load, and needed only after solving
-    from scipy.spatial.transform import Rotation
 
 POSITION_TOLERANCE = 1e-4
 """m; the tray may leave the path by this much."""
@@ -97,8 +93,6 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     `bare` is the motion without its holds. The samples must come at the rate the controller plays them at,
     `scene.output_rate`.
     """
-    from scipy.spatial.transform import Rotation
-
     per_sample = round(played.rate / trajectory.rate)
     position, attitude = _path_error(trajectory, scene, played, per_sample)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
@@ -111,7 +105,7 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     step = float(np.max(np.abs(np.diff(trajectory.joint_acceleration, axis=0))))
     speeds = max(SPEED_TOLERANCE * coarser**2, SPEED_SHARE * step / trajectory.rate)
     accelerations = max(ACCELERATION_TOLERANCE * coarser, ACCELERATION_SHARE * step)
-    written = _pose_error(played, per_sample, trajectory.tray_position, Rotation.from_quat(trajectory.tray_quaternion))
+    written = _pose_error(played, per_sample, trajectory.tray_position, matrices(trajectory.tray_quaternion))
     return [
         limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
         limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
@@ -127,20 +121,14 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
 
 def _path_error(trajectory: Trajectory, scene: Scene, played: Replay, per_sample: int) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from the path at recorded s and tilt, per sample."""
-    from scipy.spatial.transform import Rotation
-
     planned = scene.path.at(np.clip(trajectory.s, 0.0, 1.0))
-    # Intrinsic z, y, x: R = Rz(yaw) Ry(theta_y) Rx(theta_x).
-    angles = np.column_stack([planned[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]])
-    return _pose_error(played, per_sample, planned[:, :3], Rotation.from_euler("ZYX", angles))
+    attitude = matrices(tray_quaternions(planned[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]))
+    return _pose_error(played, per_sample, planned[:, :3], attitude)
 
 
 def _pose_error(
-    played: Replay, per_sample: int, position: np.ndarray, attitude: Rotation
+    played: Replay, per_sample: int, position: np.ndarray, attitude: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from a given pose, per sample."""
-    from scipy.spatial.transform import Rotation
-
     distance = np.linalg.norm(played.tray.position[::per_sample] - position, axis=1)
-    turn = attitude.inv() * Rotation.from_matrix(played.tray.rotation[::per_sample])
-    return distance, turn.magnitude()
+    return distance, angles_between(attitude, played.tray.rotation[::per_sample])

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from nospill import compiled
+from nospill.attitudes import tray_quaternions
 from nospill.batches import evaluate
 from nospill.errors import ModelError
 from nospill.frames import SX, body_motion
@@ -56,8 +57,6 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
     Raises:
         ModelError: the joints cannot follow (does not happen on a feasible motion).
     """
-    from scipy.spatial.transform import Rotation  # slow to load, and needed only after solving
-
     layout = layout_of(structure_of(scene))
     count = int(np.ceil(stages.duration * scene.output_rate - 1e-9)) + 1
     t = np.arange(count) / scene.output_rate
@@ -81,7 +80,7 @@ def export_samples(scene: Scene, stages: Stages) -> Trajectory:
         joint_speed=speed,
         joint_acceleration=acceleration,
         tray_position=tray.position,
-        tray_quaternion=Rotation.from_matrix(tray.rotation).as_quat(),
+        tray_quaternion=tray_quaternions(scene.path.at(samples.chains[:, 0])[:, 3], tilt[0][:, 1], tilt[0][:, 0]),
         slosh=_slosh_tracks(scene, samples, tray),
     )
 
