@@ -18,12 +18,12 @@ from nospill.constraints.joint_torque import JointTorque
 from nospill.frames import SX, FrameMotion, body_motion
 from nospill.holds import held_trajectory
 from nospill.interpolation import JointMotion
-from nospill.numbers import Shapes, Structure, flatten, symbolic
+from nospill.numbers import Shapes, Structure, symbolic
 from nospill.record_checks import record_rows, require_fit, require_motion
 from nospill.replay import MINIMUM_RATE, Replay, replay, slosh_accelerations
 from nospill.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
-from nospill.scene_numbers import numbers_of, structure_of
+from nospill.scene_numbers import flat_numbers, numbers_of, structure_of
 from nospill.tolerances import corner_scenes, heaviest, lightest
 from nospill.trajectory import Trajectory
 from nospill.verdict import Certificate, Row, Trace, condensed, worst_row
@@ -86,7 +86,7 @@ def constraint_traces(
 ) -> tuple[Trace, ...]:
     """Every constraint of some places and its subjects over time, each on the grid it is judged on."""
     structure, numbers = structure_of(scene), numbers_of(scene)
-    parameters = flatten(numbers)
+    parameters = flat_numbers(scene)
     traces = []
     for place, (t, columns) in _inputs(trajectory, played).items():
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]

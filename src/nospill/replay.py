@@ -17,11 +17,11 @@ import numpy as np
 from nospill import compiled
 from nospill.frames import SX, FrameMotion, body_motion
 from nospill.interpolation import JointMotion, planned_motion
-from nospill.numbers import SceneNumbers, Shapes, Structure, flatten, symbolic
+from nospill.numbers import SceneNumbers, Shapes, Structure, symbolic
 from nospill.robots.kinematics import ToolMotions, kinematics
 from nospill.sample import coordinate_count, object_motion
 from nospill.scene import Scene
-from nospill.scene_numbers import numbers_of, structure_of
+from nospill.scene_numbers import flat_numbers, numbers_of, structure_of
 from nospill.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.slosh.motion import modal_acceleration
 from nospill.trajectory import Trajectory
@@ -74,17 +74,18 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    made, parameters = _functions(structure, Shapes(numbers)), flatten(numbers)
-    grid, tray, body, finest = np.empty(0), None, np.empty((9, 0)), 0
+    made, parameters = _functions(structure, Shapes(numbers)), flat_numbers(scene)
+    grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
-        nonlocal grid, tray, body, finest
+        nonlocal grid, joints, tray, body, finest
         if refinement > finest:
             # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too. The first
             # grid is made as fine as the second needs it, since two are compared at least.
             finest = max(refinement, 2 if count else 1)
             grid = _grid(trajectory, 2 * per_sample * finest)
-            tray, body = _tray(scene, spline, grid, made["flat_motion"])
+            joints = [spline(grid, order) for order in range(3)]
+            tray, body = _tray(scene, joints, made["flat_motion"])
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
@@ -92,14 +93,14 @@ def replay(
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
-    kept = grid[::2]
     every = slice(None, None, 2)
+    kept = grid[every]
     return Replay(
         t=kept,
         rate=1.0 / float(kept[1] - kept[0]),
-        joint_position=spline(kept),
-        joint_speed=spline(kept, 1),
-        joint_acceleration=spline(kept, 2),
+        joint_position=joints[0][every],
+        joint_speed=joints[1][every],
+        joint_acceleration=joints[2][every],
         tray=ToolMotions(
             position=tray.position[every],
             rotation=tray.rotation[every],
@@ -133,11 +134,10 @@ def _functions(structure: Structure, shapes: Shapes) -> compiled.Functions:
     return compiled.functions("replay", structure, build)[0]
 
 
-def _tray(scene: Scene, spline: JointMotion, grid: np.ndarray, function: Any) -> tuple[ToolMotions, np.ndarray]:
+def _tray(scene: Scene, joints: list[np.ndarray], function: Any) -> tuple[ToolMotions, np.ndarray]:
+    """Motion of the tray in base and in its own axes, from positions, speeds and accelerations of the joints."""
     motions = kinematics(scene.robot).motions(
-        spline(grid),
-        spline(grid, 1),
-        spline(grid, 2),
+        *joints,
         tool_position=scene.tray.offset,
         tool_yaw=scene.tray.yaw_on_flange,
         function=function,

@@ -10,14 +10,33 @@ import numpy as np
 
 from nospill.cargo import Cargo
 from nospill.containers.base import DiscFootprint, Footprint, MassProperties
-from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure
+from nospill.numbers import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
 from nospill.robots.dynamics import Load, load_of
 from nospill.robots.urdf_tree import rotation_of
 from nospill.scene import Scene
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """A scene as a key: the same object, since scenes cannot be hashed by what they hold and never change."""
+
+    scene: Scene
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Known) and other.scene is self.scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+
 def structure_of(scene: Scene) -> Structure:
-    """The structure of a scene."""
+    """The structure of a scene; those of the last few scenes are kept."""
+    return _structure(_Known(scene))
+
+
+@lru_cache(maxsize=8)
+def _structure(known: _Known) -> Structure:
+    scene = known.scene
     axes = {"x": 0, "y": 1}
     objects = []
     for cargo in scene.cargo:
@@ -49,22 +68,21 @@ def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Known:
-    """A scene as a key: the same object, since scenes cannot be hashed by what they hold and never change."""
-
-    scene: Scene
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Known) and other.scene is self.scene
-
-    def __hash__(self) -> int:
-        return id(self.scene)
-
-
 def numbers_of(scene: Scene) -> SceneNumbers:
     """The numbers of a scene; those of the last few scenes are kept."""
     return _numbers(_Known(scene))
+
+
+def flat_numbers(scene: Scene) -> np.ndarray:
+    """The same as one vector, see `numbers.flatten`; not to be changed."""
+    return _flat(_Known(scene))
+
+
+@lru_cache(maxsize=8)
+def _flat(known: _Known) -> np.ndarray:
+    flat = flatten(numbers_of(known.scene))
+    flat.setflags(write=False)
+    return flat
 
 
 @lru_cache(maxsize=8)

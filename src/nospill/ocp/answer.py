@@ -14,7 +14,7 @@ from nospill.attitudes import tray_quaternions
 from nospill.batches import evaluate
 from nospill.errors import ModelError
 from nospill.frames import SX, body_motion
-from nospill.numbers import Shapes, Structure, flatten, symbolic
+from nospill.numbers import Shapes, Structure, symbolic
 from nospill.ocp.layout import Layout, layout_of
 from nospill.ocp.stages import Stages, StageSamples, sample_stages
 from nospill.ocp.tray_state import tray_state
@@ -23,7 +23,7 @@ from nospill.robots.kinematics import kinematics
 from nospill.robots.newton import Held, solve_joints
 from nospill.sample import coordinate_count, sample_objects, split_states
 from nospill.scene import Scene
-from nospill.scene_numbers import numbers_of, structure_of
+from nospill.scene_numbers import flat_numbers, numbers_of, structure_of
 from nospill.slosh.height import crest
 from nospill.trajectory import SloshTrack, Trajectory
 
@@ -157,7 +157,7 @@ def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
 def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
     numbers = numbers_of(scene)
     function = _functions(structure_of(scene), Shapes(numbers))["tray"]
-    flat = evaluate(function, [chains.T], flatten(numbers))
+    flat = evaluate(function, [chains.T], flat_numbers(scene))
     return TraySamples(
         position=flat[:3].T.copy(),
         rotation=flat[3:12].T.reshape(-1, 3, 3),
@@ -220,7 +220,7 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
     if not coordinate_count(structure):
         return {}
     function = _functions(structure, Shapes(numbers))["crests"]
-    table = evaluate(function, [samples.displacement.T, tray.body], flatten(numbers))
+    table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
     tracks, start = {}, 0
     carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
     for row, (cargo, item) in enumerate(carriers):
