@@ -190,7 +190,8 @@ def only_start(
         known: coarse answers that were refined before: whether the arm was kept regular, duration, outcome.
         outcome: of this start, to be filled in by whoever plans; it joins `known` with its coarse answer.
     """
-    usual, search, resort = planning_run.starting_motions, planning_run.PlanningRun.search, planning_run.last_resort
+    planner_run = planning_run.PlanningRun
+    attempts, search, resort = planner_run._attempts, planner_run.search, planning_run.last_resort
 
     def alone(run: planning_run.PlanningRun, joint_path: JointPath, **how: bool) -> Solution:
         coarse = search(run, joint_path, **how)
@@ -204,13 +205,14 @@ def only_start(
     def no_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
         raise NoSolutionError("the start led nowhere" if last is None else last.status)
 
-    planning_run.starting_motions = lambda scene, *, further: iter((start,))
-    planning_run.PlanningRun.search, planning_run.last_resort = alone, no_resort
+    once = (start, planning_run.COARSE_ITERATIONS, False, False)
+    planner_run._attempts = lambda run, briefly: iter((once,))
+    planner_run.search, planning_run.last_resort = alone, no_resort
     try:
         yield
     finally:
-        planning_run.starting_motions = usual
-        planning_run.PlanningRun.search, planning_run.last_resort = search, resort
+        planner_run._attempts = attempts
+        planner_run.search, planning_run.last_resort = search, resort
 
 
 def _print(line: dict[str, Any]) -> None:

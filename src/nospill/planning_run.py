@@ -49,7 +49,7 @@ _AGREEMENT = 5e-3
 _COARSEST = 25
 _COARSE_SWING = 2.5
 _FINE_SWING = 0.7
-_COARSE_ITERATIONS = 150
+COARSE_ITERATIONS = 150
 _SECOND_ITERATIONS = 60
 _LAST_ITERATIONS = 500
 _LAST_STARTS = 4
@@ -296,10 +296,10 @@ class PlanningRun:
             return self._overlooked(joint_path, None)
         best: Solution | None = None
         last: Solution | None = None
-        for start, patience, by_error in self._attempts(briefly):
+        for start, patience, by_error, all_rows in self._attempts(briefly):
             if (tried >= options.starts and best is not None) or (tried and self.out_of_time):
                 break
-            if tried >= options.starts:
+            if all_rows:
                 self.rows.keep_all()
             if best is not None:
                 patience = _SECOND_ITERATIONS
@@ -318,21 +318,23 @@ class PlanningRun:
             raise NoSolutionError("No motion found at once.")
         return self._overlooked(joint_path, last) if best is None else best
 
-    def _attempts(self, briefly: bool) -> Iterator[tuple[Start, int, bool]]:
-        """Starts, how many iterations each gets, and whether its steps count by their error.
+    def _attempts(self, briefly: bool) -> Iterator[tuple[Start, int, bool, bool]]:
+        """Starts, iterations each gets, whether its steps count by their error, whether all rows take part.
 
         What one way of accepting steps wanders on without end, the other often solves at once. Those beyond the number
-        that is asked for are for when nothing is found, and take all rows: first the usual two again, which often
-        converge then.
+        that is asked for are for when nothing is found: a random one with more patience, which mostly suffices; then,
+        with all rows, the usual two again and further random ones.
         """
         count = self.scene.planning.starts
-        starts = list(starting_motions(self.scene, further=0 if briefly else _LAST_STARTS))
+        starts = list(starting_motions(self.scene, further=_LAST_STARTS))
         for index, start in enumerate(starts[:count]):
-            yield start, _COARSE_ITERATIONS, index % 2 == 1
-        if not briefly:
-            yield from ((start, _COARSE_ITERATIONS, start is not starts[0]) for start in starts[1::-1])
-        for index, start in enumerate(starts[count:], start=count):
-            yield start, _LAST_ITERATIONS, index % 2 == 1
+            yield start, COARSE_ITERATIONS, index % 2 == 1, False
+        if briefly:
+            return
+        yield starts[count], _LAST_ITERATIONS, count % 2 == 1, False
+        yield from ((start, COARSE_ITERATIONS, start is not starts[0], True) for start in starts[1::-1])
+        for index, start in enumerate(starts[count + 1 :], start=count + 1):
+            yield start, _LAST_ITERATIONS, index % 2 == 1, True
 
     def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:
         found = last_resort(self, joint_path, last)

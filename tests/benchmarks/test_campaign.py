@@ -15,7 +15,6 @@ import pytest
 
 from nospill import planning_run
 from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
-from nospill.ocp.guess import starting_motions
 from nospill.scenario import read_scenario
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
@@ -214,7 +213,7 @@ def test_starts_of_the_cases_in_another_file(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.slow
 def test_starts_that_come_to_the_same_are_refined_once(monkeypatch: pytest.MonkeyPatch) -> None:
     refined: list[float] = []
-    refine = planning_run.PlanningRun.refine
+    refine, attempts = planning_run.PlanningRun.refine, planning_run.PlanningRun._attempts
 
     def counted(run: planning_run.PlanningRun, coarse: Any) -> Any:
         refined.append(coarse.stages.duration)
@@ -227,7 +226,7 @@ def test_starts_that_come_to_the_same_are_refined_once(monkeypatch: pytest.Monke
     assert first["duration_s"] == pytest.approx(1.850, rel=1e-3) and len(refined) == 1
     assert [outcome.get("as") for outcome in outcomes] == [None, 0, 0]
     assert {outcome["duration_s"] for outcome in outcomes} == {first["duration_s"]}
-    assert planning_run.starting_motions is starting_motions  # all is as before
+    assert planning_run.PlanningRun._attempts is attempts  # all is as before
 
 
 def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
