@@ -14,7 +14,8 @@ from nospill.cli import app
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planner import plan
 from nospill.planning_run import PlanningRun
-from nospill.reasons import last_resort, with_change
+from nospill.reasons import last_resort, motion, with_change
+from nospill.reasons.search import Trials
 from nospill.robots.inverse import joint_paths, preferred_path
 from nospill.scene import Scene
 
@@ -93,6 +94,19 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
     assert (raised.value.reason.constraint, raised.value.reason.subject) == ("planning", "max_plan_time")
     told = r"within planning\.max_plan_time 0\.001 s; the last one tried breaks the limit on slip of \w+\."
     assert re.search(told, str(raised.value))
+
+
+def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1})
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    run = PlanningRun(scene, None, frozenset())
+    last = run.solve_near(run.start(way), iterations=12)
+    told = str(motion._never(Trials(run, way), last))
+    assert re.search(
+        r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", told
+    )
+    assert "the last one tried" not in str(motion._never(Trials(run, way), None))
 
 
 def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Changed) -> None:

@@ -232,7 +232,7 @@ def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
     status = "no start was solved" if last is None else f"{last.status} after {last.iterations} iterations"
     return NoSolutionError(
         f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
-        f'the end condition "{scene.motion.end}" may be out of reach. '
+        f'the end condition "{scene.motion.end}" may be out of reach{_nearest(scene, last)}. '
         "Try another end condition, more starts or more intervals.",
         Reason(NOT_CONVERGED, "planning", "solver"),
     )
@@ -269,17 +269,22 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
 
 def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
     """The error for a search that was ended; says what its last attempt breaks most."""
-    nearest, further = "", "Give it more time."
-    if last is not None and last.slack:
-        name, index = min(last.slack, key=lambda key: last.slack[key])
-        subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
-        does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
-        nearest = f"; the last one tried {does} the limit on {name} of {subjects[name][index]}"
-        further = "Give it more time, relax that limit or take another end condition."
+    nearest = _nearest(scene, last)
+    further = "Give it more time, relax that limit or take another end condition." if nearest else "Give it more time."
     return NoSolutionError(
         f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",
         Reason(NOT_CONVERGED, "planning", "max_plan_time"),
     )
+
+
+def _nearest(scene: Scene, last: Solution | None) -> str:
+    """What the last attempt breaks most, as the end of a sentence; nothing where there was none."""
+    if last is None or not last.slack:
+        return ""
+    name, index = min(last.slack, key=lambda key: last.slack[key])
+    subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
+    does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
+    return f"; the last one tried {does} the limit on {name} of {subjects[name][index]}"
 
 
 def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:
