@@ -31,7 +31,7 @@ def test_interpolating_splines_equal_scipys(shape, seed, origin):
     places = np.concatenate([x, random.uniform(x[0], x[-1], 50)])
     for order in range(min(degree, 4)):
         expected = theirs(places, order)
-        np.testing.assert_allclose(ours(places, order), expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
+        np.testing.assert_allclose(ours(places, order), expected, atol=1e-9 * np.abs(expected).max())
 
 
 def test_many_samples_at_an_even_rate():

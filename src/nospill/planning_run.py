@@ -322,7 +322,7 @@ class PlanningRun:
         """Starts, iterations each gets, whether its steps count by their error, whether all rows take part.
 
         What one way of accepting steps wanders on without end, the other often solves at once. Those beyond the number
-        that is asked for are for when nothing is found: a random one with more patience, which mostly suffices; then,
+        that is asked for are for when nothing is found: a random one with more patience, which often suffices; then,
         with all rows, the usual two again and further random ones.
         """
         count = self.scene.planning.starts

@@ -6,7 +6,6 @@ Exit codes: 0 certified (or done), 1 solved but not certified, 2 bad input, 3 no
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable
 from typing import Annotated
 
@@ -51,8 +50,6 @@ app = typer.Typer(
 
 def main() -> None:
     """Entry point of the command `nospill`."""
-    # What imports make stays to the end: looking through it for garbage again and again is a fiftieth of a plan.
-    gc.set_threshold(100_000)
     app()
 
 
