@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import os
 import shutil
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -22,6 +23,10 @@ from nospill.robots.inverse import JointPath, joint_paths
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene import Scene
 from nospill.trajectory import Trajectory
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

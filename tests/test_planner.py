@@ -120,7 +120,7 @@ def test_a_finer_grid_changes_little(name: str, example_plan: Example, changed_s
     assert fine.duration == pytest.approx(coarse.duration, rel=5e-3)
 
 
-def test_still_liquids_are_near_the_best_of_twenty_random_starts(example_plan: Example) -> None:
+def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Example) -> None:
     """On the coarse grid, where the starts compete: 25 intervals, all rows, the reserves every plan begins with."""
     found = example_plan("matrix-liquid-still")
     scene, intervals = found.scene, 25
@@ -132,7 +132,7 @@ def test_still_liquids_are_near_the_best_of_twenty_random_starts(example_plan: E
     }
     random = np.random.default_rng(7)
     durations = []
-    for index in range(20):
+    for index in range(12):
         start = Start(stretch=float(random.uniform(0.4, 1.6)), skew=float(random.uniform(-0.6, 0.6)))
         motion = smooth_start(scene, path, intervals, start)
         if index % 2:
@@ -144,7 +144,7 @@ def test_still_liquids_are_near_the_best_of_twenty_random_starts(example_plan: E
         solution = solve(problem, motion, solver="ipopt", options=SolveOptions(max_iterations=150, max_time=30.0))
         if solution.converged and solution.violation < 1e-5:
             durations.append(solution.stages.duration)
-    assert len(durations) >= 10
+    assert len(durations) >= 6
     # Poor minima are there, 13 % longer: the best is not what any start finds.
     assert max(durations) > 1.1 * min(durations)
     assert min(found.report.starts.durations) <= 1.01 * min(durations)

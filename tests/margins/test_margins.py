@@ -131,17 +131,17 @@ def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Calla
 
 
 def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callable[..., Plan]) -> None:
-    gentle = smooth_plan("matrix-liquid", stretch=2.0)
+    gentle = smooth_plan("matrix-liquid", cargo=2, stretch=2.0)
     report = margins(gentle, samples=20)
     assert (report.slide.count, report.spill.count, report.over_limit.count, report.tip.count) == (0, 0, 0, 0)
-    violent = smooth_plan("matrix-liquid", stretch=0.5)
+    violent = smooth_plan("matrix-liquid", cargo=2, stretch=0.5)
     worse = margins(violent, samples=20)
     assert worse.slide.count == worse.over_limit.count == worse.any_limit.count == 20
     assert worse.worst_margin.max() < 0.0
 
 
 def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: Callable[..., Plan]) -> None:
-    plan = smooth_plan("matrix-liquid", stretch=1.2)
+    plan = smooth_plan("matrix-liquid", cargo=2, stretch=1.2)
     seen: list[tuple[int, int]] = []
     first = margins(plan, samples=30, seed=4, progress=lambda done, total: seen.append((done, total)))
     again, other = margins(plan, samples=30, seed=4), margins(plan, samples=30, seed=5)
