@@ -8,6 +8,7 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from nospill.examples import EXAMPLES, example_path
@@ -26,11 +27,15 @@ CAPTIONS: dict[str, str] = {
 
 def write_gallery(places: Places) -> None:
     """One page an example; plans are kept until the package or the scenario changes."""
-    for number, (name, about) in enumerate(EXAMPLES.items(), 1):
+
+    def planned(name: str) -> Path:
         scenario = example_path(name).read_text(encoding="utf-8")
-        folder = (
-            places.cached(f"plan-{name}", scenario, lambda target, name=name: _plan(name, target / "plan")) / "plan"
-        )
+        return places.cached(f"plan-{name}", scenario, lambda target: _plan(name, target / "plan")) / "plan"
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        folders = dict(zip(EXAMPLES, pool.map(planned, EXAMPLES), strict=True))
+    for number, (name, about) in enumerate(EXAMPLES.items(), 1):
+        scenario, folder = example_path(name).read_text(encoding="utf-8"), folders[name]
         pictures = sorted((folder / "figures").glob("*.png"), key=_order)
         for picture in pictures:
             copy_if_changed(picture, places.docs / "gallery" / f"{number:02d}-{name}" / picture.name)
@@ -52,7 +57,7 @@ def _nospill(*arguments: str) -> None:
         RuntimeError: the command failed.
     """
     program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
-    environment = {**os.environ, "NOSPILL_COMPILE": "off"}
+    environment = {**os.environ, "NOSPILL_COMPILE": "off", "NOSPILL_THREADS": "1"}
     done = subprocess.run(program, env=environment, text=True, capture_output=True, check=False)
     if done.returncode:
         raise RuntimeError(f"nospill {' '.join(arguments)} failed ({done.returncode}): {done.stderr.strip()[-400:]}")
