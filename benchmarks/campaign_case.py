@@ -22,10 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from nospill import planner, planning_run
+from nospill import planner, planning_run, reasons
 from nospill.certificate import judge
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.ocp.guess import Start
+from nospill.planning_starts import Attempt
 from nospill.plans import Plan, describe
 from nospill.reasons import Searcher
 from nospill.robots.inverse import JointPath, joint_paths
@@ -191,7 +192,7 @@ def only_start(
         outcome: of this start, to be filled in by whoever plans; it joins `known` with its coarse answer.
     """
     planner_run = planning_run.PlanningRun
-    attempts, search, resort = planner_run._attempts, planner_run.search, planning_run.last_resort
+    attempts, search, resort = planning_run.attempts, planner_run.search, reasons.last_resort
 
     def alone(run: planning_run.PlanningRun, joint_path: JointPath, **how: bool) -> Solution:
         coarse = search(run, joint_path, **how)
@@ -205,14 +206,13 @@ def only_start(
     def no_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
         raise NoSolutionError("the start led nowhere" if last is None else last.status)
 
-    once = (start, planning_run.COARSE_ITERATIONS, False, False)
-    planner_run._attempts = lambda run, briefly: iter((once,))
-    planner_run.search, planning_run.last_resort = alone, no_resort
+    planning_run.attempts = lambda scene, *, briefly: (Attempt(start),)
+    planner_run.search, reasons.last_resort = alone, no_resort
     try:
         yield
     finally:
-        planner_run._attempts = attempts
-        planner_run.search, planning_run.last_resort = search, resort
+        planning_run.attempts = attempts
+        planner_run.search, reasons.last_resort = search, resort
 
 
 def _print(line: dict[str, Any]) -> None:

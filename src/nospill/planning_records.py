@@ -34,3 +34,20 @@ class Memory:
     solution: Solution
     kept: frozenset[tuple[str, int]]
     reserves: Reserves
+
+
+@dataclass(frozen=True, slots=True)
+class Second:
+    """The search from the second start, made beside the first.
+
+    Attributes:
+        solution: the answer.
+        joined: rows it began with. kept: rows at its end.
+        iterations, solve_time: effort; the time in s.
+    """
+
+    solution: Solution
+    joined: set[tuple[str, int]]
+    kept: set[tuple[str, int]]
+    iterations: int
+    solve_time: float

@@ -6,9 +6,11 @@ import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
+from nospill.beside import Beside, beside
 from nospill.certificate import Judgement, judge
 from nospill.constraints.residual_height import EndDisplacement
 from nospill.constraints.slosh_height import SloshHeight
@@ -22,7 +24,6 @@ from nospill.ocp.guess import (
     resample,
     resolving_intervals,
     smooth_start,
-    starting_motions,
 )
 from nospill.ocp.layout import layout_of
 from nospill.ocp.problem import Problem, Reserves, build_problem
@@ -30,10 +31,10 @@ from nospill.ocp.stages import Stages
 from nospill.planning_records import Memory as Memory
 from nospill.planning_records import PlanningProgress as PlanningProgress
 from nospill.planning_records import Progress as Progress
+from nospill.planning_records import Second
 from nospill.planning_rows import Rows
+from nospill.planning_starts import SECOND_ITERATIONS, Attempt, agreed, alike, attempts
 from nospill.plans import Plan, PlanningReport, Starts
-from nospill.reasons import is_hopeless, last_resort
-from nospill.reasons.search import WITHIN, Trials
 from nospill.reserves import falls_short, range_reserves
 from nospill.robots.inverse import JointPath
 from nospill.robots.regularity import clearance, determinants, keeps_branch
@@ -45,14 +46,9 @@ from nospill.verdict import Row
 from nospill.warm_start import is_broken, slow_enough, with_restart_reserves
 
 _ROUNDS = 8
-_AGREEMENT = 5e-3
 _COARSEST = 25
 _COARSE_SWING = 2.5
 _FINE_SWING = 0.7
-COARSE_ITERATIONS = 150
-_SECOND_ITERATIONS = 60
-_LAST_ITERATIONS = 500
-_LAST_STARTS = 4
 REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
 _TIGHTEN_BARRIER = 1e-6
 _AGAIN_BARRIER = 1e-6
@@ -61,7 +57,6 @@ _ROOM_IF_BROKEN = 0.05
 _BROKEN_ITERATIONS = 50
 _TIGHTEN_ITERATIONS = 40
 REFINE_ITERATIONS = 100
-_SAME = 1e-3
 _NEAR_AT_START = 0.75
 _LEAST_TIME = 10.0
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
@@ -69,7 +64,10 @@ _TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 @dataclass(slots=True)
 class PlanningRun:
-    """One call of `plan`: its clock, counters and the steps of the story."""
+    """One call of `plan`: its clock, counters and the steps of the story.
+
+    Where it `forks`, a copy of this process searches from the second start, beside the first.
+    """
 
     scene: Scene
     progress: Progress | None
@@ -85,6 +83,8 @@ class PlanningRun:
     least_determinant: float = 0.0
     crossed: JointPath | None = None
     asked: Scene | None = None
+    forks: bool = False
+    last_export: tuple[Stages, Trajectory] | None = None
     rows: Rows = field(init=False)
 
     def __post_init__(self) -> None:
@@ -182,12 +182,18 @@ class PlanningRun:
 
         Most rows of most objects are far from their limits all the time, and an interior point method pays for each.
         """
-        slack = self._slack(start)
+        self._join_near(start)
+        return self._solved_with_broken(start, iterations=iterations, by_error=by_error)
+
+    def _join_near(self, start: Stages) -> None:
+        """Keep the rows that come near their limits on a start."""
         # The start's liquids are at rest: their height says nothing.
-        rows = self.rows
-        rows.kept |= {key for key, value in slack.items() if value <= _NEAR_AT_START or key[0] == SloshHeight.name}
-        rows.kept &= rows.all
-        barrier: float | None = None
+        slack = self._slack(start)
+        near = {key for key, value in slack.items() if value <= _NEAR_AT_START or key[0] == SloshHeight.name}
+        self.rows.kept = (self.rows.kept | near) & self.rows.all
+
+    def _solved_with_broken(self, start: Stages, *, iterations: int, by_error: bool) -> Solution:
+        rows, barrier = self.rows, None
         while True:
             solution = self.solve(start, barrier=barrier, iterations=iterations, by_error=by_error)
             if not usable(solution):
@@ -218,6 +224,8 @@ class PlanningRun:
 
     def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
         """Whether a motion of a scene is found at once; what is learnt of it does not come back."""
+        from nospill.reasons.search import WITHIN, Trials
+
         found = Trials(self, joint_path).fastest(scene)
         if found is None or found.duration > WITHIN * scene.motion.max_duration:
             return False
@@ -289,63 +297,75 @@ class PlanningRun:
         options = self.scene.planning
         self.durations.clear()
         self.rows.kept = set()
-        tried = 0
-        expected = estimate_duration(self.scene, joint_path)
+        tried, expected = 0, estimate_duration(self.scene, joint_path)
         # Where even the estimate reaches the longest motion allowed, a look at that motion saves a long vain search.
-        if expected >= 0.79 * self.scene.motion.max_duration and is_hopeless(self.scene, joint_path):
+        if expected >= 0.79 * self.scene.motion.max_duration and self._is_hopeless(joint_path):
             return self._overlooked(joint_path, None)
         best: Solution | None = None
         last: Solution | None = None
-        for start, patience, by_error, all_rows in self._attempts(briefly):
-            if (tried >= options.starts and best is not None) or (tried and self.out_of_time):
-                break
-            if all_rows:
-                self.rows.keep_all()
-            if best is not None:
-                patience = _SECOND_ITERATIONS
-            last = self.solve_near(self.start(joint_path, start), iterations=patience, by_error=by_error)
-            tried += 1
-            if usable(last):
-                self.durations.append(last.stages.duration)
-                if best is None or last.objective < best.objective:
-                    best = last
-            elif best is None and is_hopeless(self.scene, joint_path):
-                break
-            if self._agreed():
-                break
+        planned = attempts(self.scene, briefly=briefly)
+        first, second = planned[0], planned[1] if options.starts > 1 else None
+        forks = self.forks and self._is_compiled(joint_path)
+        with beside(partial(self._second, joint_path, first, second) if forks and second else None) as other:
+            for attempt in planned:
+                if (tried >= options.starts and best is not None) or (tried and self.out_of_time):
+                    break
+                if attempt.all_rows:
+                    self.rows.keep_all()
+                motion = self.start(joint_path, attempt.start)
+                last = self._taken(other, best) if attempt is second and other is not None else None
+                if last is None:
+                    iterations = attempt.iterations if best is None else SECOND_ITERATIONS
+                    last = self.solve_near(motion, iterations=iterations, by_error=attempt.by_error)
+                tried += 1
+                if usable(last):
+                    self.durations.append(last.stages.duration)
+                    if best is None or last.objective < best.objective:
+                        best = last
+                elif best is None and self._is_hopeless(joint_path):
+                    break
+                if agreed(self.scene, self.durations):
+                    break
         self.tried += tried
         if best is None and briefly:
             raise NoSolutionError("No motion found at once.")
         return self._overlooked(joint_path, last) if best is None else best
 
-    def _attempts(self, briefly: bool) -> Iterator[tuple[Start, int, bool, bool]]:
-        """Starts, iterations each gets, whether its steps count by their error, whether all rows take part.
+    def _is_compiled(self, joint_path: JointPath) -> bool:
+        """Whether machine code serves the problem; CasADi's virtual machine keeps all cores busy by itself."""
+        return self._problem(self.start(joint_path), self.rows.all).transcription.stage.compiled
 
-        What one way of accepting steps wanders on without end, the other often solves at once. Those beyond the number
-        that is asked for are for when nothing is found: a random one with more patience, which often suffices; then,
-        with all rows, the usual two again and further random ones.
-        """
-        count = self.scene.planning.starts
-        starts = list(starting_motions(self.scene, further=_LAST_STARTS))
-        for index, start in enumerate(starts[:count]):
-            yield start, COARSE_ITERATIONS, index % 2 == 1, False
-        if briefly:
-            return
-        yield starts[count], _LAST_ITERATIONS, count % 2 == 1, False
-        yield from ((start, COARSE_ITERATIONS, start is not starts[0], True) for start in starts[1::-1])
-        for index, start in enumerate(starts[count + 1 :], start=count + 1):
-            yield start, _LAST_ITERATIONS, index % 2 == 1, True
+    def _second(self, joint_path: JointPath, first: Attempt, second: Attempt) -> Second:
+        """In a copy of this process: from the second start, as if the first had an answer that breaks no other rows."""
+        self.progress, self.iterations, self.solve_time = None, 0, 0.0
+        for attempt in (first, second):
+            motion = self.start(joint_path, attempt.start)
+            self._join_near(motion)
+        joined = set(self.rows.kept)
+        solution = self._solved_with_broken(motion, iterations=SECOND_ITERATIONS, by_error=second.by_error)
+        return Second(solution, joined, self.rows.kept, self.iterations, self.solve_time)
+
+    def _taken(self, other: Beside[Second], best: Solution | None) -> Solution | None:
+        """The copy's answer, if it is what would come out here; None where it must be solved here."""
+        with self.phase("solve"):
+            found = other.result() if best is not None else other.stop()
+        if found is None or not self.rows.kept <= found.joined:
+            return None
+        self.rows.kept = found.kept
+        self.iterations, self.solve_time = self.iterations + found.iterations, self.solve_time + found.solve_time
+        return found.solution
+
+    def _is_hopeless(self, joint_path: JointPath) -> bool:
+        from nospill import reasons  # loaded where something is wrong
+
+        return reasons.is_hopeless(self.scene, joint_path)
 
     def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:
-        found = last_resort(self, joint_path, last)
+        from nospill import reasons
+
+        found = reasons.last_resort(self, joint_path, last)
         self.durations.append(found.stages.duration)
         return found
-
-    def _agreed(self) -> bool:
-        """Two starts with the same end are enough, except for perfectly still liquids, which have poor local minima."""
-        if self.scene.motion.end == "still" and any(cargo.filling for cargo in self.scene.cargo):
-            return False
-        return sum(duration <= min(self.durations) * (1 + _SAME) for duration in self.durations) >= 2
 
     def memory(self, solution: Solution) -> Memory:
         """What the next run on a similar scene may start from."""
@@ -456,9 +476,11 @@ class PlanningRun:
 
     def exported(self, stages: Stages) -> Trajectory:
         """The samples of a motion."""
-        if self.crossed is not None:  # no instant of the problem knows on which branch the one before was
-            stages = with_joints_solved(self.scene, stages, self.crossed)
-        return export_samples(self.scene, stages)
+        if self.last_export is None or self.last_export[0] is not stages:
+            # where joints cross a singularity, no instant of the problem knows on which branch the one before was
+            solved = stages if self.crossed is None else with_joints_solved(self.scene, stages, self.crossed)
+            self.last_export = stages, export_samples(self.scene, solved)
+        return self.last_export[1]
 
     def _objections(self, judgement: Judgement) -> list[Row]:
         """The rows that fail or come too near to it, by the subjects of the run's scene."""
@@ -466,14 +488,12 @@ class PlanningRun:
 
     def report(self, solution: Solution) -> PlanningReport:
         """What it cost."""
-        best = min(self.durations)
-        agreed = sum(duration <= best * (1 + _AGREEMENT) for duration in self.durations)
         return PlanningReport(
             plan_time=time.perf_counter() - self.began,
             solve_time=self.solve_time,
             iterations=self.iterations,
             rounds=self.rounds,
-            starts=Starts(self.tried, len(self.durations), agreed, tuple(self.durations)),
+            starts=Starts(self.tried, len(self.durations), alike(self.durations), tuple(self.durations)),
             phases=dict(self.phases),
             solver_status=solution.status + (_TIME_IS_UP if self.out_of_time else ""),
             reserves=self.rows.raised(),

@@ -213,7 +213,7 @@ def test_starts_of_the_cases_in_another_file(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.slow
 def test_starts_that_come_to_the_same_are_refined_once(monkeypatch: pytest.MonkeyPatch) -> None:
     refined: list[float] = []
-    refine, attempts = planning_run.PlanningRun.refine, planning_run.PlanningRun._attempts
+    refine, attempts = planning_run.PlanningRun.refine, planning_run.attempts
 
     def counted(run: planning_run.PlanningRun, coarse: Any) -> Any:
         refined.append(coarse.stages.duration)
@@ -226,7 +226,7 @@ def test_starts_that_come_to_the_same_are_refined_once(monkeypatch: pytest.Monke
     assert first["duration_s"] == pytest.approx(1.850, rel=1e-3) and len(refined) == 1
     assert [outcome.get("as") for outcome in outcomes] == [None, 0, 0]
     assert {outcome["duration_s"] for outcome in outcomes} == {first["duration_s"]}
-    assert planning_run.PlanningRun._attempts is attempts  # all is as before
+    assert planning_run.attempts is attempts  # all is as before
 
 
 def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

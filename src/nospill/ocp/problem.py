@@ -64,6 +64,11 @@ class Problem:
             table = np.column_stack([table, values])
         return (table / self.scales).ravel()[: self.transcription.variables]
 
+    def duration(self, variables: np.ndarray) -> float:
+        """End time of the candidate that scaled variables stand for, s."""
+        index = self.transcription.layout.interval
+        return float(variables[index] * self.scales[index]) * self.transcription.intervals
+
     def decode(self, variables: np.ndarray) -> Stages:
         """The candidate that scaled variables stand for."""
         size = self.transcription.layout.size

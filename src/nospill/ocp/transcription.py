@@ -103,13 +103,7 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
     lower = np.concatenate([zeros, shape.lower[chosen]])
     upper = np.concatenate([zeros, shape.upper[chosen]])
 
-    threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
-    values, slopes, costs = (
-        over_columns(function, intervals, [1], threads=threads)
-        for function in (stage.values, stage.slopes, stage.costs)
-    )
-    curvatures = over_columns(stage.curvatures, intervals, [1, 2], threads=threads)
-
+    values, slopes, costs, curvatures = _over_stages(stage, intervals)
     size, states, height = layout.size, layout.states, len(rows)
     total, end_height = intervals * size + states, len(shape.end_lower)
     w = MX.sym("w", total)
@@ -171,6 +165,17 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
     )
 
 
+@lru_cache(maxsize=32)
+def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, Any]:
+    """Values, slopes, costs and curvatures of all stages: the same for every choice of rows."""
+    threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
+    values, slopes, costs = (
+        over_columns(function, intervals, [1], threads=threads)
+        for function in (stage.values, stage.slopes, stage.costs)
+    )
+    return values, slopes, costs, over_columns(stage.curvatures, intervals, [1, 2], threads=threads)
+
+
 def _kept_rows(stage: StageFunctions, kept: Kept | None) -> tuple[np.ndarray, tuple[Block, ...]]:
     """Indices of the constraints of a stage that take part, and the kept blocks at their new places."""
     rows, blocks = list(range(stage.shape.fixed)), []
@@ -210,6 +215,7 @@ def _jacobian_places(
     return entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
 
 
+@lru_cache(maxsize=32)
 def _hessian_places(stage: StageFunctions, intervals: int) -> tuple[ca.Sparsity, list[int]]:
     size, index = stage.layout.size, np.arange(intervals)[:, None]
 

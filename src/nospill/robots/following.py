@@ -80,6 +80,8 @@ def follow(
             they can.
     """
     stepper = _Stepper(arm, path, tool_position, tool_yaw, held)
+    positions, rotations = tray_poses(path, s)
+    rates = tray_rates(path, s)
     branches = len(starts)
     q = np.full((branches, len(s), arm.n), np.nan)
     q[:, 0] = starts
@@ -90,7 +92,12 @@ def follow(
             break
         waiting = active
         for substeps in SUBSTEPS:
-            reached, good = stepper.advance(q[waiting, index - 1], np.linspace(s[index - 1], s[index], substeps + 1))
+            start = q[waiting, index - 1]
+            if substeps == 1:
+                width = s[index] - s[index - 1]
+                reached, good = stepper.step(start, width, positions[index], rotations[index], rates[index - 1])
+            else:
+                reached, good = stepper.advance(start, np.linspace(s[index - 1], s[index], substeps + 1))
             q[waiting[good], index] = reached[good]
             last[waiting[good]] = index
             waiting = waiting[~good]
@@ -100,7 +107,6 @@ def follow(
 
     complete = np.zeros(branches, dtype=bool)
     complete[active] = True
-    positions, rotations = tray_poses(path, s)
     for branch in active:
         polished, error = newton(
             arm,
@@ -138,26 +144,49 @@ class _Stepper:
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])
         rates = tray_rates(self._path, s[:-1])
-        kept = None if self._held is None else q @ self._held
+        kept = self._kept(q)
         for step, width in enumerate(np.diff(s)):
             rows = np.flatnonzero(good)
             if rows.size == 0:
                 break
-            _, _, jacobian = self._at(q[rows])
-            held = None if self._held is None or kept is None else Held(self._held, kept[rows])
-            rate = np.broadcast_to(rates[step], (rows.size, 6))
-            if held is not None:
-                jacobian, rate = held.added(jacobian, rate, q[rows])
-            prediction = width * least_norm_step(jacobian, rate)
-            near = q[rows] + prediction
-            first = self._correction(near, positions[step], rotations[step], held)
-            second = self._correction(near + first, positions[step], rotations[step], held)
-            q[rows] = near + first + second
-            sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
-            good[rows] = (
-                (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
-            )
+            held = None if kept is None else Held(kept.direction, kept.values[rows])
+            q[rows], good[rows] = self.step(q[rows], width, positions[step], rotations[step], rates[step], held)
         return q, good
+
+    def step(
+        self,
+        q: np.ndarray,
+        width: float,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        rate: np.ndarray,
+        held: Held | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Carry branches by one step; return where they are (k, n) and which made it (k,).
+
+        Args:
+            q: (k, n) where they were.
+            width: of the step, in s.
+            position: (3,) of the tray at the end of the step.
+            rotation: (3, 3) likewise.
+            rate: (6,) as of `tray_rates`, at the beginning of the step.
+            held: what keeps its value; without it, the value at q.
+        """
+        _, _, jacobian = self._at(q)
+        held = held or self._kept(q)
+        rates = np.broadcast_to(rate, (len(q), 6))
+        if held is not None:
+            jacobian, rates = held.added(jacobian, rates, q)
+        prediction = width * least_norm_step(jacobian, rates)
+        near = q + prediction
+        first = self._correction(near, position, rotation, held)
+        second = self._correction(near + first, position, rotation, held)
+        sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
+        good = (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
+        return near + first + second, good
+
+    def _kept(self, q: np.ndarray) -> Held | None:
+        return None if self._held is None else Held(self._held, q @ self._held)
 
     def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray, held: Held | None) -> np.ndarray:
         reached, turned, jacobian = self._at(q)

@@ -120,7 +120,7 @@ class Kinematics:
             tool_position: (3,) tool origin in flange axes, m.
             tool_yaw: turn of the tool about the flange's z, rad.
         """
-        flat = self._call(self._flat_pose, q, tool=_tool(tool_position, tool_yaw))
+        flat = self._call(self._flat_pose, q, tool=_tool_row(tool_position, tool_yaw))
         return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
 
     def jacobians(self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0) -> np.ndarray:
@@ -134,14 +134,14 @@ class Kinematics:
             tool_position: (3,) tool origin in flange axes, m.
             tool_yaw: turn of the tool about the flange's z, rad.
         """
-        flat = self._call(self._flat_jacobian, q, tool=_tool(tool_position, tool_yaw))
+        flat = self._call(self._flat_jacobian, q, tool=_tool_row(tool_position, tool_yaw))
         return flat.reshape(-1, 6, self.n)
 
     def poses_and_jacobians(
         self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
-        flat = self._call(self._flat_both, q, tool=_tool(tool_position, tool_yaw))
+        flat = self._call(self._flat_both, q, tool=_tool_row(tool_position, tool_yaw))
         return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
 
     def motions(
@@ -164,7 +164,9 @@ class Kinematics:
             tool_yaw: turn of the tool about the flange's z, rad.
             function: a compiled copy of `motion_function` to use in its place.
         """
-        flat = self._call(function or self.motion_function, q, qd, qdd, tool=_tool(tool_position, tool_yaw))
+        flat = self._call(
+            function or self.motion_function, q, qd, qdd, tool=np.array([*tool_position, tool_yaw], dtype=float)
+        )
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),
@@ -174,8 +176,8 @@ class Kinematics:
             angular_acceleration=flat[:, 21:24],
         )
 
-    def _call(self, function: Any, *samples: np.ndarray, tool: cs.DM) -> np.ndarray:
-        """Evaluate on (m, n) arrays, one sample per row; the tool is the same for all."""
+    def _call(self, function: Any, *samples: np.ndarray, tool: np.ndarray) -> np.ndarray:
+        """Evaluate on (m, n) arrays, one sample per row; the tool (x, y, z, yaw) is the same for all."""
         count = len(samples[0])
         for array in samples:
             if np.shape(array) != (count, self.n):
@@ -183,7 +185,7 @@ class Kinematics:
         if count == 0:
             return np.zeros((0, function.size1_out(0)))
         columns = [np.asarray(array, dtype=float).T for array in samples]
-        return np.ascontiguousarray(evaluate(function, columns, tool.full()[:, 0]).T)
+        return np.ascontiguousarray(evaluate(function, columns, tool).T)
 
 
 class Chain(Protocol):
@@ -234,6 +236,10 @@ def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
 
 def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
     return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
+
+
+def _tool_row(position: ToolPosition, yaw: float) -> np.ndarray:
+    return np.array([*position, yaw], dtype=float)
 
 
 def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:

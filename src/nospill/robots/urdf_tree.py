@@ -10,7 +10,6 @@ import math
 import re
 from dataclasses import dataclass
 from xml.etree import ElementTree
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -135,17 +134,17 @@ def read_tree(text: str) -> UrdfTree:
 def write_tree(tree: UrdfTree) -> str:
     """Write a description as URDF text: links with mass properties, joints, nothing else; every digit is kept."""
     lines = ['<?xml version="1.0"?>', *([f"<!-- {_MESHES}{tree.meshes} -->"] if tree.meshes else [])]
-    lines.append(f"<robot name={quoteattr(tree.name)}>")
+    lines.append(f"<robot name={_quoted(tree.name)}>")
     for name, inertial in tree.links.items():
         if inertial is None:
-            lines.append(f"  <link name={quoteattr(name)}/>")
+            lines.append(f"  <link name={_quoted(name)}/>")
             continue
         tensor = " ".join(
             f'i{axes}="{_digits(value)}"'
             for axes, value in zip(("xx", "xy", "xz", "yy", "yz", "zz"), inertial.tensor, strict=True)
         )
         lines += [
-            f"  <link name={quoteattr(name)}>",
+            f"  <link name={_quoted(name)}>",
             "    <inertial>",
             f'      <origin xyz="{_row(inertial.centre)}" rpy="{_row(inertial.rpy)}"/>',
             f'      <mass value="{_digits(inertial.mass)}"/>',
@@ -302,9 +301,9 @@ def _check(tree: UrdfTree) -> None:
 
 def _joint_lines(joint: UrdfJoint) -> list[str]:
     lines = [
-        f'  <joint name={quoteattr(joint.name)} type="{joint.kind}">',
-        f"    <parent link={quoteattr(joint.parent)}/>",
-        f"    <child link={quoteattr(joint.child)}/>",
+        f'  <joint name={_quoted(joint.name)} type="{joint.kind}">',
+        f"    <parent link={_quoted(joint.parent)}/>",
+        f"    <child link={_quoted(joint.child)}/>",
         f'    <origin xyz="{_row(joint.position)}" rpy="{_row(joint.rpy)}"/>',
     ]
     if joint.kind in ("revolute", "continuous", "prismatic"):
@@ -316,6 +315,14 @@ def _joint_lines(joint: UrdfJoint) -> list[str]:
     if joint.mimic:
         lines.append("    <mimic/>")
     return [*lines, "  </joint>"]
+
+
+_QUOTED = str.maketrans({char: f"&#{ord(char)};" for char in '&<>"\n\r\t'})
+
+
+def _quoted(text: str) -> str:
+    # xml.sax.saxutils would load urllib and http with it
+    return f'"{text.translate(_QUOTED)}"'
 
 
 def _row(values: Vector) -> str:
