@@ -304,7 +304,7 @@ class PlanningRun:
         best: Solution | None = None
         last: Solution | None = None
         planned = attempts(self.scene, briefly=briefly)
-        first, second = planned[0], planned[1] if options.starts > 1 else None
+        first, second = planned[0], planned[1] if min(options.starts, len(planned)) > 1 else None
         forks = self.forks and self._is_compiled(joint_path)
         with beside(partial(self._second, joint_path, first, second) if forks and second else None) as other:
             for attempt in planned:
