@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from nospill.ocp.guess import USUAL_START
-from nospill.planning_starts import agreed, attempts
+from nospill.planning_starts import agreed, alike, attempts
 from nospill.scenario import read_scenario
 
 
@@ -37,3 +37,7 @@ def test_two_answers_that_are_the_same_are_enough_but_for_still_liquids() -> Non
     assert not agreed(rigid, [1.4]) and not agreed(rigid, [1.4, 1.5])
     assert agreed(rigid, [1.5, 1.4, 1.4009])
     assert not agreed(still, [2.0, 2.0])
+
+
+def test_answers_near_the_best_are_counted() -> None:
+    assert [alike(durations) for durations in ([1.4], [1.4, 1.4069], [1.4, 1.408], [1.5, 1.4, 1.404])] == [1, 2, 1, 2]

@@ -36,9 +36,9 @@ def plan(
             searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints the optimiser leaves out, to see what they cost. The judge leaves out none.
         progress: called with where planning stands.
-        fork: search from the second start in a forked copy of this process, at the same time: the same answer, a
-            sixth sooner on two cores. On Linux only, and only where no other thread of the process is inside CasADi or
-            holds what a copy needs: for programs of which you own all threads, like the command line.
+        fork: search from the second start in a forked copy of this process, at the same time: the same answer, an
+            eighth sooner for the command on two cores. On Linux only, and only where no other thread of the process is
+            inside CasADi or holds what a copy needs: for programs of which you own all threads, as the command line.
 
     Returns:
         The plan. If the judge still objects after the last tightening, the plan says so: status "uncertified".

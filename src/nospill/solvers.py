@@ -323,7 +323,7 @@ class _Watcher(ca.Callback):
         return True
 
     def eval_buffer(self, arg: Sequence[memoryview], res: Sequence[memoryview]) -> int:
-        # The numbers as they lie in memory: through CasADi's matrices it takes three times as long.
+        # The numbers as they lie in memory: CasADi's matrices would copy all of them first, at every iteration.
         try:
             x, _, g = (np.frombuffer(part, dtype=float) for part in arg[:3])
             self._progress(self._iteration, self._problem.duration(x), violation(self._problem, g))

@@ -164,9 +164,8 @@ class Kinematics:
             tool_yaw: turn of the tool about the flange's z, rad.
             function: a compiled copy of `motion_function` to use in its place.
         """
-        flat = self._call(
-            function or self.motion_function, q, qd, qdd, tool=np.array([*tool_position, tool_yaw], dtype=float)
-        )
+        tool = _tool_row(tool_position, tool_yaw)
+        flat = self._call(function or self.motion_function, q, qd, qdd, tool=tool)
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),

@@ -6,6 +6,7 @@ turn about fixed x, y and z in this order; a joint's frame is its child link's f
 
 from __future__ import annotations
 
+import html
 import math
 import re
 from dataclasses import dataclass
@@ -317,12 +318,9 @@ def _joint_lines(joint: UrdfJoint) -> list[str]:
     return [*lines, "  </joint>"]
 
 
-_QUOTED = str.maketrans({char: f"&#{ord(char)};" for char in '&<>"\n\r\t'})
-
-
 def _quoted(text: str) -> str:
-    # xml.sax.saxutils would load urllib and http with it
-    return f'"{text.translate(_QUOTED)}"'
+    # xml.sax.saxutils, which is meant for this, would load urllib and http with it
+    return f'"{html.escape(text)}"'
 
 
 def _row(values: Vector) -> str:
