@@ -37,7 +37,7 @@ docs: $(VENV)/.ready-docs
 	@echo "documentation: $(CURDIR)/docs/_build/html/index.html"
 
 bench: $(VENV)/.ready-test
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python -m benchmarks.planning.run
 
 # The stamps are written last, so a set-up that was cut short is done again.
 $(VENV)/.ready-test: $(PINS)

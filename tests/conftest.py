@@ -12,17 +12,20 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from nospill.ocp.answer import export_samples
-from nospill.ocp.guess import Start, smooth_start
-from nospill.ocp.stages import Stages
-from nospill.planner import plan
-from nospill.plans import Plan
-from nospill.robots.inverse import JointPath, joint_paths
+from nospill.judge.certificate import judge
+from nospill.motion.interpolation import JointSamples
+from nospill.motion.trajectory import Trajectory
+from nospill.planning.planner import plan
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scene import Scene
-from nospill.trajectory import Trajectory
+from nospill.scene.scene import Scene
+from nospill.transcription.answer import export_samples
+from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.stages import Stages
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
@@ -104,6 +107,41 @@ def smooth_motion() -> Callable[..., SmoothMotion]:
         return _smooth_motion(name, cargo, intervals, Start(stretch, skew, tilt))
 
     return make
+
+
+@pytest.fixture(scope="session")
+def gentle_plan(smooth_motion) -> Callable[..., Plan]:
+    """A certified plan of an example, slow enough to keep every limit with room: its name, and how many objects."""
+
+    @cache
+    def make(name: str, cargo: int | None = None) -> Plan:
+        motion = smooth_motion(name, cargo=cargo, stretch=0.8 if name == "matrix-rigid" else 1.3)
+        judgement = judge(motion.trajectory, motion.scene)
+        assert judgement.certificate.ok
+        report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+        maxima = motion_maxima(judgement, motion.scene)
+        return Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report)
+
+    return make
+
+
+def curve(samples: int = 40, joints: int = 6, rate: float = 500.0) -> JointSamples:
+    """A rest-to-rest quintic in every joint, with different ends; times as whole nanoseconds."""
+    t = np.round(np.arange(samples) / rate * 1e9) / 1e9
+    u, length = (t / t[-1])[:, None], t[-1]
+    start, way = np.linspace(-1.3, 2.1, joints), np.linspace(0.5, -3.0, joints)
+    return JointSamples(
+        t,
+        start + way * (10 * u**3 - 15 * u**4 + 6 * u**5),
+        way * (30 * u**2 - 60 * u**3 + 30 * u**4) / length,
+        way * (60 * u - 180 * u**2 + 120 * u**3) / length**2,
+    )
+
+
+@pytest.fixture(scope="session")
+def samples() -> Callable[..., JointSamples]:
+    """Make the `curve`."""
+    return curve
 
 
 @pytest.fixture(scope="session")

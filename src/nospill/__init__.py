@@ -21,28 +21,28 @@ from nospill.errors import PlanFolderError as PlanFolderError
 from nospill.errors import ScenarioError as ScenarioError
 
 if TYPE_CHECKING:
-    from nospill.certificate import certify as certify
-    from nospill.planner import Planner as Planner
-    from nospill.planner import plan as plan
-    from nospill.plans import Plan as Plan
-    from nospill.plans import load_plan as load_plan
+    from nospill.judge.certificate import certify as certify
+    from nospill.judge.verdict import Certificate as Certificate
+    from nospill.motion.trajectory import Trajectory as Trajectory
+    from nospill.planning.planner import Planner as Planner
+    from nospill.planning.planner import plan as plan
+    from nospill.plans.plan import Plan as Plan
+    from nospill.plans.plan import load_plan as load_plan
     from nospill.scenario import read_scenario as load
-    from nospill.scene import Scene as Scene
-    from nospill.simulate import simulate_slosh as simulate_slosh
-    from nospill.trajectory import Trajectory as Trajectory
-    from nospill.verdict import Certificate as Certificate
+    from nospill.scene.scene import Scene as Scene
+    from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 
 _PLACES = {
-    "Certificate": ("nospill.verdict", "Certificate"),
-    "certify": ("nospill.certificate", "certify"),
-    "Plan": ("nospill.plans", "Plan"),
-    "load_plan": ("nospill.plans", "load_plan"),
-    "Planner": ("nospill.planner", "Planner"),
-    "plan": ("nospill.planner", "plan"),
+    "Certificate": ("nospill.judge.verdict", "Certificate"),
+    "certify": ("nospill.judge.certificate", "certify"),
+    "Plan": ("nospill.plans.plan", "Plan"),
+    "load_plan": ("nospill.plans.plan", "load_plan"),
+    "Planner": ("nospill.planning.planner", "Planner"),
+    "plan": ("nospill.planning.planner", "plan"),
     "load": ("nospill.scenario", "read_scenario"),
-    "Scene": ("nospill.scene", "Scene"),
-    "simulate_slosh": ("nospill.simulate", "simulate_slosh"),
-    "Trajectory": ("nospill.trajectory", "Trajectory"),
+    "Scene": ("nospill.scene.scene", "Scene"),
+    "simulate_slosh": ("nospill.simulation.simulate", "simulate_slosh"),
+    "Trajectory": ("nospill.motion.trajectory", "Trajectory"),
 }
 """Public name -> module and name there. Imported at first use, so that reading a scenario needs no optimiser."""
 

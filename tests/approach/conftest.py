@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.robots.inverse import joint_paths, preferred_path
-from nospill.scene import ApproachRules, Scene
+from nospill.robots.joint_paths.search import joint_paths, preferred_path
+from nospill.scene.scene import ApproachRules, Scene
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from nospill.approach import find_approach, judge_segment, read_segment, segment_text
 from nospill.approach.search import SLOWEST
 from nospill.errors import PlanFolderError
-from nospill.verdict import APPROACH
+from nospill.judge.verdict import APPROACH
 
 LEVEL = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0]
 """rad; only joint_1 turns, about the vertical: the tray stays level."""

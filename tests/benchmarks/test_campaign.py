@@ -13,19 +13,15 @@ from typing import Any
 
 import pytest
 
-from nospill import planning_run
+from benchmarks.campaign import case as campaign_case
+from benchmarks.campaign import process as campaign_process
+from benchmarks.campaign import report as campaign_report
+from benchmarks.campaign import run as campaign
+from benchmarks.campaign.lines import Lines
+from benchmarks.campaign.process import Job, line_of
 from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
+from nospill.planning import run as planning_run
 from nospill.scenario import read_scenario
-
-BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
-sys.path.insert(0, str(BENCHMARKS))
-
-import campaign  # noqa: E402  # pyright: ignore[reportMissingImports]
-import campaign_case  # noqa: E402  # pyright: ignore[reportMissingImports]
-import campaign_process  # noqa: E402  # pyright: ignore[reportMissingImports]
-import campaign_report  # noqa: E402  # pyright: ignore[reportMissingImports]
-from campaign_lines import Lines  # noqa: E402  # pyright: ignore[reportMissingImports]
-from campaign_process import Job, line_of  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 LIMITED = """
 import resource, sys
@@ -112,8 +108,9 @@ def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.Monk
 def test_whatever_a_process_does_is_a_line(
     code: str, limit: float, kind: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "campaign_case.py").write_text(code)
-    monkeypatch.setattr(campaign_process, "__file__", str(tmp_path / "campaign_process.py"))
+    (tmp_path / "stand_in.py").write_text(code)
+    monkeypatch.setattr(campaign_process, "CASE", "stand_in")
+    monkeypatch.setattr(campaign_process, "ROOT", str(tmp_path))
     found = campaign_process.run_job(Job(5, limit))
     assert found["seed"] == 5 and found["kind"] == kind and reason in found["reason"]
     assert found.get("structure") == ("s" if "structure" in code else None)
@@ -152,7 +149,7 @@ def test_a_case_of_its_own_and_its_starts() -> None:
 
 
 def test_unreachable_case_says_so() -> None:
-    from campaign_scenes import draw_case  # pyright: ignore[reportMissingImports]
+    from benchmarks.campaign.scenes import draw_case
 
     found = campaign_process.run_job(Job(38, 120.0))
     assert draw_case(38).unreachable and found["unreachable"]
@@ -260,16 +257,22 @@ def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setitem(sys.modules, "dask.distributed", fake)
     file = tmp_path / "campaign.jsonl"
     campaign.main(["--out", str(file), "--live", "--cases", "3", "--scheduler", "tcp://there:8786"])
-    assert sent["address"] == "tcp://there:8786" and set(sent["files"]) == set(campaign.MODULES)
+    assert sent["address"] == "tcp://there:8786" and sent["files"] == ["benchmarks.zip"]
     assert sent["folders"] == [None] * 3
     kinds = {found["seed"]: found["kind"] for found in Lines.read(file)}
     assert kinds == {0: "planned", 1: "crash", 2: "planned"}
 
 
-def test_modules_for_the_workers_are_all_that_a_case_imports() -> None:
-    code = "import campaign_case, campaign_process, campaign_scenes, sys; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], cwd=BENCHMARKS, capture_output=True, text=True, check=True)
-    assert {f"{name}.py" for name in done.stdout.split() if name.startswith("campaign")} == set(campaign.MODULES)
+def test_a_worker_starts_cases_from_the_archive_it_was_sent(tmp_path: Path) -> None:
+    code = "from benchmarks.campaign import process; print(process.ROOT); process.run_job"
+    environment = {"PYTHONPATH": str(campaign.archived(tmp_path)), "PATH": ""}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == str(tmp_path / "benchmarks.zip")
+    environment["PYTHONPATH"] = done.stdout.strip()
+    case = [sys.executable, "-m", "benchmarks.campaign.case", "--help"]
+    subprocess.run(case, cwd=tmp_path, env=environment, capture_output=True, check=True)
 
 
 def test_without_dask_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

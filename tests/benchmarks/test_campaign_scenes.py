@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from nospill.paths import Path as TrayPath
-from nospill.robots.catalog import ROBOTS
-from nospill.robots.inverse import joint_paths
-from nospill.robots.kinematics import kinematics
+from benchmarks.campaign import paths as campaign_paths
+from benchmarks.campaign import scenes as campaign_scenes
+from benchmarks.campaign.scenes import DISTRIBUTIONS, Case, Choice, Spread, draw_case
+from nospill.core.paths import Path as TrayPath
+from nospill.robots.description.catalog import ROBOTS
+from nospill.robots.joint_paths.search import joint_paths
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.path_entries import PATH_TABLES
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-
-import campaign_paths  # pyright: ignore[reportMissingImports]
-import campaign_scenes  # pyright: ignore[reportMissingImports]
-from campaign_scenes import DISTRIBUTIONS, Case, Choice, Spread, draw_case  # pyright: ignore
 
 FEW = [seed for seed in range(12) if seed not in (4, 5)]  # without the two whose search takes longest
 

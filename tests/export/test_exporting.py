@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from nospill.certificate import certify
 from nospill.cli import app
 from nospill.errors import PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.export.plan_files import compare_plan_files
+from nospill.judge.certificate import certify
 
 
 @pytest.fixture
@@ -81,7 +81,7 @@ def test_a_file_that_is_not_certified_is_written_and_said_to_be_so(gentle_plan, 
 
 
 def test_when_no_rate_would_do_the_scenario_is_named(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("nospill.handover.rate_that_would_do.__defaults__", ((10.0,),))
+    monkeypatch.setattr("nospill.plans.handover.rate_that_would_do.__defaults__", ((10.0,),))
     result = nospill("export", str(folder), "--format", "tray-csv", "--rate", "10", "-o", str(tmp_path / "a.csv"))
     assert result.exit_code == 1
     assert 'none of the usual rates would do; plan with rate = "10 Hz" under [output].' in result.stderr

@@ -15,7 +15,7 @@ from hypothesis.extra import numpy as hnp
 
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export.lab_csv import LAB_CSV, read_lab_csv, write_lab_csv
-from nospill.interpolation import JointSamples
+from nospill.motion.interpolation import JointSamples
 
 DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[3] / "shared" / "data"))
 

@@ -17,17 +17,17 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 from typer.testing import CliRunner
 
-from nospill.certificate import judge
 from nospill.cli import app
 from nospill.errors import PlanFolderError, ScenarioError
+from nospill.judge.certificate import judge
+from nospill.laws.parameters import flatten
+from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, margins, probability
 from nospill.margins.laws import object_margins, ride
 from nospill.margins.perturbed import perturbed
 from nospill.margins.ranges import draw
-from nospill.numbers import flatten
-from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
-from nospill.scene_numbers import object_numbers
 
 NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
 STILL = np.zeros(len(FACTORS))

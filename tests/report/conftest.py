@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from nospill.certificate import judge
-from nospill.ocp.answer import export_samples
-from nospill.ocp.guess import Start, smooth_start
-from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
+from nospill.judge.certificate import judge
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report
-from nospill.robots.inverse import joint_paths
+from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
+from nospill.transcription.answer import export_samples
+from nospill.transcription.guess import Start, smooth_start
 
 HOSTILE = "<script>alert('1')</script> & \"50 %\" $x$ <img src=http://example.org/a.png> \u6c34"
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from nospill.plans import TRAJECTORY_FILE, Plan, load_plan
+from nospill.plans.plan import TRAJECTORY_FILE, Plan, load_plan
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.report_pages import report_pdf
 from nospill.plots.style import LOOK

@@ -14,12 +14,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.plans import Plan
+from nospill.judge.verdict import Row
+from nospill.plans.plan import Plan
 from nospill.plots.report_pages import report_svgs
 from nospill.plots.text_pages import TextTable
 from nospill.report import Report, make_report
 from nospill.report.page import _bar, _table, html_page
-from nospill.verdict import Row
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 LARGEST = 3_000_000

@@ -14,10 +14,10 @@ from typer.testing import CliRunner, Result
 
 from nospill.cli import app
 from nospill.errors import PlanFolderError
-from nospill.plans import Plan
+from nospill.plans.plan import Plan
 from nospill.report import make_report, read_second_opinion, save_report, writing
 from nospill.report.second_opinion import NOT_ASKED, second_opinion
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
 from nospill.verify import ObjectReport, Peak, Thresholds, VerifyReport
 
 

@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 from nospill.cli import app
 from nospill.errors import ScenarioError
-from nospill.robots.catalog import load_robot
+from nospill.robots.description.catalog import load_robot
 from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
 
 BASE: dict[str, Any] = dict(read_scenario("matrix-rigid").source)
 ALL_LIMITS = {"robot": {"model": "comau-smart-six"}}

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from nospill.cli import app
 from nospill.errors import ScenarioError
-from nospill.robots.catalog import load_robot
-from nospill.robots.kinematics import kinematics
+from nospill.robots.description.catalog import load_robot
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table, write_scenario
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
 
-TESTS = Path(__file__).parents[1]
-VALID: dict[str, Any] = tomllib.loads((TESTS / "bad_scenarios" / "_valid.toml").read_text(encoding="utf-8"))
+HERE = Path(__file__).parent
+VALID: dict[str, Any] = tomllib.loads((HERE / "bad_scenarios" / "_valid.toml").read_text(encoding="utf-8"))
 LIMIT = '<limit lower="-2.5" upper="2.5" velocity="2" effort="90"/>'
 
 

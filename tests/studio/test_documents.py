@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.examples import EXAMPLES
 from nospill.export import EXPORTERS
-from nospill.plans import Plan, load_plan
+from nospill.plans.plan import Plan, load_plan
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario.examples import EXAMPLES
 from nospill.studio import documents
 from nospill.studio.draft import Draft
 

@@ -8,9 +8,9 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nospill.core.units import quantity
 from nospill.studio.changes import NEW_CUP
 from nospill.studio.draft import Draft, millimetres
-from nospill.units import quantity
 
 TABLE: dict[str, Any] = {
     "name": "small",

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.containers import SHAPES
-from nospill.examples import EXAMPLES
-from nospill.liquids import LIQUIDS
-from nospill.paths import PRESETS
-from nospill.robots.catalog import ROBOTS
+from nospill.core.paths import PRESETS
+from nospill.robots.description.catalog import ROBOTS
 from nospill.scenario import read_scenario
+from nospill.scenario.examples import EXAMPLES
+from nospill.scene.containers import SHAPES
+from nospill.scene.liquids import LIQUIDS
 from nospill.studio.changes import choose
 from nospill.studio.checks import check
 from nospill.studio.documents import NAME

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from nospill.errors import NoSolutionError
-from nospill.planner import plan
+from nospill.planning.planner import plan
 from nospill.scenario import scene_from_table
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
 from nospill.studio import planning
 from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
 

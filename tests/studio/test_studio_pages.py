@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import pytest
 
-from nospill.plans import Plan
+from nospill.judge.verdict import Row
+from nospill.plans.plan import Plan
 from nospill.studio.checks import Fault
 from nospill.studio.pages import certificate_table, fault_list, fault_note, file_note, progress_note, verdict
 from nospill.studio.planning import PlanningState
-from nospill.verdict import Row
 
 MARKUP = "<script>alert('1')</script> & \"so\""
 

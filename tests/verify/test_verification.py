@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from nospill.certificate import judge
 from nospill.cli import app
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
-from nospill.examples import EXAMPLES
-from nospill.planner import plan
-from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
+from nospill.judge.certificate import judge
+from nospill.planning.planner import plan
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scene import Scene
+from nospill.scenario.examples import EXAMPLES
+from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verify, verify_folder, video
 from nospill.verify import engine as engine_module
 

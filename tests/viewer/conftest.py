@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from nospill.certificate import judge
-from nospill.ocp.answer import export_samples
-from nospill.ocp.guess import Start, smooth_start
-from nospill.plans import Plan, PlanningReport, Starts, motion_maxima
-from nospill.robots.inverse import joint_paths
+from nospill.judge.certificate import judge
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
+from nospill.transcription.answer import export_samples
+from nospill.transcription.guess import Start, smooth_start
 from nospill.viewer.film import Film, make_film
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.robots.catalog import ROBOTS, load_robot
-from nospill.robots.kinematics import kinematics
-from nospill.tray import Tray
+from nospill.robots.description.catalog import ROBOTS, load_robot
+from nospill.robots.kinematics.forward import kinematics
+from nospill.scene.tray import Tray
 from nospill.viewer.robot_model import TRAY_THICKNESS, drawn_links, read_chain
 
 TRAY = Tray(size=np.array([0.3, 0.2]), offset=np.array([0.0, 0.0, 0.05]), yaw_on_flange=0.0)

@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.containers import Box, Cylinder
+from nospill.scene.containers import Box, Cylinder
 from nospill.viewer.geometry import (
     Mesh,
     board,

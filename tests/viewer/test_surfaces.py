@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.cargo import Cargo
-from nospill.verdict import Trace
+from nospill.judge.verdict import Trace
+from nospill.scene.cargo import Cargo
 from nospill.viewer.film import Film, make_film
 from nospill.viewer.geometry import wall_thickness
 from nospill.viewer.surfaces import liquid_surface
@@ -162,7 +162,7 @@ def test_film_without_liquids(tilting_film: Film) -> None:
     plan = dataclasses.replace(
         tilting_film.plan, scene=scene, trajectory=dataclasses.replace(tilting_film.plan.trajectory, slosh={})
     )
-    from nospill.certificate import judge
+    from nospill.judge.certificate import judge
 
     film = make_film(plan, judge(plan.trajectory, scene), rate=20.0)
     assert film.liquids == {} == film.contact_use

@@ -11,7 +11,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from nospill.examples import EXAMPLES, example_path
+from nospill.scenario.examples import EXAMPLES, example_path
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from nospill.core.units import DIMENSIONS
 from nospill.scenario import scenario_schema
-from nospill.units import DIMENSIONS
 
 Schema = dict[str, Any]
 

@@ -8,11 +8,11 @@ from typing import Any
 import typer
 
 from nospill.cli import app
-from nospill.constraints import CONSTRAINTS
-from nospill.containers import SHAPES
 from nospill.export import EXPORTERS
-from nospill.liquids import LIQUIDS
-from nospill.robots.catalog import robot_table
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.robots.description.catalog import robot_table
+from nospill.scene.containers import SHAPES
+from nospill.scene.liquids import LIQUIDS
 from nospill_docs.places import Places, write_if_changed
 from nospill_docs.scenario_reference import scenario_reference
 

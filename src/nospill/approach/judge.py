@@ -12,14 +12,14 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.approach.segment import Segment
-from nospill.certificate import constraint_traces, corner_rows
-from nospill.constraints.base import Place
-from nospill.constraints.residual_height import EndDisplacement
-from nospill.interpolation import JointMotion, planned_motion
-from nospill.record_checks import SPEED_TOLERANCE
-from nospill.replay import MINIMUM_RATE, replay
-from nospill.scene import ApproachRules, Scene
-from nospill.verdict import APPROACH, Certificate, Row, Trace, condensed, limit_row, worst_row
+from nospill.judge.certificate import constraint_traces, corner_rows
+from nospill.judge.record_checks import SPEED_TOLERANCE
+from nospill.judge.replay import MINIMUM_RATE, replay
+from nospill.judge.verdict import APPROACH, Certificate, Row, Trace, condensed, limit_row, worst_row
+from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.residual_height import EndDisplacement
+from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.scene.scene import ApproachRules, Scene
 
 END_TOLERANCE = 1e-6
 """rad; how far the segment may end from the first sample of the motion, and begin from where the arm is."""

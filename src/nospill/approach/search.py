@@ -10,8 +10,8 @@ from nospill.approach.judge import judge_segment
 from nospill.approach.profile import jerk_limited
 from nospill.approach.segment import Segment, sampled
 from nospill.errors import ModelError
-from nospill.scene import ApproachRules, Scene
-from nospill.verdict import Certificate
+from nospill.judge.verdict import Certificate
+from nospill.scene.scene import ApproachRules, Scene
 
 SLOWEST = 10.0
 """How many times as long an approach may take as its limits alone ask for."""

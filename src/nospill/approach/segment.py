@@ -12,8 +12,8 @@ import numpy as np
 from nospill.approach.profile import Profile
 from nospill.errors import PlanFolderError
 from nospill.export.base import checked_samples, finite_row, text_of
-from nospill.interpolation import JointSamples
-from nospill.trajectory import Trajectory
+from nospill.motion.interpolation import JointSamples
+from nospill.motion.trajectory import Trajectory
 
 FEWEST_PERIODS = 10
 _SAME_INSTANT = 1e-9

@@ -12,8 +12,8 @@ from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.export import Exporter
-    from nospill.handover import Handover
-    from nospill.plans import Plan
+    from nospill.plans.handover import Handover
+    from nospill.plans.plan import Plan
 
 
 def export(
@@ -46,8 +46,8 @@ def export(
         return 0
     if folder is None or format_name is None:
         raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
-    from nospill.handover import exporter_named, hand_over
-    from nospill.plans import load_plan
+    from nospill.plans.handover import exporter_named, hand_over
+    from nospill.plans.plan import load_plan
 
     exporter = exporter_named(format_name)
     plan = load_plan(folder)
@@ -60,7 +60,7 @@ def export(
         _say_why(plan, done)
     ok = done.certificate.ok
     if with_approach:
-        from nospill.approaching import hand_over_approach
+        from nospill.plans.approach import hand_over_approach
 
         there = hand_over_approach(plan, exporter, _beside(target, exporter), rate=rate)
         _report(there)
@@ -95,7 +95,7 @@ def _beside(target: Path, exporter: Exporter) -> Path:
 
 
 def _say_why_not_approach(done: Handover) -> None:
-    from nospill.plans import describe
+    from nospill.plans.plan import describe
 
     name = done.exporter.name
     say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; try another --rate.")
@@ -115,8 +115,8 @@ def _report(done: Handover) -> None:
 
 
 def _say_why(plan: Plan, done: Handover) -> None:
-    from nospill.handover import rate_that_would_do
-    from nospill.plans import describe
+    from nospill.plans.handover import rate_that_would_do
+    from nospill.plans.plan import describe
 
     name = done.exporter.name
     would_do = rate_that_would_do(plan, done.exporter) if plan.certificate.ok else None

@@ -11,7 +11,7 @@ from nospill.cli.reporting import print_json, print_table
 
 def examples() -> int:
     """List the bundled examples."""
-    from nospill.examples import EXAMPLES
+    from nospill.scenario.examples import EXAMPLES
 
     print_table(("example", "what it shows"), [(name, text) for name, text in EXAMPLES.items()])
     return 0
@@ -23,7 +23,7 @@ def robots(
     ] = False,
 ) -> int:
     """List the robots in the catalogue."""
-    from nospill.robots.catalog import robot_table
+    from nospill.robots.description.catalog import robot_table
 
     table = robot_table()
     if as_json:

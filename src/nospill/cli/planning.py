@@ -17,8 +17,8 @@ from nospill.cli.sharing import write_plan_report
 from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.plans import Plan
-    from nospill.verdict import Certificate
+    from nospill.judge.verdict import Certificate
+    from nospill.plans.plan import Plan
 
 
 def plan(
@@ -33,7 +33,7 @@ def plan(
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
-        from nospill.files import require_replaceable
+        from nospill.core.files import require_replaceable
         from nospill.scenario import read_scenario
 
         if report and output is None:
@@ -45,7 +45,7 @@ def plan(
             say(f"{scene.robot.name}: {one_line(note)}")
         progress.say("load the optimiser")
         began = time.perf_counter()
-        from nospill.planner import plan as find_plan
+        from nospill.planning.planner import plan as find_plan
 
         loading = time.perf_counter() - began
         outcome: Plan | NoSolutionError
@@ -64,7 +64,7 @@ def plan(
             outcome = error
     if isinstance(outcome, NoSolutionError):
         if as_json:
-            from nospill.plans import failed_summary
+            from nospill.plans.plan import failed_summary
 
             print_json(failed_summary(scene.name, one_line(outcome)))
         raise NoSolutionError(f"{scenario}: {outcome}", outcome.reason)
@@ -91,9 +91,9 @@ def check(
 
     Nothing is optimised or written.
     """
-    from nospill.approaching import certify_whole
     from nospill.export.plan_files import compare_plan_files
-    from nospill.plans import describe, load_plan
+    from nospill.plans.approach import certify_whole
+    from nospill.plans.plan import describe, load_plan
 
     saved = load_plan(folder)
     certificate = certify_whole(saved)
@@ -113,8 +113,8 @@ def plot(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
 ) -> int:
     """Draw the figures of a plan folder again."""
-    from nospill.files import atomic_folder
-    from nospill.plans import load_plan
+    from nospill.core.files import atomic_folder
+    from nospill.plans.plan import load_plan
     from nospill.plots import save_figures
 
     saved = load_plan(folder)
@@ -130,7 +130,7 @@ def plot(
 
 def _choices(found: Plan) -> list[str]:
     """What was chosen for the arm, and how it gets to the start, a line each."""
-    from nospill.approaching import settling_time
+    from nospill.plans.approach import settling_time
 
     lines = [f"branch: {found.report.branch}"]
     if found.report.base_yaw is not None:
@@ -164,7 +164,7 @@ def _only_figures(names: set[str]) -> bool:
 
 def _print_certificate(certificate: Certificate) -> None:
     """Print the worst row of each constraint and the verdict."""
-    from nospill.plans import shown_unit
+    from nospill.plans.plan import shown_unit
 
     lines = []
     for row in certificate.worst_rows():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 from nospill.cli.reporting import say
 
 if TYPE_CHECKING:
-    from nospill.planner import PlanningProgress
+    from nospill.planning.planner import PlanningProgress
 
 
 class Progress:

@@ -11,7 +11,7 @@ from nospill.cli.progress import Progress
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.plans import Plan
+    from nospill.plans.plan import Plan
 
 
 def report(
@@ -33,7 +33,7 @@ def report(
         _require_outside(folder, pdf, ".pdf")
     with Progress() as progress:
         from nospill.export.plan_files import compare_plan_files
-        from nospill.plans import load_plan
+        from nospill.plans.plan import load_plan
         from nospill.report import make_report, read_second_opinion, save_report
 
         plan = load_plan(folder)

@@ -30,8 +30,8 @@ def simulate(
     ] = "one-mode",
 ) -> int:
     """Predict the height of the liquid in one container that is moved in a given way."""
-    from nospill.motion_file import read_motion, write_heights
-    from nospill.simulate import simulate_slosh
+    from nospill.simulation.motion_file import read_motion, write_heights
+    from nospill.simulation.simulate import simulate_slosh
 
     given = read_motion(motion)
     found = simulate_slosh(cup, given.t, given.position, given.quaternion, modes=modes, height=height)
@@ -55,9 +55,9 @@ def compare(
     ] = None,
 ) -> int:
     """Compare a predicted liquid height with a measured one; the clocks are aligned by best correlation."""
-    from nospill.compare import compare as compare_heights
-    from nospill.compare import predicted_heights
-    from nospill.motion_file import read_heights
+    from nospill.simulation.compare import compare as compare_heights
+    from nospill.simulation.compare import predicted_heights
+    from nospill.simulation.motion_file import read_heights
 
     if figure is not None:
         from nospill.plots.comparison import require_figure_name

@@ -31,8 +31,8 @@ def studio(
     from nospill.viewer.library import require_viser
 
     require_viser()
-    from nospill.examples import EXAMPLES
     from nospill.scenario import read_scenario
+    from nospill.scenario.examples import EXAMPLES
     from nospill.studio.documents import START
 
     table = read_scenario(scenario or START).source

@@ -39,9 +39,9 @@ def verify(
 ) -> int:
     """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves."""
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
-        from nospill.files import atomic_text
-        from nospill.plans import load_plan
-        from nospill.units import quantity
+        from nospill.core.files import atomic_text
+        from nospill.core.units import quantity
+        from nospill.plans.plan import load_plan
         from nospill.verify import Thresholds, folder_joints
         from nospill.verify import verify as simulate
 
@@ -128,10 +128,10 @@ def margins(
     place +-1 mm and mass +-2 %. An option counts for all objects.
     """
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
-        from nospill.files import atomic_folder, require_replaceable
+        from nospill.core.files import atomic_folder, require_replaceable
         from nospill.margins import margins as study
         from nospill.margins import scenario_ranges
-        from nospill.plans import load_plan
+        from nospill.plans.plan import load_plan
 
         given = _given_ranges(friction, fill, damping, position, mass)
         if output is not None:
@@ -164,9 +164,9 @@ def _given_ranges(
     Raises:
         ScenarioError: a value that cannot be read or is no range.
     """
+    from nospill.core.units import quantity
     from nospill.errors import ScenarioError
     from nospill.margins import Ranges
-    from nospill.units import quantity
 
     def read(option: str, text: str, dimension: str) -> float:
         try:

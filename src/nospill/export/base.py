@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from nospill.errors import PlanFolderError
-from nospill.interpolation import Interpolation, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import Interpolation, JointSamples
+from nospill.scene.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from nospill.core.files import atomic_text
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, number, numbers, text_of
 from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
-from nospill.files import atomic_text
-from nospill.interpolation import QUINTIC_HERMITE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.scene.scene import Scene
 
 YAML_SUFFIXES, JSON_SUFFIXES = (".yaml", ".yml"), (".json",)
 

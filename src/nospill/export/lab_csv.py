@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.files import atomic_text
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter
-from nospill.files import atomic_text
-from nospill.holds import hold_periods
-from nospill.interpolation import QUINTIC_SPLINE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.holds import hold_periods
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.scene.scene import Scene
 
 LAB_RATE = 500.0
 """Rows the laboratory's controller plays per second, Hz."""

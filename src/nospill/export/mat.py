@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from nospill.core.files import atomic_bytes
 from nospill.errors import PlanFolderError
 from nospill.export.base import Exporter, checked_samples, full_columns, require_joints
-from nospill.files import atomic_bytes
-from nospill.interpolation import QUINTIC_HERMITE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.scene.scene import Scene
 
 UNITS = {"t": "s", "q": "rad", "qd": "rad/s", "qdd": "rad/s^2"}
 """Variables and their units."""

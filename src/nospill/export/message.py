@@ -14,8 +14,8 @@ import numpy as np
 
 from nospill.errors import PlanFolderError
 from nospill.export.base import checked_samples, finite_row, full_columns, require_joints
-from nospill.interpolation import JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import JointSamples
+from nospill.scene.scene import Scene
 
 MESSAGE_TYPE = "trajectory_msgs/msg/JointTrajectory"
 POINT_COLUMNS = {"positions": "rad", "velocities": "rad/s", "accelerations": "rad/s^2"}

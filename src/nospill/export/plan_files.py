@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from nospill.export import EXPORTERS
-from nospill.holds import held_samples
-from nospill.interpolation import JointSamples
-from nospill.scene import Scene
-from nospill.trajectory import Trajectory
+from nospill.motion.holds import held_samples
+from nospill.motion.interpolation import JointSamples
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.scene import Scene
 
 TOLERANCE = 1e-9
 """rad; what the formats' printing may change is far below."""

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from nospill.core.files import atomic_folder
 from nospill.errors import MissingExtraError, PlanFolderError
 from nospill.export.base import Exporter
 from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
-from nospill.files import atomic_folder
-from nospill.interpolation import QUINTIC_HERMITE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.scene.scene import Scene
 
 TOPIC = "/joint_trajectory_controller/joint_trajectory"
 _BAG_VERSION = 9

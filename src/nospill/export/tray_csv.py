@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.files import atomic_text
 from nospill.errors import ModelError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
-from nospill.files import atomic_text
-from nospill.interpolation import QUINTIC_SPLINE, JointSamples
-from nospill.robots.inverse import solve_joints
-from nospill.robots.kinematics import kinematics
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.robots.joint_paths.search import solve_joints
+from nospill.robots.kinematics.forward import kinematics
+from nospill.scene.scene import Scene
 
 HEADER = "t;x;y;z;qx;qy;qz;qw"
 MOST_JOINTS = 6

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.files import atomic_text
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, require_joints, text_of
-from nospill.files import atomic_text
-from nospill.interpolation import QUINTIC_SPLINE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.scene.scene import Scene
 
 RATES = (500.0, 125.0)
 """Control rates of e-Series and CB3 controllers, Hz."""

@@ -16,19 +16,19 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from nospill.batches import over_columns, thread_count
-from nospill.constraints import CONSTRAINTS
-from nospill.constraints.base import Constraint, Place, worst_figures
-from nospill.frames import SX, FrameMotion, body_motion
-from nospill.interpolation import planned_motion
-from nospill.numbers import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
-from nospill.replay import slosh_accelerations
-from nospill.robots.kinematics import kinematics
-from nospill.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.scene import Scene
-from nospill.scene_numbers import numbers_of, structure_of
-from nospill.slosh.integrate import runge_kutta_step
-from nospill.trajectory import Trajectory
+from nospill.core.batches import over_columns, thread_count
+from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.judge.replay import slosh_accelerations
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Constraint, Place, worst_figures
+from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
+from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.slosh.integrate import runge_kutta_step
+from nospill.motion.interpolation import planned_motion
+from nospill.motion.trajectory import Trajectory
+from nospill.robots.kinematics.forward import kinematics
+from nospill.scene.scene import Scene
 
 STEP = 1e-3
 """s; longest step of the integration, after each of which the margins are looked at."""

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.cargo import Cargo
 from nospill.margins.ranges import FACTORS
-from nospill.scene import Scene
-from nospill.tolerances import Departure, departed
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import Departure, departed
 
 
 def perturbed(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.cargo import Cargo, Tolerance
 from nospill.errors import ScenarioError
-from nospill.scene import Scene
-from nospill.tolerances import is_uncertain
+from nospill.scene.cargo import Cargo, Tolerance
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import is_uncertain
 
 FACTORS = ("friction", "fill", "damping", "position x", "position y", "mass")
 """What is drawn for every object, in the order of the columns of a draw."""

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.constraints.base import Place
 from nospill.errors import ScenarioError
+from nospill.judge.verdict import limit_use
+from nospill.laws.constraints.base import Place
+from nospill.laws.scene_parameters import object_numbers
 from nospill.margins.laws import object_margins, ride
 from nospill.margins.perturbed import perturbed
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
-from nospill.plans import Plan
-from nospill.scene import Scene
-from nospill.scene_numbers import object_numbers
-from nospill.tolerances import require_possible
-from nospill.verdict import limit_use
+from nospill.plans.plan import Plan
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import require_possible
 
 LARGEST_SAMPLES = 1_000_000
 

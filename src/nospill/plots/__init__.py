@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from nospill.plans import Plan
+    from nospill.plans.plan import Plan
 
 
 def save_figures(plan: Plan, folder: Path) -> list[Path]:

@@ -10,9 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from nospill.compare import Comparison
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.plots.style import BLACK, BLUE, GREY, LOOK, ORANGE, SMALL, WIDTH
+from nospill.simulation.compare import Comparison
 
 FORMATS = (".png", ".pdf", ".svg")
 """Endings a figure's name may have."""

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from nospill.certificate import Judgement
-from nospill.constraints import CONSTRAINTS
-from nospill.constraints.base import Place
-from nospill.frames import SX, FrameMotion
-from nospill.numbers import constants
-from nospill.plans import MotionMaxima, Plan, motion_maxima
-from nospill.sample import coordinate_count, sample_objects, split_states
-from nospill.scene_numbers import numbers_of, structure_of
-from nospill.slosh.height import crest
-from nospill.verdict import Trace
+from nospill.core.frames import SX, FrameMotion
+from nospill.judge.certificate import Judgement
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Place
+from nospill.laws.parameters import constants
+from nospill.laws.sample import coordinate_count, sample_objects, split_states
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.slosh.height import crest
+from nospill.plans.plan import MotionMaxima, Plan, motion_maxima
 
 AFTER_END = 0.4
 """s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""

@@ -8,9 +8,9 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
-from nospill.certificate import judge
 from nospill.errors import PlanFolderError
-from nospill.plans import Plan
+from nospill.judge.certificate import judge
+from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
 from nospill.plots.margins import margins_figure

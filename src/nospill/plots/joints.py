@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nospill.constraints import CONSTRAINTS
-from nospill.constraints.joint_position import JointPosition
-from nospill.constraints.joint_speed import JointSpeed
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import (
     BLACK,

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nospill.constraints.base import Place
-from nospill.constraints.slosh_height import SloshHeight
-from nospill.plans import shown_unit
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plans.plan import shown_unit
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import draw_limit, entitle, line_key, plain, series_look, superscript, time_panels
-from nospill.verdict import Trace
 
 HIGHEST_USE = 2.0
 """Uses above this are cut off; the number in the panel's corner still tells."""

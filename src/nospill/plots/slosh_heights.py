@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.constraints.residual_height import ResidualHeight
-from nospill.constraints.slosh_height import SloshHeight
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, Panels, draw_end, draw_limit, entitle, limit_key, plain, time_panels
-from nospill.verdict import Trace
 
 _FREE_DASH = (0, (3, 1.2))
 

@@ -8,16 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nospill.constraints.base import Place
-from nospill.constraints.slosh_height import SloshHeight
-from nospill.plans import describe
+from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plans.plan import describe
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
 from nospill.plots.margins import draw_use
 from nospill.plots.path_view import draw_path
 from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, legend_columns, line_key, plain
 from nospill.plots.use_table import draw_use_table
-from nospill.tolerances import is_uncertain
+from nospill.scene.tolerances import is_uncertain
 
 SHEET = (11.69, 8.27)
 """in."""

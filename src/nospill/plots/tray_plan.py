@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from nospill.cargo import Cargo
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, DARK_RED, GREY, INK, ORANGE, SMALL, WIDTH, headline, plain
+from nospill.scene.cargo import Cargo
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 0.62, 0.3, 0.5, 0.68
 _TALLEST = 4.4

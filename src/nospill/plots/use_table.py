@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
-from nospill.plans import shown_unit
+from nospill.judge.verdict import Row
+from nospill.plans.plan import shown_unit
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
-from nospill.verdict import Row
 
 _SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
 _LONGEST_USE = 1.2

@@ -11,16 +11,16 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from nospill.approach import judge_segment
-from nospill.certificate import Judgement, judge
-from nospill.constraints import CONSTRAINTS
-from nospill.plans import Plan, describe
+from nospill.judge.certificate import Judgement, judge
+from nospill.judge.verdict import Certificate
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.motion.trajectory import trajectory_text
+from nospill.plans.plan import Plan, describe
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.use_table import row_texts
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
 from nospill.report.task import cargo_table, joint_table, task_table
-from nospill.trajectory import trajectory_text
-from nospill.verdict import Certificate
 
 NOT_PROVEN = (
     ("That the robot does it", "The commanded motion is judged. Tracking error, filters in a controller and a tray "

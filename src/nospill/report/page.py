@@ -6,11 +6,11 @@ import base64
 from collections.abc import Mapping
 from html import escape
 
+from nospill.judge.verdict import Row
 from nospill.plots.text_pages import TextTable
 from nospill.plots.use_table import row_texts
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page_style import STYLE
-from nospill.verdict import Row
 
 _CAPTIONS = {
     "tray": "The tray from above, to scale.",

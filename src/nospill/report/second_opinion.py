@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from nospill.errors import PlanFolderError
-from nospill.plans import TRAJECTORY_FILE
+from nospill.plans.plan import TRAJECTORY_FILE
 from nospill.plots.text_pages import TextTable
-from nospill.scene import Scene
+from nospill.scene.scene import Scene
 
 _FIGURES = ("slide_mm", "rotation_deg", "tilt_deg", "lift_off_mm")
 _COLUMNS = ("object", "slide [mm]", "rotation [deg]", "tilt [deg]", "lift-off [mm]", "moves from [s]", "")

@@ -7,16 +7,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from nospill.approach import Segment
-from nospill.cargo import Cargo
-from nospill.constraints import CONSTRAINTS
-from nospill.containers.base import DiscFootprint
-from nospill.plans import shown_unit
+from nospill.judge.verdict import Certificate
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.motion.trajectory import Trajectory
+from nospill.plans.plan import shown_unit
 from nospill.plots.style import superscript
 from nospill.plots.text_pages import TextTable
-from nospill.scene import Scene
-from nospill.tolerances import tolerance_text
-from nospill.trajectory import Trajectory
-from nospill.verdict import Certificate
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.base import DiscFootprint
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import tolerance_text
 
 _FIDELITY = {
     "deliverable": "the published equations, contact as if the liquid were frozen",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nospill.files import atomic_bytes, atomic_text
+from nospill.core.files import atomic_bytes, atomic_text
 from nospill.plots.report_pages import report_pdf, report_svgs
 from nospill.plots.text_pages import TextTable
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
+from nospill.core.units import format_quantity
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.scenario.fields import ANGLE, JointValues, Measured, Table, WordOr
-from nospill.scene import ApproachRules
-from nospill.units import format_quantity
+from nospill.scene.scene import ApproachRules
 
 HOME = "home"
 BUILD_UP = 0.1

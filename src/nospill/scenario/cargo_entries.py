@@ -10,9 +10,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from nospill.containers import SHAPES
-from nospill.containers.base import Container
-from nospill.liquids import LIQUIDS
 from nospill.scenario.fields import (
     Angle,
     Friction,
@@ -26,6 +23,9 @@ from nospill.scenario.fields import (
     Table,
 )
 from nospill.scenario.tolerance_entry import ToleranceTable
+from nospill.scene.containers import SHAPES
+from nospill.scene.containers.base import Container
+from nospill.scene.liquids import LIQUIDS
 
 
 class LiquidTable(Table):

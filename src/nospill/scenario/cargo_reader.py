@@ -7,15 +7,15 @@ import math
 
 import numpy as np
 
-from nospill.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
-from nospill.containers.base import Container, DiscFootprint, MassProperties
+from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
-from nospill.liquids import LIQUIDS, Liquid
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
 from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
-from nospill.scene import Fidelity
-from nospill.units import as_written, format_quantity, listed
+from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
+from nospill.scene.containers.base import Container, DiscFootprint, MassProperties
+from nospill.scene.liquids import LIQUIDS, Liquid
+from nospill.scene.scene import Fidelity
 
 _SAME_MASS = 1e-9
 """Relative difference below which two masses count as equal."""

@@ -10,8 +10,8 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity
 from nospill.errors import ScenarioError
-from nospill.units import DIMENSIONS, as_written, format_quantity, listed, quantity
 
 SENTENCE = "nospill_sentence"
 """Type of the pydantic errors that carry a finished sentence (value first, then what is allowed) in their context."""

@@ -8,11 +8,11 @@ from itertools import combinations
 
 import numpy as np
 
-from nospill.cargo import Cargo
-from nospill.containers.base import DiscFootprint
+from nospill.core.units import as_written, format_quantity
 from nospill.scenario.messages import Fault
-from nospill.tray import Tray
-from nospill.units import as_written, format_quantity
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.base import DiscFootprint
+from nospill.scene.tray import Tray
 
 _TOUCHING = 1e-9
 """Overlap in m that is rounding: objects may touch, and stand flush with the edge."""

@@ -9,13 +9,13 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from nospill.core.units import as_written, listed
 from nospill.errors import Reason, ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
 from nospill.scenario.fields import SENTENCE
 from nospill.scenario.model import Scenario
 from nospill.scenario.path_entries import PATH_TABLES
 from nospill.scenario.tolerance_entry import ToleranceTable
-from nospill.units import as_written, listed
 
 Fault = tuple[str, str]
 """Place in the file ("[tray]", 'cargo "c2"' or "" for the top level), and what is wrong there."""

@@ -13,7 +13,7 @@ from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reser
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
-from nospill.scene import EndCondition, Fidelity
+from nospill.scene.scene import EndCondition, Fidelity
 
 
 class TrayTable(Table):

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from nospill.errors import ScenarioError
-from nospill.paths import (
+from nospill.core.paths import (
     Path,
     circular_arc,
     path_from_bspline,
@@ -17,6 +16,7 @@ from nospill.paths import (
     read_waypoints,
     straight_line,
 )
+from nospill.errors import ScenarioError
 from nospill.scenario.fields import Angle, Measured, Point, Table
 
 

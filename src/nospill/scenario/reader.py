@@ -15,22 +15,22 @@ import numpy as np
 import tomli_w
 from pydantic import ValidationError
 
-from nospill.cargo import Cargo
+from nospill.core.files import atomic_text
+from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
-from nospill.examples import EXAMPLES, example_path
-from nospill.files import atomic_text
 from nospill.robots.robot import Robot
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
+from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
-from nospill.scene import ApproachRules, MotionRules, PlanningOptions, Scene
-from nospill.slosh.modes import STANDARD_GRAVITY
-from nospill.tolerances import greatest_mass
-from nospill.tray import Tray
-from nospill.units import as_written, format_quantity
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene
+from nospill.scene.tolerances import greatest_mass
+from nospill.scene.tray import Tray
 
 _LARGEST_FILE = 10_000_000
 _KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
@@ -41,7 +41,7 @@ def read_scenario(path: str | os.PathLike[str]) -> Scene:
     """Read a scenario file, or a bundled example by its name.
 
     Args:
-        path: a TOML file, or a key of `nospill.examples.EXAMPLES` (a file of that very name wins).
+        path: a TOML file, or a key of `nospill.scenario.examples.EXAMPLES` (a file of that very name wins).
 
     Raises:
         ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.cargo import Cargo
+from nospill.core.units import format_quantity
 from nospill.errors import REST, Change, Reason
 from nospill.robots.robot import Robot
 from nospill.scenario.layout import layout_faults, overhang, overlap
-from nospill.tray import Tray
-from nospill.units import format_quantity
+from nospill.scene.cargo import Cargo
+from nospill.scene.tray import Tray
 
 _STEP, _FARTHEST, _DIRECTIONS = 0.001, 0.4, 32
 """An object is moved by steps of 1 mm in this many directions, at most this far, m."""

@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from nospill.core.units import as_written
 from nospill.errors import ScenarioError
-from nospill.robots.catalog import load_robot, moved_robot
-from nospill.robots.limits import LimitChanges, changed_limits, position_and_speed_only, with_home
+from nospill.robots.description.catalog import load_robot, moved_robot
+from nospill.robots.description.limits import LimitChanges, changed_limits, position_and_speed_only, with_home
+from nospill.robots.description.urdf import BasePose, read_arm, standalone_urdf
 from nospill.robots.robot import Robot
-from nospill.robots.urdf import BasePose, read_arm, standalone_urdf
 from nospill.scenario.fields import ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
-from nospill.units import as_written
 
 _LARGEST_URDF = 10_000_000
 _SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"

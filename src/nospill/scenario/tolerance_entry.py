@@ -9,12 +9,12 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from nospill.cargo import Cargo, Tolerance
+from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import Measured, Table, Vector, refuse
-from nospill.scene import Fidelity
-from nospill.tolerances import require_possible, variants
-from nospill.units import as_written
+from nospill.scene.cargo import Cargo, Tolerance
+from nospill.scene.scene import Fidelity
+from nospill.scene.tolerances import require_possible, variants
 
 _FACTORS = Vector(entry=Measured(dimension="number", above=0.0, at_most=100.0), axes=("the lowest", "the highest"))
 

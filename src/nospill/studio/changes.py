@@ -8,12 +8,12 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from nospill.containers import SHAPES
+from nospill.core.paths import Path
+from nospill.core.units import quantity
 from nospill.errors import ScenarioError
-from nospill.paths import Path
+from nospill.scene.containers import SHAPES
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, OWN_ROBOT, Field
-from nospill.units import quantity
 
 NEW_CUP: dict[str, Any] = {
     "name": "cup",

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from nospill.cargo import Cargo
+from nospill.core.units import as_written
 from nospill.errors import ModelError, ScenarioError
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
@@ -21,10 +21,10 @@ from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import cargo_place, faults_of
 from nospill.scenario.model import Scenario
 from nospill.scenario.reader import read_object
-from nospill.scene import Scene
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
+from nospill.scene.tray import Tray
 from nospill.studio.draft import Key
-from nospill.tray import Tray
-from nospill.units import as_written
 
 _MORE = re.compile(r" \(and \d+ more mistakes?\)$")
 _PLACE = re.compile(r'(?P<place>\[[a-z_.]+\]|cargo (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL)

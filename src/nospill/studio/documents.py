@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from nospill.errors import ScenarioError
-from nospill.examples import EXAMPLES
 from nospill.export import EXPORTERS
-from nospill.handover import exporter_named, hand_over
-from nospill.plans import Plan
+from nospill.plans.handover import exporter_named, hand_over
+from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scenario_text, scene_from_table, write_scenario
-from nospill.scene import Scene
+from nospill.scenario.examples import EXAMPLES
+from nospill.scene.scene import Scene
 from nospill.studio.fields import Field
 
 START = "pp-two-cups"

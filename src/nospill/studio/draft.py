@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
-from nospill.units import as_written
+from nospill.core.units import as_written
 
 Key = tuple[str | int, ...]
 """Place of a value in the table: ("tray", "friction"), ("cargo", 0, "at", 1)."""

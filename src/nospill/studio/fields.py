@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from nospill.containers import SHAPES
-from nospill.liquids import LIQUIDS
-from nospill.paths import PRESETS
-from nospill.robots.catalog import ROBOTS
+from nospill.core.paths import PRESETS
+from nospill.robots.description.catalog import ROBOTS
+from nospill.scene.containers import SHAPES
+from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault
 from nospill.studio.draft import Draft, Key
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nospill.errors import NospillError
-from nospill.robots.inverse import joint_paths
-from nospill.scene import Scene
+from nospill.robots.joint_paths.search import joint_paths
+from nospill.scene.scene import Scene
 from nospill.viewer.robot_model import read_chain
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
 

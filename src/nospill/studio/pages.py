@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from nospill.plans import Plan, shown_unit
+from nospill.judge.verdict import Row
+from nospill.plans.plan import Plan, shown_unit
 from nospill.studio.checks import Fault
 from nospill.studio.planning import PlanningState
-from nospill.verdict import Row
 from nospill.viewer.colours import use_colours
 
 _TEXT = "padding:2px 10px;font-size:13px;line-height:1.4;color:#222"

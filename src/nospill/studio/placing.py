@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from nospill.cargo import Cargo
-from nospill.containers.base import DiscFootprint
+from nospill.core.units import quantity
 from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import overhang, overlap
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.base import DiscFootprint
+from nospill.scene.tray import Tray
 from nospill.studio.draft import label_of
-from nospill.tray import Tray
-from nospill.units import quantity
 
 GRID = 0.005
 """m; distance of the points that objects snap to, counted from the tray's centre."""

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from nospill.errors import NospillError
-from nospill.planner import Planner, PlanningProgress
-from nospill.plans import Plan
-from nospill.scene import Scene
+from nospill.planning.planner import Planner, PlanningProgress
+from nospill.plans.plan import Plan
+from nospill.scene.scene import Scene
 
 Stage = Literal["idle", "waiting", "planning", "stopping", "planned", "failed", "stopped"]
 BUSY: tuple[Stage, ...] = ("waiting", "planning", "stopping")

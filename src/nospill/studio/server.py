@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.studio.planning import Seats
 from nospill.studio.session import Session
-from nospill.units import as_written
 from nospill.viewer.live import running_server
 from nospill.viewer.scene_view import prepare
 

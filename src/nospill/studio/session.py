@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nospill.errors import NospillError
-from nospill.plans import Plan
-from nospill.scene import Scene
+from nospill.plans.plan import Plan
+from nospill.scene.scene import Scene
 from nospill.studio import documents
 from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
 from nospill.studio.checks import Check, check

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.cargo import Cargo
-from nospill.scene import Scene
-from nospill.scene_numbers import object_numbers
+from nospill.laws.scene_parameters import object_numbers
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
 
 RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""

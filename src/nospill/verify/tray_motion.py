@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.errors import PlanFolderError
-from nospill.interpolation import QUINTIC_SPLINE, Interpolation, JointMotion, JointSamples
-from nospill.robots.kinematics import kinematics
-from nospill.scene import Scene
-from nospill.trajectory import Trajectory
+from nospill.motion.interpolation import QUINTIC_SPLINE, Interpolation, JointMotion, JointSamples
+from nospill.motion.trajectory import Trajectory
+from nospill.robots.kinematics.forward import kinematics
+from nospill.scene.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

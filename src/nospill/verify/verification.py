@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nospill.export import EXPORTERS
-from nospill.plans import TRAJECTORY_FILE, Plan, load_plan
-from nospill.scene import Scene
+from nospill.plans.plan import TRAJECTORY_FILE, Plan, load_plan
+from nospill.scene.scene import Scene
 from nospill.verify.bodies import Body, bodies_of
 from nospill.verify.engine import STEP, build, mujoco, simulate
 from nospill.verify.report import Thresholds, VerifyReport, object_reports

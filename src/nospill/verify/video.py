@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
-from nospill.plans import Plan
+from nospill.plans.plan import Plan
 from nospill.verify.engine import STEP, Stepper, build, mujoco, quiet
 from nospill.verify.tray_motion import PlayedJoints, TrayMotion
 from nospill.verify.verification import stage

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from nospill.certificate import Judgement
-from nospill.constraints import CONSTRAINTS
-from nospill.constraints.apparent_gravity import ApparentGravity
-from nospill.constraints.base import Place
-from nospill.constraints.slosh_height import SloshHeight
-from nospill.frames import SX, body_motion
-from nospill.numbers import constants
-from nospill.plans import Plan
-from nospill.replay import Replay
-from nospill.sample import object_motion
-from nospill.scene import Scene
-from nospill.scene_numbers import numbers_of, structure_of
+from nospill.core.frames import SX, body_motion
+from nospill.judge.certificate import Judgement
+from nospill.judge.replay import Replay
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.apparent_gravity import ApparentGravity
+from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.parameters import constants
+from nospill.laws.sample import object_motion
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.plans.plan import Plan
+from nospill.scene.scene import Scene
 from nospill.viewer.surfaces import liquid_surface
 
 _ABOUT_THE_LIQUID = (SloshHeight.name, ApparentGravity.name)

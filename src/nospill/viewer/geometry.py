@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.containers.base import Container
+from nospill.scene.containers.base import Container
 
 TUBE_SIDES = 32
 """Corners round a tube."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from nospill.files import atomic_text
+from nospill.core.files import atomic_text
 from nospill.viewer.charts import Charts, colour_key
 from nospill.viewer.film import Film
 from nospill.viewer.live import running_server, show_plans, title_of

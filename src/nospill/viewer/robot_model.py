@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from nospill.errors import ScenarioError
-from nospill.tray import Tray
+from nospill.scene.tray import Tray
 from nospill.viewer.geometry import Mesh, joined, tube
 
 TRAY_THICKNESS = 0.006

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nospill.cargo import Cargo
 from nospill.robots.robot import Robot
-from nospill.tray import Tray
+from nospill.scene.cargo import Cargo
+from nospill.scene.tray import Tray
 from nospill.viewer.colours import BLACK, GREEN, PURPLE, rgb, use_colours
 from nospill.viewer.film import Film
 from nospill.viewer.geometry import Mesh, board, contact_collar, container_body

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.cargo import Cargo
-from nospill.containers.base import DiscFootprint
-from nospill.slosh.modes import Oscillator
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.base import DiscFootprint
+from nospill.scene.containers.modes import Oscillator
 from nospill.viewer.geometry import Mesh, shrunk, wall_thickness
 
 _RING_POINTS = 32

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.files import atomic_text
 from nospill.errors import PlanFolderError
 from nospill.export.base import Exporter, checked_samples
-from nospill.files import atomic_text
-from nospill.interpolation import QUINTIC_SPLINE, JointSamples
-from nospill.scene import Scene
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.scene.scene import Scene
 
 
 def _anything_goes(scene: Scene, rate: float) -> str | None:

@@ -1,0 +1,1 @@
+"""Random tasks, planned and checked: the table of docs/reliability.md."""

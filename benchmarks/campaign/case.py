@@ -1,0 +1,254 @@
+"""One case of the campaign in a process of its own: draws, plans, judges twice, simulates, prints lines of JSON.
+
+    python -m benchmarks.campaign.case SEED             the case
+    python -m benchmarks.campaign.case SEED --starts 10     the same scene from further random starts, each by itself
+
+The scenario comes drawn from the seed, or as JSON on the standard input with `--given`. The first line printed is the
+scenario, so that it is known even if the rest never comes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from nospill import diagnosis as reasons
+from nospill.diagnosis import Searcher
+from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
+from nospill.judge.certificate import judge
+from nospill.planning import planner
+from nospill.planning import run as planning_run
+from nospill.planning.starts import Attempt
+from nospill.plans.plan import Plan, describe
+from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.scenario import scene_from_table
+from nospill.scene.scene import Scene
+from nospill.transcription.guess import Start
+from nospill.transcription.solvers import Solution
+from nospill.verify import verify
+
+FINE_RATE = 8000.0
+"""Hz; grid of the second certificate."""
+
+PLANNED, UNCERTIFIED = "planned", "not certified"
+REFUSED, IMPOSSIBLE, OUT_OF_REACH, NOT_FOUND = "refused", "proven impossible", "out of reach", "not found"
+CRASH, TIMEOUT = "crash", "out of time"
+KINDS = (PLANNED, UNCERTIFIED, REFUSED, IMPOSSIBLE, OUT_OF_REACH, NOT_FOUND, CRASH, TIMEOUT)
+"""How a case may end. `refused`: the reader did not take the scenario. `crash`: anything but an error of nospill."""
+
+_STARTS_STREAM = 7
+_SEARCHING = 0.6
+"""Part of a process's time that is for the search; the rest is for the reason, the judges and the simulation."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Why there is no plan: how the case ended, the reason as the user reads it, what kind it is and what it blames."""
+
+    kind: str
+    reason: str
+    told: str | None = None
+    blamed: str | None = None
+
+
+def failure_of(error: NospillError, scene: Scene) -> Failure:
+    """Sort an error of planning into one of `KINDS`.
+
+    A limit that is broken even nearly at rest is broken at any speed; anything else is a motion that was not found.
+    """
+    if isinstance(error, NoSolutionError):
+        blamed = f"{error.reason.constraint} of {error.reason.subject}" if error.reason else None
+        return Failure(IMPOSSIBLE if error.kind == REST else NOT_FOUND, str(error), error.kind, blamed)
+    if isinstance(error, ScenarioError):
+        try:
+            joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+        except ScenarioError:
+            return Failure(OUT_OF_REACH, str(error))
+        return Failure(REFUSED, str(error))
+    return Failure(NOT_FOUND, f"{type(error).__name__}: {error}")
+
+
+def limited(scene: Scene, longest: float) -> Scene:
+    """The scene with so much time to look for a motion, s, that a reason can be told before the process ends."""
+    return replace(scene, planning=replace(scene.planning, max_plan_time=min(longest, scene.planning.max_plan_time)))
+
+
+def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[str, Any]:
+    """Plan a scenario and look at the answer from three sides; the figures of its line.
+
+    Args:
+        table: the scenario.
+        name: what it is called.
+        longest: time to look for a motion, s.
+    """
+    try:
+        scene = limited(scene_from_table(table, name=name), longest)
+    except NospillError as error:
+        return {"kind": REFUSED, "reason": str(error)}
+    began = time.process_time()
+    try:
+        plan = planner.plan(scene)
+    except NospillError as error:
+        spent = {"plan_processor_s": time.process_time() - began}
+        failure = failure_of(error, scene)
+        return {"kind": failure.kind, "reason": failure.reason, "told": failure.told, "blamed": failure.blamed} | spent
+    spent = {"plan_processor_s": time.process_time() - began}
+    return figures(plan) | spent
+
+
+def figures(plan: Plan) -> dict[str, Any]:
+    """What a plan is worth: its own certificate, a finer one, and the simulation."""
+    worst = plan.certificate.worst
+    line: dict[str, Any] = {
+        "kind": PLANNED if plan.certificate.ok else UNCERTIFIED,
+        "reason": None if plan.certificate.ok else describe(worst),
+        "duration_s": plan.duration,
+        "plan_time_s": plan.report.plan_time,
+        "iterations": plan.report.iterations,
+        "rounds": plan.report.rounds,
+        "starts": [plan.report.starts.tried, plan.report.starts.converged, plan.report.starts.agreed],
+        "solver_status": plan.report.solver_status,
+        "phases_s": plan.report.phases,
+        "branch": np.round(np.degrees(plan.trajectory.joint_position[0]), 1).tolist(),
+        "certified": plan.certificate.ok,
+        "binding": f"{worst.constraint} of {worst.subject}",
+    }
+    try:
+        fine = judge(plan.trajectory, plan.scene, rate=FINE_RATE).certificate
+        broken = [describe(row) for row in fine.rows if not row.ok]
+        more = max(
+            (fine_row.use - row.use, row.constraint)
+            for fine_row, row in zip(fine.rows, plan.certificate.rows, strict=True)
+        )
+        line["fine"] = {"ok": fine.ok, "grid_hz": fine.grid_hz, "broken": broken, "more": more}
+    except NospillError as error:
+        line["fine"] = {"ok": False, "broken": [str(error)]}
+    try:
+        report = verify(plan)
+        line["verify"] = {"ok": report.ok, "message": report.message} | {
+            "slide_mm": max(1e3 * item.slide.value for item in report.objects)
+        }
+    except NospillError as error:
+        line["verify"] = {"ok": False, "message": str(error), "slide_mm": None}
+    return line
+
+
+_ALIKE = 1e-3
+"""Coarse answers whose durations differ by less, relatively, are taken for the same one: only the first is refined."""
+
+
+class _SameAnswerError(NospillError):
+    """A start came to a coarse answer that an earlier one came to."""
+
+    def __init__(self, outcome: dict[str, Any]) -> None:
+        super().__init__()
+        self.outcome = outcome
+
+
+def random_starts(
+    table: dict[str, Any], name: str, count: int, *, longest: float = math.inf
+) -> Iterator[dict[str, Any]]:
+    """The outcome of `count` random starts, each taken as if it were the only one; drawn from the scenario's name.
+
+    Each has `longest` s to look for a motion.
+    """
+    scene = limited(scene_from_table(table, name=name), longest)
+    random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
+    known: list[tuple[bool, float, dict[str, Any]]] = []
+    for index in range(count):
+        lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
+        start = Start(float(random.uniform(0.4, 1.6)), float(random.uniform(-0.6, 0.6)), (lean[0], lean[1]))
+        outcome: dict[str, Any] = {"start": index, "duration_s": None, "reason": None}
+        with only_start(start, known, outcome):
+            try:
+                plan = planner.plan(scene)
+            except _SameAnswerError as same:
+                outcome |= same.outcome | {"start": index, "as": same.outcome["start"]}
+            except NospillError as error:
+                outcome["reason"] = str(error)
+            else:
+                outcome["duration_s"] = plan.duration if plan.certificate.ok else None
+                outcome["reason"] = None if plan.certificate.ok else describe(plan.certificate.worst)
+        yield outcome
+
+
+@contextmanager
+def only_start(
+    start: Start, known: list[tuple[bool, float, dict[str, Any]]], outcome: dict[str, Any]
+) -> Iterator[None]:
+    """Let the planner of this process begin from one given start and from nothing else.
+
+    Args:
+        start: from where.
+        known: coarse answers that were refined before: whether the arm was kept regular, duration, outcome.
+        outcome: of this start, to be filled in by whoever plans; it joins `known` with its coarse answer.
+    """
+    planner_run = planning_run.PlanningRun
+    attempts, search, resort = planning_run.attempts, planner_run.search, reasons.last_resort
+
+    def alone(run: planning_run.PlanningRun, joint_path: JointPath, **how: bool) -> Solution:
+        coarse = search(run, joint_path, **how)
+        duration = coarse.stages.duration
+        for regular, other, found in known:
+            if regular == run.regular and abs(duration / other - 1.0) < _ALIKE:
+                raise _SameAnswerError(found)
+        known.append((run.regular, duration, outcome))
+        return coarse
+
+    def no_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
+        raise NoSolutionError("the start led nowhere" if last is None else last.status)
+
+    planning_run.attempts = lambda scene, *, briefly: (Attempt(start),)
+    planner_run.search, reasons.last_resort = alone, no_resort
+    try:
+        yield
+    finally:
+        planning_run.attempts = attempts
+        planner_run.search, reasons.last_resort = search, resort
+
+
+def _print(line: dict[str, Any]) -> None:
+    print(json.dumps(line), flush=True)
+
+
+def main() -> None:
+    """Run one case."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("seed", type=int)
+    parser.add_argument("--starts", type=int, default=0, metavar="COUNT")
+    parser.add_argument("--processor-time", type=int, metavar="SECONDS", help="longest, then the system ends us")
+    parser.add_argument("--given", action="store_true", help="read the scenario from the standard input")
+    arguments = parser.parse_args()
+    if arguments.processor_time is not None:
+        # The hard limit is later: at the soft one the system says SIGXCPU, which cannot be mistaken for a crash.
+        resource.setrlimit(resource.RLIMIT_CPU, (arguments.processor_time, arguments.processor_time + 5))
+    longest = _SEARCHING * (arguments.processor_time or math.inf) / max(1, arguments.starts)
+    name = f"campaign-{arguments.seed}"
+    if arguments.given:
+        table = json.load(sys.stdin)
+    else:
+        from benchmarks.campaign.scenes import draw_case  # a given scenario needs no distributions
+
+        case = draw_case(arguments.seed)
+        table = case.table
+        _print({"scenario": table, "structure": case.structure, "unreachable": case.unreachable})
+    if arguments.starts:
+        for outcome in random_starts(table, name, arguments.starts, longest=longest):
+            _print(outcome)
+        return
+    line = run(table, name, longest=longest)
+    _print(line | {"peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,187 @@
+"""The campaign behind docs/reliability.md: thousands of scenarios nobody picked, planned, judged twice and simulated.
+
+    python -m benchmarks.campaign.run --out FILE --cases 1000 --jobs 2        run, or go on where it stopped
+    python -m benchmarks.campaign.run --out FILE --starts-check 100           further random starts for 100 of them
+    python -m benchmarks.campaign.run --out FILE --starts-check 100 --of CASES    likewise of the cases in another file
+    python -m benchmarks.campaign.run --out FILE --scheduler tcp://host:8786  the same on a Dask cluster
+    python -m benchmarks.campaign.run --out FILE --only 17                    one case alone, printed and not kept
+    python -m benchmarks.campaign.run --report FILE ...                       tables into docs/reliability.md
+
+Every case is a process with a time limit (`case.py`), so a crash or a hang is a line like any other. FILE
+holds one JSON line a case, each written at once and whole; seeds that are in it are not run again. The package is taken
+from the last commit, so that it may be edited meanwhile; `--live` takes it as it stands.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.campaign.lines import Lines
+from benchmarks.campaign.process import Job, run_job
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+PAGE = REPOSITORY / "docs" / "reliability.md"
+_STARTS_SEED = 6
+_STARTS = 10
+
+
+def main(words: list[str] | None = None) -> None:
+    """Run the campaign, or report."""
+    arguments = _arguments(words)
+    if arguments.report is not None:
+        from benchmarks.campaign.report import write_page  # a run needs none of it
+
+        write_page([line for file in arguments.report for line in Lines.read(file)], PAGE)
+        print(f"written: {PAGE}")
+        return
+    if arguments.only is not None:
+        known = {line["seed"]: line for line in Lines.read(arguments.out)} if arguments.out.is_file() else {}
+        kept = known.get(arguments.only, {})
+        with package(live=arguments.live) as folder:
+            starts = _STARTS if arguments.starts_check else 0
+            limit = arguments.limit * max(1, starts)
+            job = Job(arguments.only, limit, str(folder), starts=starts, table=kept.get("scenario"))
+            print(json.dumps(run_job(job), indent=1))
+        return
+    with Lines.writer(arguments.out) as lines, package(live=arguments.live) as folder:
+        shared = None if arguments.scheduler else str(folder)
+        jobs = _wanted(lines, arguments, shared)
+        run = on_cluster(arguments.scheduler) if arguments.scheduler else on_this_machine(arguments.jobs)
+        began, commit = time.perf_counter(), _commit()
+        print(f"{len(jobs)} to do, {len(lines.cases)} cases there", file=sys.stderr, flush=True)
+        for number, line in enumerate(run(jobs), start=1):
+            lines.append(line | {"commit": commit})
+            said = line.get("reason") or line.get("duration_s") or len(line.get("starts_from", ()))
+            spent = time.perf_counter() - began
+            print(f"{number} of {len(jobs)}, {spent:.0f} s: {line['seed']}: {line['kind']}: {said}", flush=True)
+
+
+def _arguments(words: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--out", type=Path, default=REPOSITORY / "benchmarks" / "results" / "campaign.jsonl")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of the cases")
+    parser.add_argument("--cases", type=int, default=1000, help="seeds from the first to this less one")
+    parser.add_argument("--jobs", type=int, default=1, help="processes at a time on this machine")
+    parser.add_argument(
+        "--limit", type=float, default=900.0, help="longest processor time of a case, s; of a further start too"
+    )
+    parser.add_argument("--starts-check", type=int, default=0, metavar="COUNT", help="cases to start again at random")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster whose workers have nospill installed")
+    parser.add_argument("--only", type=int, metavar="SEED", help="run one case alone and print its line")
+    parser.add_argument("--live", action="store_true", help="the package as it stands and not as committed")
+    parser.add_argument("--of", type=Path, metavar="FILE", help="cases to start again, where they are not in --out")
+    parser.add_argument("--report", type=Path, nargs="+", metavar="FILE", help=f"write the tables into {PAGE.name}")
+    arguments = parser.parse_args(words)
+    if min(arguments.cases, arguments.jobs, arguments.limit) <= 0:
+        parser.error("--cases, --jobs and --limit must be above 0")
+    return arguments
+
+
+def _wanted(lines: Lines, arguments: argparse.Namespace, folder: str | None) -> list[Job]:
+    """What is not in the file yet: cases, or the further starts of cases that are there."""
+    limit = arguments.limit
+    if not arguments.starts_check:
+        return [Job(seed, limit, folder) for seed in range(arguments.first, arguments.cases) if seed not in lines.cases]
+    cases = lines.cases if arguments.of is None else {line["seed"]: line for line in Lines.read(arguments.of)}
+    chosen = starts_seeds(cases, arguments.starts_check)
+    tables = {seed: cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
+    return [Job(seed, _STARTS * limit, folder, starts=_STARTS, table=table) for seed, table in tables.items()]
+
+
+def starts_seeds(cases: dict[int, dict[str, Any]], count: int) -> list[int]:
+    """Cases drawn at random, the same ones every time, from those in which there is a way for the arm to start from."""
+    open_cases = [seed for seed, line in cases.items() if line["kind"] not in ("out of reach", "refused")]
+    return sorted(open_cases, key=lambda seed: np.random.default_rng([_STARTS_SEED, seed]).random())[:count]
+
+
+def on_this_machine(count: int) -> Callable[[list[Job]], Iterator[dict[str, Any]]]:
+    """Run `count` processes at a time; lines come as they are done."""
+
+    def run(jobs: list[Job]) -> Iterator[dict[str, Any]]:
+        with ThreadPoolExecutor(count) as pool:
+            futures = [pool.submit(run_job, job) for job in jobs]
+            try:
+                for future in as_completed(futures):
+                    yield future.result()
+            finally:  # stopped by hand: what has not begun is dropped
+                pool.shutdown(wait=False, cancel_futures=True)
+
+    return run
+
+
+def on_cluster(address: str) -> Callable[[list[Job]], Iterator[dict[str, Any]]]:
+    """The same on a Dask cluster: its workers get the package `benchmarks` and start the same processes.
+
+    Raises:
+        SystemExit: Dask is not installed, or nobody answers at the address.
+    """
+    try:
+        from dask.distributed import Client  # pyright: ignore[reportMissingImports]
+        from dask.distributed import as_completed as completed  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise SystemExit("--scheduler needs Dask: pip install distributed") from None
+
+    def run(jobs: list[Job]) -> Iterator[dict[str, Any]]:
+        try:
+            client = Client(address)
+        except OSError as error:
+            raise SystemExit(f"--scheduler {address}: nobody answers there ({error})") from None
+        with client:
+            with tempfile.TemporaryDirectory() as folder:
+                client.upload_file(str(archived(Path(folder))))
+            futures = {client.submit(run_job, job, pure=False, retries=1): job for job in jobs}
+            for future in completed(futures):
+                try:
+                    yield future.result()
+                except Exception as error:  # a worker that died twice must not end the campaign
+                    yield {"seed": futures[future].seed, "kind": "crash", "reason": f"worker: {error!r}"}
+
+    return run
+
+
+def archived(folder: Path) -> Path:
+    """The package `benchmarks` as an archive from which a worker can import."""
+    archive = folder / "benchmarks.zip"
+    with zipfile.ZipFile(archive, "w") as file:
+        for source in sorted((REPOSITORY / "benchmarks").rglob("*.py")):
+            file.write(source, source.relative_to(REPOSITORY))
+    return archive
+
+
+@contextmanager
+def package(*, live: bool) -> Iterator[Path]:
+    """A folder with the package, and the campaign's modules beside it: of the last commit, or as they stand."""
+    if live:
+        yield REPOSITORY / "src"
+        return
+    with tempfile.TemporaryDirectory() as name:
+        archive = subprocess.run(["git", "-C", str(REPOSITORY), "archive", "HEAD", "src"], capture_output=True)
+        if archive.returncode:
+            raise SystemExit(f"no commit to take the package from ({archive.stderr.decode().strip()}); use --live")
+        subprocess.run(["tar", "-x", "-C", name], input=archive.stdout, check=True)
+        yield Path(name) / "src"
+
+
+def _commit() -> str:
+    command = ["git", "-C", str(REPOSITORY), "rev-parse", "--short", "HEAD"]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or os.environ.get(
+        "COMMIT", ""
+    )
+
+
+if __name__ == "__main__":
+    main()

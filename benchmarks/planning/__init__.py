@@ -1,0 +1,1 @@
+"""Planning times against the published transcription: the table of docs/performance.md."""

@@ -1,0 +1,238 @@
+"""The benchmark behind docs/performance.md: one table of ratios, a JSON file and a plot in benchmarks/results.
+
+    make bench                               five alternating rounds, about half an hour
+    python -m benchmarks.planning.run --quick         the long baseline once, the rest three times
+    python -m benchmarks.planning.run --only cold,warm
+
+Every measurement is a process of its own (`tasks.py`), so nothing a run has built serves the next one; what is kept
+between them is the disk cache of compiled stage functions, which is filled first, and how long that took is noted. The
+measurements of a round follow one another before the next round begins: whatever else the machine does falls on all of
+them, and the ratios hold where the seconds do not. The package is copied first, so that it may be edited meanwhile.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.planning.report import machine, save_plot, table, write_page
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+RESULTS = REPOSITORY / "benchmarks" / "results"
+PAGE = REPOSITORY / "docs" / "performance.md"
+EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt")
+CUPS = (1, 2, 4, 8, 16, 32)
+INTERVALS = (50, 100, 200, 400)
+GROUPS = ("baseline", "baseline-rigid", "cold", "virtual", "warm", "process", "cups", "grid", "toppra")
+_LONGEST = 1800.0
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Something measured once a round.
+
+    Attributes:
+        key: name in the JSON file. group: one of `GROUPS`. run: measures and returns figures, `seconds` among them.
+        once: long enough to be measured in the first round only when in a hurry.
+    """
+
+    key: str
+    group: str
+    run: Callable[[], dict[str, Any]]
+    once: bool = False
+
+
+class Bench:
+    """A copy of the package, a cache of compiled functions, and what is run with them."""
+
+    def __init__(self, folder: Path) -> None:
+        """Copy the package into `folder`; the cache is kept between benchmarks, by content."""
+        self.folder = folder
+        shutil.copytree(REPOSITORY / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        own = shutil.ignore_patterns("__pycache__", "results")
+        shutil.copytree(REPOSITORY / "benchmarks", folder / "benchmarks", ignore=own)
+        self.cache = RESULTS / "cache"
+
+    def environment(self, compile_mode: str, cache: Path | None = None) -> dict[str, str]:
+        """Of a child process: our copy first on the path, one thread, which compiler."""
+        return os.environ | {
+            "PYTHONPATH": os.pathsep.join((str(self.folder / "src"), str(self.folder))),
+            "OMP_NUM_THREADS": "1",
+            "NOSPILL_COMPILE": compile_mode,
+            "NOSPILL_CACHE": str(cache or self.cache),
+        }
+
+    def task(self, *arguments: str, mode: str = "background") -> dict[str, Any]:
+        """Run `tasks.py`; its figures, or `failed` with its last line."""
+        command = [sys.executable, "-m", "benchmarks.planning.tasks", *arguments]
+        done = subprocess.run(
+            command, env=self.environment(mode), capture_output=True, text=True, timeout=_LONGEST, check=False
+        )
+        if done.returncode:
+            return {"failed": (done.stderr.strip().splitlines() or ["no message"])[-1]}
+        return json.loads(done.stdout.strip().splitlines()[-1])
+
+    def prepare(self, *arguments: str) -> dict[str, Any]:
+        """Fill the cache for a task by compiling at once; `seconds` is the whole process."""
+        began = time.perf_counter()
+        figures = self.task(*arguments, mode="wait")
+        return figures | {"seconds": time.perf_counter() - began}
+
+    def whole_process(self, *, cold_cache: bool) -> dict[str, Any]:
+        """`nospill plan matrix-liquid --no-figures -o DIR`, from start to exit."""
+        cache = Path(tempfile.mkdtemp(dir=self.folder)) if cold_cache else self.cache
+        command = [sys.executable, "-c", "from nospill.cli import main; main()", "plan", "matrix-liquid"]
+        command += ["--no-figures", "-o", str(self.folder / "plan")]
+        figures = self._timed(command, cache)
+        # The compiler that a cold cache has set off must not run beside the next measurement.
+        began = time.perf_counter()
+        while any(cache.glob("*.lock")) and time.perf_counter() - began < _LONGEST:
+            time.sleep(0.2)
+        summary = json.loads((self.folder / "plan" / "summary.json").read_text())
+        return figures | {"duration": summary["duration_s"], "phases": summary["phases_s"]}
+
+    def python(self, statement: str) -> dict[str, Any]:
+        """A whole interpreter that runs one statement."""
+        return self._timed([sys.executable, "-c", statement], self.cache)
+
+    def _timed(self, command: list[str], cache: Path) -> dict[str, Any]:
+        began = time.perf_counter()
+        done = subprocess.run(
+            command, env=self.environment("background", cache), capture_output=True, text=True, check=False
+        )
+        seconds = time.perf_counter() - began
+        if done.returncode:
+            raise SystemExit(f"{' '.join(command)}: {done.stderr.strip()}")
+        return {"seconds": seconds}
+
+
+def measurements(bench: Bench) -> list[Measurement]:
+    """Everything, in the order in which a round goes through it."""
+    task = bench.task
+    found = [
+        Measurement("baseline liquid", "baseline", lambda: task("baseline", "liquid")),
+        Measurement("baseline rigid", "baseline-rigid", lambda: task("baseline", "rigid")),
+        Measurement("toppra, rigid on a level tray", "toppra", lambda: task("toppra", "matrix-rigid")),
+    ]
+    for name in EXAMPLES:
+        found.append(Measurement(f"cold {name}", "cold", lambda name=name: task("cold", name)))
+        found.append(Measurement(f"no compiler {name}", "virtual", lambda name=name: task("cold", name, mode="off")))
+    for name in ("matrix-liquid", "matrix-liquid-tilt"):
+        found.append(Measurement(f"warm {name}", "warm", lambda name=name: task("warm", name)))
+    found += [
+        Measurement("process, cold cache", "process", lambda: bench.whole_process(cold_cache=True)),
+        Measurement("process, second run", "process", lambda: bench.whole_process(cold_cache=False)),
+        Measurement("python -c pass", "process", lambda: bench.python("pass")),
+        Measurement("import nospill", "process", lambda: bench.python("import nospill")),
+        Measurement(
+            "import nospill.planning.planner", "process", lambda: bench.python("import nospill.planning.planner")
+        ),
+    ]
+    # On the virtual machine: compiling each of these trays first would take longer than the measurement.
+    for count in CUPS:
+        key = f"{count} cup{'s' if count > 1 else ''}"
+        run = lambda count=count: task("cups", str(count), mode="off")  # noqa: E731
+        found.append(Measurement(key, "cups", run, once=count > 8))
+    for intervals in INTERVALS:
+        run = lambda intervals=intervals: task("cold", "matrix-liquid", "--intervals", str(intervals))  # noqa: E731
+        found.append(Measurement(f"N = {intervals}", "grid", run))
+    return found
+
+
+def fill_cache(bench: Bench, groups: set[str]) -> dict[str, float]:
+    """Compile what the measurements need; seconds of each first run."""
+    needed = [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "grid"}]
+    seconds = {}
+    for arguments in needed:
+        label = " ".join(arguments)
+        figures = bench.prepare(*arguments)
+        seconds[label] = figures["seconds"]
+        print(f"prepared {label}: {figures['seconds']:.1f} s {figures.get('failed', '')}", file=sys.stderr, flush=True)
+    return seconds
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="three rounds, the longest measurements once")
+    parser.add_argument("--rounds", type=int, help="number of rounds")
+    parser.add_argument("--only", help=f"some of {','.join(GROUPS)}", default=",".join(GROUPS))
+    parser.add_argument("--show", action="store_true", help="print the table and draw the plot of the last results")
+    parser.add_argument("--page", action="store_true", help="also put the table into docs/performance.md")
+    arguments = parser.parse_args()
+    RESULTS.mkdir(exist_ok=True)
+    place = RESULTS / "summary.json"
+    if not arguments.show:
+        groups = set(arguments.only.split(","))
+        if groups - set(GROUPS):
+            parser.error(f"--only: {', '.join(sorted(groups - set(GROUPS)))} is none of {', '.join(GROUPS)}")
+        rounds = arguments.rounds or (3 if arguments.quick else 5)
+        results = _measure(groups, rounds, hurry=arguments.quick)
+        if groups != set(GROUPS) and place.is_file():
+            # A partial run renews its own measurements and leaves the others of the last run.
+            kept = json.loads(place.read_text())
+            results["measurements"] = kept["measurements"] | results["measurements"]
+            results["prepared"] = kept["prepared"] | results["prepared"]
+        place.write_text(json.dumps(results, indent=1) + "\n")
+    results = json.loads(place.read_text())
+    print(table(results))
+    save_plot(results, RESULTS / "times.png")
+    if arguments.page:
+        write_page(results, PAGE)
+    print(f"written: {place}, {RESULTS / 'times.png'}")
+
+
+def _measure(groups: set[str], rounds: int, *, hurry: bool) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Bench(Path(folder))
+        before, started = machine(REPOSITORY), time.strftime("%Y-%m-%d %H:%M")
+        prepared = fill_cache(bench, groups)
+        chosen = [one for one in measurements(bench) if one.group in groups]
+        runs: dict[str, list[dict[str, Any]]] = {one.key: [] for one in chosen}
+        for number in range(rounds):
+            for one in chosen:
+                if hurry and one.once and number > 0:
+                    continue
+                figures = one.run()
+                runs[one.key].append(figures)
+                said = figures.get("seconds") or figures.get("missing") or figures.get("failed") or "done"
+                print(f"round {number + 1} of {rounds}: {one.key}: {said}", file=sys.stderr, flush=True)
+        return {
+            "machine": before | {"load_after": os.getloadavg()[0]},
+            "prepared": prepared,
+            "measurements": {key: _summary(found) | {"run": started} for key, found in runs.items()},
+        }
+
+
+def _summary(runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """Median seconds beside the run they belong to; all seconds are kept."""
+    good = [run for run in runs if "failed" not in run and "missing" not in run]
+    if not good:
+        return runs[0]
+    if "first" in good[0]:
+        return _warm_summary(good)
+    middle = sorted(good, key=lambda run: run["seconds"])[len(good) // 2]
+    all_seconds = [run["seconds"] for run in good]
+    return middle | {"seconds": statistics.median(all_seconds), "all_seconds": all_seconds}
+
+
+def _warm_summary(runs: list[dict[str, Any]]) -> dict[str, Any]:
+    summary = dict(runs[0])
+    for part in ("first", "again"):
+        summary[part] = {change: _summary([run[part][change] for run in runs]) for change in runs[0][part]}
+    return summary
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The slosh model against measured motions."""

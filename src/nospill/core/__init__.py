@@ -1,0 +1,1 @@
+"""What knows nothing of the task: units, files, rotations, piecewise polynomials, paths, batches of evaluations."""

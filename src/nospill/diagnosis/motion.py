@@ -1,0 +1,302 @@
+"""Why a search found no motion: impossible standing still, not within the time, or not found.
+
+What is suggested was found by solving the changed task, not by extrapolation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.diagnosis.changes import advice
+from nospill.diagnosis.levers import Lever, levers_of
+from nospill.diagnosis.options import Option, smaller_turn
+from nospill.diagnosis.reach import helpful_changes
+from nospill.diagnosis.search import SLOW, WITHIN, Found, Searcher, Trials, first_share
+from nospill.diagnosis.slow import path_place, require_possible_at_rest, slow_motion, timeless, with_time
+from nospill.diagnosis.widening import SPARE, is_helped, least_share, wide_enough
+from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
+from nospill.judge.verdict import Row
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.joint_jerk import JointJerk
+from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
+from nospill.robots.joint_paths.search import JointPath, preferred_path, try_joint_paths
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.kinematics.regularity import determinants, keeps_branch
+from nospill.scene.scene import EndCondition, Scene
+from nospill.transcription.solvers import Solution
+
+_TIME_SPARE, _JERK_SPARE = 1.04, 1.08
+"""What `SPARE` is, for the duration: the fine grid and the judge take something on top; most where joint jerks bind,
+which go beyond by up to a fifth between the nodes."""
+_TURN_BISECTIONS = 3
+_LEVERS = 4
+_RESIDUAL, _STILL = ResidualHeight.name, EndDisplacement.name
+_FAINT = 0.01
+"""What pulls less than this does not hold the motion back."""
+_SWITCH = 0.25
+"""Another end condition counts as much as a limit that grows by this part."""
+_MILDER: dict[EndCondition, tuple[EndCondition, ...]] = {
+    "still": ("published", "residual"),
+    "published": ("residual",),
+    "residual": (),
+}
+
+
+def last_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
+    """The motion that a search has overlooked: it is found where the time is left open, and needs no more than allowed.
+
+    Args:
+        run: the search.
+        joint_path: along which it searched.
+        last: its last attempt, None before the first.
+
+    Raises:
+        NoSolutionError: there is none either; says why, and the smallest change that helps.
+    """
+    trials = Trials(run, joint_path)
+    require_possible_at_rest(trials)
+    if run.out_of_time:
+        raise _no_time_to_plan(run.scene, last)
+    found = trials.fastest(run.scene, enough=trials.limit)
+    if found is not None and found.duration <= trials.limit:
+        return found.solution
+    if found is not None:
+        raise _too_slow(trials, found)
+    raise _never(trials, last)
+
+
+# --- in motion -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Culprit:
+    """What holds a motion back."""
+
+    constraint: str
+    subject: str
+    elasticity: float
+    at_s: float
+
+
+def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
+    """The error for a task whose fastest motion takes longer than it may."""
+    scene, limit = trials.run.scene, trials.limit
+    culprits = _with_residual(scene, _culprits(scene, found))
+    pulls = {key: pull.elasticity for key, pull in found.pulls.items()}
+    options: list[tuple[float, Lever, float]] = []
+    for culprit in culprits:
+        for lever in levers_of(scene, culprit.constraint, culprit.subject, pulls):
+            guess = first_share(found.duration, limit, culprit.elasticity)
+            options.append((min(guess, lever.most), lever, guess))
+    helped: list[tuple[float, Change]] = []
+    for share, lever, _ in sorted(options, key=lambda option: option[2])[:_LEVERS]:
+        if not trials.over and not is_helped(helped, lever):
+            enough = least_share(trials, lever, found, share)
+            if enough is not None:
+                helped.append((enough, lever.change(enough)))
+    helped += _other_end(trials, found)
+    helped += _less_turn(trials)
+    helped.sort(key=lambda entry: entry[0])
+    named = _named(helped, culprits)
+    needed = found.duration * max(
+        [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
+    )
+    text = f"max_duration {needed:.3g} s instead of {limit:.3g} s"
+    helped.append((needed / limit - 1.0, Change("max_duration", "motion.max_duration", needed, text)))
+    changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
+    held = f", held back by {named.constraint} of {named.subject} (most near s = {named.at_s:.2f})" if named else ""
+    return NoSolutionError(
+        f"No motion found: none within max_duration {limit:.3g} s; "
+        f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
+        Reason(
+            MOTION,
+            named.constraint if named else "max_duration",
+            named.subject if named else "motion",
+            named.at_s if named else None,
+            found.duration / limit - 1.0,
+            changes=tuple(changes),
+        ),
+    )
+
+
+def _culprits(scene: Scene, found: Found) -> list[_Culprit]:
+    """The constraints that hold a motion back, strongest first, each with the subject that does most."""
+    families: dict[str, list[tuple[float, int, float]]] = {}
+    for (name, index), pull in found.pulls.items():
+        families.setdefault(name, []).append((pull.elasticity, index, pull.at_s))
+    subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
+    culprits = []
+    for name, members in families.items():
+        total = sum(max(pull, 0.0) for pull, _, _ in members)
+        _, index, at_s = max(members)
+        if total > _FAINT:
+            culprits.append(_Culprit(name, subjects[name][index], total, at_s))
+    return sorted(culprits, key=lambda culprit: -culprit.elasticity)
+
+
+def _with_residual(scene: Scene, culprits: list[_Culprit]) -> list[_Culprit]:
+    """The residual height among the culprits where liquids have to settle.
+
+    How long settling takes hardly depends on how far: its pull is faint even where nothing else holds the motion back.
+    """
+    slowest = _slowest_liquid(scene)
+    if slowest is None or scene.motion.end != "residual" or any(item.constraint == _RESIDUAL for item in culprits):
+        return culprits
+    return [*culprits, _Culprit(_RESIDUAL, slowest, _FAINT, 1.0)]
+
+
+def _slowest_liquid(scene: Scene) -> str | None:
+    """The object whose liquid swings most slowly, and so takes longest to settle."""
+    swings = {
+        item.name: min(mode.frequency for mode in item.filling.modes.oscillators)
+        for item in scene.cargo
+        if item.filling is not None
+    }
+    return min(swings, key=lambda name: swings[name]) if swings else None
+
+
+def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
+    """What the message names: what the smallest change speaks of, else what pulls most."""
+    for _, change in helped:
+        for culprit in culprits:
+            if change.what == f"{culprit.constraint} of {culprit.subject}":
+                return culprit
+        if change.place == "motion.end":
+            return _Culprit(_STILL, change.what.removeprefix(f"{_STILL} of "), 0.0, 1.0)
+    return culprits[0] if culprits else None
+
+
+def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
+    """A milder end condition, where it makes the motion fast enough."""
+    scene = trials.run.scene
+    slowest = _slowest_liquid(scene)
+    for end in _MILDER[scene.motion.end] if slowest is not None else ():
+        if trials.over:
+            break
+        trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.solution.stages)
+        if trial is not None and trial.duration <= WITHIN * trials.limit:
+            text = f'end "{end}" instead of "{scene.motion.end}"'
+            return [(_SWITCH, Change(f"{_STILL} of {slowest}", "motion.end", end, text))]
+    return []
+
+
+def _less_turn(trials: Trials) -> list[tuple[float, Change]]:
+    """A smaller turn of the tray along the path, where that makes the motion fast enough."""
+    scene = trials.run.scene
+    for option in smaller_turn(scene):
+        low, high = 0.0, option.amounts[-1]
+        if not _is_fast_enough(trials, option, high):
+            return []
+        for _ in range(_TURN_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if _is_fast_enough(trials, option, middle):
+                high = middle
+            else:
+                low = middle
+        return [(high * option.size, option.change(high))]
+    return []
+
+
+def _is_fast_enough(trials: Trials, option: Option, amount: float) -> bool:
+    scene, moved = trials.run.scene, option.moved(amount)
+    paths = try_joint_paths(moved.robot, moved.path, tool_position=moved.tool_position, tool_yaw=moved.tool_yaw).paths
+    if not paths or trials.over:
+        return False
+    best = preferred_path(paths, scene.robot, scene.start_near)
+    found = trials.fastest(replace(scene, path=moved.path), joint_path=best)
+    return found is not None and found.duration <= WITHIN * trials.limit
+
+
+# --- at no speed, or not found -------------------------------------------------------------------------------------
+
+
+def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
+    """The error where not even with the time left open a motion was found."""
+    scene, limit = trials.run.scene, trials.limit
+    if last is not None and last.solve_time_s >= 0.99 * scene.planning.max_solve_time:
+        return _no_time_to_solve(trials, last)
+    _require_regular(trials)
+    slow = max(limit, SLOW)
+    judged = slow_motion(with_time(scene, slow), trials.joint_path)
+    if judged is not None and not judged[0].ok:
+        worst = judged[0].worst
+        changes = _smooth_enough(trials, worst, slow)
+        at_s = path_place(judged[1], worst.at_s)
+        return NoSolutionError(
+            f"No motion found: {timeless(worst)} at s = {at_s:.2f} of the path, "
+            f"even in a smooth motion of {0.95 * slow:.3g} s. " + advice(changes, "Relax that limit."),
+            Reason(MOTION, worst.constraint, worst.subject, at_s, worst.use - 1.0, changes=tuple(changes)),
+        )
+    status = "no start was solved" if last is None else f"{last.status} after {last.iterations} iterations"
+    return NoSolutionError(
+        f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
+        f'the end condition "{scene.motion.end}" may be out of reach{_nearest(scene, last)}. '
+        "Try another end condition, more starts or more intervals.",
+        Reason(NOT_CONVERGED, "planning", "solver"),
+    )
+
+
+def _require_regular(trials: Trials) -> None:
+    """Raise NoSolutionError if the arm passes a singularity on its way, with what leads it past."""
+    scene, joint_path = trials.run.scene, trials.joint_path
+    if redundant_joint(scene.robot) is not None:
+        return
+    values = determinants(scene.robot, joint_path.q, None)
+    if keeps_branch(values):
+        return
+    at_s = float(joint_path.s[int(np.argmin(np.abs(values)))])
+    reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
+    changes = helpful_changes(scene, reason, trials.run.is_possible)
+    raise NoSolutionError(
+        f"No motion found: robot {scene.robot.name!r} passes a singularity near s = {at_s:.2f} of the path, where it "
+        "would have to stop or to turn joints in no time. " + advice(changes, "Move the path or change its yaw there."),
+        replace(reason, changes=changes),
+    )
+
+
+def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
+    """Changes with which the slowest smooth motion itself keeps every limit, else those found by solving."""
+    scene, share = trials.run.scene, worst.use * SPARE - 1.0
+    for lever in levers_of(scene, worst.constraint, worst.subject, {}):
+        if share <= lever.most:
+            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path)
+            if judged is not None and judged[0].ok:
+                return [lever.change(share)]
+    return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]
+
+
+def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
+    """The error for a search that was ended; says what its last attempt breaks most."""
+    nearest = _nearest(scene, last)
+    further = "Give it more time, relax that limit or take another end condition." if nearest else "Give it more time."
+    return NoSolutionError(
+        f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",
+        Reason(NOT_CONVERGED, "planning", "max_plan_time"),
+    )
+
+
+def _nearest(scene: Scene, last: Solution | None) -> str:
+    """What the last attempt breaks most, as the end of a sentence; nothing where there was none."""
+    if last is None or not last.slack:
+        return ""
+    name, index = min(last.slack, key=lambda key: last.slack[key])
+    subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
+    does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
+    return f"; the last one tried {does} the limit on {name} of {subjects[name][index]}"
+
+
+def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:
+    scene, usual = trials.run.scene, 120.0
+    now = scene.planning.max_solve_time
+    patient = replace(scene, planning=replace(scene.planning, max_solve_time=usual))
+    found = trials.fastest(patient)
+    text = f"max_solve_time {usual:.4g} s instead of {now:.3g} s"
+    change = Change("solver", "planning.max_solve_time", usual, text)
+    changes = (change,) if found is not None and found.duration <= trials.limit else ()
+    return NoSolutionError(
+        f"No motion found: {last.status} ({now:.3g} s, {last.iterations} iterations). "
+        + advice(changes, "Give it more time."),
+        Reason(NOT_CONVERGED, "planning", "max_solve_time", changes=changes),
+    )

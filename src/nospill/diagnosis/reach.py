@@ -1,0 +1,136 @@
+"""What would let an arm follow its path: the base or the path moved, a smaller turn, another limit, found by trying."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from nospill.diagnosis.changes import advice, with_change
+from nospill.diagnosis.options import Option, Task, families
+from nospill.errors import ROBOT, Change, Reason, ScenarioError
+from nospill.robots.joint_paths.no_joint_path import farthest_reached
+from nospill.robots.joint_paths.search import JointPath, try_joint_paths
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.kinematics.regularity import determinants, keeps_branch
+from nospill.robots.robot import Robot
+from nospill.scene.scene import Scene
+
+BUDGET = 8.0
+"""s of processor time; no new trial begins later than this after the first."""
+_SAMPLES = 41
+_BISECTIONS = 4
+_TILTING = 0.8
+"""Part of the least time on a level tray that a tilting one may need."""
+_AGAIN = (1.0, 1.4, 2.0, 3.0)
+"""Factors on a change that lets the arm follow the path but not move as it should."""
+
+
+Confirm = Callable[[Scene, JointPath], bool]
+"""Whether a motion is found for a changed scene along a joint path."""
+
+
+@dataclass(slots=True)
+class _Clock:
+    began: float = field(default_factory=time.process_time)
+
+    @property
+    def over(self) -> bool:
+        """Whether no new trial begins."""
+        return time.process_time() - self.began > BUDGET
+
+    @property
+    def late(self) -> bool:
+        """Whether what was found to help is not confirmed any more."""
+        return time.process_time() - self.began > 2.0 * BUDGET
+
+
+def advised(scene: Scene, error: ScenarioError, confirm: Confirm) -> ScenarioError:
+    """The error of an arm that cannot follow its path, with the smallest single changes that were found to help.
+
+    Args:
+        scene: the task.
+        error: as `joint_paths` or `settled_base` raised it; without a reason about the robot it comes back as it is.
+        confirm: whether a motion is found for a changed task.
+    """
+    reason = error.reason
+    if reason is None or reason.kind != ROBOT:
+        return error
+    changes = helpful_changes(scene, reason, confirm)
+    text = str(error) if not changes else f"{error}. {advice(changes, '')}"
+    return ScenarioError(text, replace(reason, changes=changes))
+
+
+def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Change, ...]:
+    """Single changes with which the arm follows its path and a motion is found, smallest first.
+
+    Args:
+        scene: the task.
+        reason: why the arm cannot follow its path.
+        confirm: whether a motion is found for a changed task.
+    """
+    clock = _Clock()
+    found: list[tuple[float, Change]] = []
+    for options in families(scene, reason):
+        best = _least(scene, options, clock, confirm)
+        if best is not None:
+            found.append(best)
+    return tuple(change for _, change in sorted(found, key=lambda entry: entry[0]))
+
+
+def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
+    """The option that helps with the least amount, all growing together; with its size."""
+    limit, given_up = scene.motion.max_duration, set[int]()
+    for step in range(max((len(option.amounts) for option in options), default=0)):
+        for index, option in enumerate(options):
+            if clock.over:
+                return None
+            if (
+                index in given_up
+                or step >= len(option.amounts)
+                or not _follows(option.moved(option.amounts[step]), limit)
+            ):
+                continue
+            low, high = option.amounts[step - 1] if step else 0.0, option.amounts[step]
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                if clock.over or not _follows(option.moved(middle), limit):
+                    low = middle
+                else:
+                    high = middle
+            for factor in _AGAIN:
+                amount = factor * option.spare(high)
+                if not clock.late and _is_confirmed(scene, option.change(amount), confirm):
+                    return amount * option.size, option.change(amount)
+            given_up.add(index)
+    return None
+
+
+def _follows(task: Task, limit: float) -> bool:
+    if farthest_reached(task.robot, task.path, task.tool_position, task.tool_yaw) < 1.0:
+        return False
+    tried = try_joint_paths(
+        task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
+    )
+    if not tried.paths or _TILTING * _least_time(tried.paths[0], task.robot) > limit:
+        return False
+    return redundant_joint(task.robot) is not None or keeps_branch(determinants(task.robot, tried.paths[0].q, None))
+
+
+def _least_time(joint_path: JointPath, robot: Robot) -> float:
+    """What following a joint path takes at least, with one joint at full speed at every place, s."""
+    return float(np.trapezoid(np.max(np.abs(joint_path.dq_ds) / robot.max_speed, axis=1), joint_path.s))
+
+
+def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
+    try:
+        changed = with_change(scene, change)
+    except ScenarioError:  # beyond the bounds of its key
+        return False
+    changed = replace(scene, robot=changed.robot, path=changed.path, tray=changed.tray, source=changed.source)
+    tried = try_joint_paths(
+        changed.robot, changed.path, tool_position=changed.tray.offset, tool_yaw=changed.tray.yaw_on_flange
+    )
+    return bool(tried.paths) and confirm(changed, tried.paths[0])

@@ -1,0 +1,202 @@
+"""Solving changed tasks: how long the fastest motion takes once a limit is wider, and which limit holds it back.
+
+A task that is impossible in the time allowed is possible with more time, and solves well then. So every trial here
+leaves the time open and looks at how long the fastest motion takes; a change is enough when that is short enough.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.scene import Scene
+from nospill.transcription.guess import USUAL_START, Start
+from nospill.transcription.problem import Problem, Reserves
+from nospill.transcription.solvers import Solution, usable
+from nospill.transcription.stages import Stages
+
+_MORE_TIME = 8.0
+"""Times the longest motion allowed that a trial may take."""
+_LEAST_TIME, _MOST_TIME = 20.0, 600.0
+"""s; bounds of that."""
+SLOW = 20.0
+"""s; a motion of this length is slow enough to tell what is impossible at any speed."""
+_MOST_INTERVALS = 250
+"""A trial on more intervals than this takes too long to be worth it."""
+_PATIENCE = 80
+_STARTS = (USUAL_START, Start(stretch=1.3))
+_FURTHER_STARTS = (Start(stretch=0.6, skew=-0.45), Start(stretch=2.0))
+"""Of the task itself, where those lead nowhere."""
+_STEP = 1e-4
+BUDGET = 20.0
+"""s of processor time; no new trial begins later than this after the first."""
+WITHIN = 0.98
+"""Part of the time allowed that a changed task should need: what the fine grid and the judge take on top."""
+
+
+class Searcher(Protocol):
+    """What trying a changed task takes; a `planning_run.PlanningRun` is one.
+
+    Attributes:
+        scene: the task. reserves: fraction of each budget kept back; a negative one widens it.
+    """
+
+    scene: Scene
+
+    @property
+    def reserves(self) -> Reserves:
+        """Of every row."""
+        ...
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time to look for a motion is up; a trial has a time of its own."""
+        ...
+
+    def trial(self, scene: Scene) -> Searcher:
+        """A searcher of its own for a scene."""
+        ...
+
+    def start(self, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
+        """A smooth starting motion."""
+        ...
+
+    def solve_near(self, start: Stages, *, iterations: int) -> Solution:
+        """Solve from a start."""
+        ...
+
+    def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
+        """Whether a motion of a scene is found at once."""
+        ...
+
+    def problem(self, motion: Stages) -> Problem:
+        """The problem that was solved last, about a motion."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Pull:
+    """How strongly a subject's budget holds a motion back.
+
+    Attributes:
+        elasticity: part by which the duration shrinks over the part by which the budget grows.
+        at_s: where on the path it does most.
+    """
+
+    elasticity: float
+    at_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A fastest motion of a task with the time left open, and what holds it back."""
+
+    solution: Solution
+    pulls: dict[tuple[str, int], Pull]
+
+    @property
+    def duration(self) -> float:
+        """Of the motion, s."""
+        return self.solution.stages.duration
+
+
+@dataclass(slots=True)
+class Trials:
+    """Solves changed tasks along one joint path until its time is up.
+
+    Attributes:
+        run: the search that failed. joint_path: along which.
+    """
+
+    run: Searcher
+    joint_path: JointPath
+    began: float = field(default_factory=time.process_time)
+
+    @property
+    def limit(self) -> float:
+        """The longest motion allowed, s."""
+        return self.run.scene.motion.max_duration
+
+    @property
+    def over(self) -> bool:
+        """Whether the time for trials is up."""
+        return time.process_time() - self.began > BUDGET
+
+    def fastest(
+        self,
+        scene: Scene,
+        *,
+        near: Stages | None = None,
+        longest: float | None = None,
+        enough: float | None = None,
+        joint_path: JointPath | None = None,
+    ) -> Found | None:
+        """The fastest motion of a scene with the time left open; None where none is found.
+
+        Args:
+            scene: the task, its max_duration aside.
+            near: a motion to start from, of the same structure.
+            longest: time that is open, s; several times what the task allows when left out.
+            enough: duration that ends the search; the first motion found when left out, else the best of all starts.
+            joint_path: in place of the one the search failed with.
+        """
+        if longest is None:
+            longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
+        trial = self.run.trial(replace(scene, motion=replace(scene.motion, max_duration=longest)))
+        kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)
+        starts = [trial.start(joint_path or self.joint_path, kind) for kind in kinds]
+        best: Found | None = None
+        for tried, start in enumerate(([near] if near is not None else []) + starts):
+            if best is not None and tried >= len(_STARTS):
+                break
+            if start.intervals > _MOST_INTERVALS or self.over:
+                break
+            solution = trial.solve_near(start, iterations=_PATIENCE)
+            if usable(solution) and (best is None or solution.stages.duration < best.duration):
+                best = Found(solution, _pulls(trial, solution))
+            if best is not None and (enough is None or best.duration <= enough):
+                break
+        return best
+
+
+def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
+    """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's reserve."""
+    stages = solution.stages
+    problem = trial.problem(stages)
+    transcription = problem.transcription
+    variables = problem.encode(stages)
+    stepped = {key: trial.reserves.get(key, 0.0) + _STEP for key in trial.reserves}
+    values = [
+        np.asarray(transcription.constraint_function(variables, parameters)).ravel()
+        for parameters in (
+            problem.parameters,
+            transcription.parameters(problem.numbers, problem.scales, stepped),
+        )
+    ]
+    if len(solution.multipliers) != len(values[0]):
+        return {}
+    effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
+    inside, end = np.split(effect, [transcription.intervals * transcription.height])
+    inside = inside.reshape(-1, transcription.height)
+    pulls: dict[tuple[str, int], Pull] = {}
+    for blocks, effects in ((transcription.blocks, inside), (transcription.stage.shape.end_blocks, end[None, :])):
+        for block in blocks:
+            key = (block.constraint, block.subject)
+            per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
+            at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
+            before = pulls.get(key, Pull(0.0, at_s))
+            total = float(per_stage.sum())
+            pulls[key] = Pull(before.elasticity + total, at_s if total > before.elasticity else before.at_s)
+    return pulls
+
+
+def first_share(duration: float, limit: float, elasticity: float) -> float:
+    """Part by which a budget has to grow if the duration falls as a power of it; infinite where it hardly does."""
+    if elasticity < 1e-3:
+        return math.inf
+    return math.expm1(min(math.log(duration / (WITHIN * limit)) / elasticity, 50.0))

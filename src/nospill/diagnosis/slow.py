@@ -1,0 +1,98 @@
+"""The task without haste: standing along the path, and the slowest smooth motion, as the judge sees them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.diagnosis.changes import advice
+from nospill.diagnosis.search import SLOW, Trials
+from nospill.diagnosis.widening import wide_enough
+from nospill.errors import REST, ModelError, NoSolutionError, Reason
+from nospill.judge.certificate import judge
+from nospill.judge.verdict import Certificate, Row
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.motion.trajectory import Trajectory
+from nospill.plans.plan import describe
+from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.scene import Scene
+from nospill.transcription.answer import export_samples
+from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.problem import build_problem
+from nospill.transcription.solvers import row_slack
+
+_STANDING = 1e5
+"""s; in a motion of this length nothing moves to speak of."""
+
+
+def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
+    """Whether even the slowest smooth motion breaks a limit several times over."""
+    judged = slow_motion(scene, joint_path)
+    return judged is not None and judged[0].worst.worst_margin < -abs(judged[0].worst.limit)
+
+
+def require_possible_at_rest(trials: Trials) -> None:
+    """Raise NoSolutionError if a limit is broken somewhere on the path even by standing there with a level tray."""
+    scene, joint_path = trials.run.scene, trials.joint_path
+    key = _broken_at_rest(scene, joint_path)
+    if key is None:
+        return
+    judged = slow_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
+    subject = next(item.subjects(scene) for item in CONSTRAINTS if item.name == key[0])[key[1]]
+    rows = () if judged is None else judged[0].rows
+    row = next((row for row in rows if (row.constraint, row.subject) == (key[0], subject)), None)
+    use = 1.1 if row is None else max(row.use, 1.0)
+    changes = [change for _, change in wide_enough(trials, key[0], subject, use - 1.0)]
+    at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
+    told = f"{key[0]} of {subject} is over its limit" if row is None else timeless(row)
+    where = "" if at_s is None else f" at s = {at_s:.2f} of the path"
+    raise NoSolutionError(
+        f"No motion found: {told} even standing still{where}. "
+        + advice(changes, "Relax that limit or lighten the load."),
+        Reason(REST, key[0], subject, at_s, use - 1.0, changes=tuple(changes)),
+    )
+
+
+def _broken_at_rest(scene: Scene, joint_path: JointPath) -> tuple[str, int] | None:
+    """The row that standing along the path with a level tray breaks most; None where it keeps all."""
+    still = smooth_start(with_time(scene, _STANDING), joint_path, 50, Start(stretch=1e9))
+    problem = build_problem(
+        replace(scene, motion=replace(scene.motion, end="residual")),
+        still.intervals,
+        nominal_duration=still.duration,
+        reserves={},
+        self_motion=still.self_motion,
+    )
+    slack = {key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key[0] != "tilt"}
+    return min(slack, key=lambda key: slack[key]) if slack else None
+
+
+def with_time(scene: Scene, max_duration: float) -> Scene:
+    """The scene with another longest duration, s."""
+    return replace(scene, motion=replace(scene.motion, max_duration=max_duration))
+
+
+def slow_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:
+    """What the judge says of the slowest smooth motion, and that motion.
+
+    None if the arm cannot follow it between the nodes or its liquids cannot be integrated.
+    """
+    try:
+        trajectory = export_samples(scene, smooth_start(scene, joint_path, 100, Start(stretch=1e6)))
+        verdict = judge(trajectory, scene).certificate
+    except ModelError:
+        return None
+    names = {constraint.name for constraint in CONSTRAINTS}
+    rows: tuple[Row, ...] = tuple(row for row in verdict.rows if row.constraint in names)
+    return Certificate(all(row.ok for row in rows), verdict.grid_hz, rows), trajectory
+
+
+def timeless(row: Row) -> str:
+    """What is wrong, without the time at which the slow motion was there."""
+    return describe(row).removesuffix(f" at t = {row.at_s:.3f} s")
+
+
+def path_place(trajectory: Trajectory, t: float) -> float:
+    """Path parameter, 0 to 1, where a motion is at a time in s."""
+    return float(np.interp(t, trajectory.t, trajectory.s))

@@ -1,0 +1,192 @@
+"""The exported joints played again on a dense grid: what the tray and the liquids really do between the samples.
+
+Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees
+joint positions, so speeds and accelerations are the derivatives of the quintic spline through the position samples,
+with the arm at rest before and after; a receiver that moves otherwise between its samples brings its own motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.laws import codegen
+from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
+from nospill.laws.sample import coordinate_count, object_motion
+from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
+from nospill.laws.slosh.motion import modal_acceleration
+from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.trajectory import Trajectory
+from nospill.robots.kinematics.forward import ToolMotions, kinematics
+from nospill.scene.scene import Scene
+
+MINIMUM_RATE = 2000.0
+"""Hz; the grid on which a trajectory is judged is at least this fine, unless another rate is asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """Dense reconstruction of an exported trajectory.
+
+    Attributes:
+        t: (m,) s. rate: Hz.
+        joint_position, joint_speed, joint_acceleration: (m, n), rad, rad/s, rad/s^2.
+        tray: pose and motion of the tray frame in base axes.
+        body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
+        slosh_displacement, slosh_velocity: (m, k) modal coordinates, re-integrated, m and m/s.
+        slosh_error: estimated integration error of the displacements, m.
+    """
+
+    t: np.ndarray
+    rate: float
+    joint_position: np.ndarray
+    joint_speed: np.ndarray
+    joint_acceleration: np.ndarray
+    tray: ToolMotions
+    body: np.ndarray
+    slosh_displacement: np.ndarray
+    slosh_velocity: np.ndarray
+    slosh_error: float
+
+
+def replay(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+) -> Replay:
+    """Play an exported trajectory again.
+
+    Args:
+        trajectory: its times set the grid.
+        scene: the scene it belongs to.
+        motion: what the joints do; the quintic spline through the trajectory's positions when left out.
+        rate: Hz, the grid is at least this fine; a higher one gives a second opinion between the usual instants.
+
+    Raises:
+        ModelError: the slosh integration does not converge (the liquid would leave its cup).
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    # The slosh integration compares two grids, so the coarser one starts at half the rate that is wanted.
+    per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
+    spline = motion or planned_motion(trajectory)
+    count = coordinate_count(structure)
+    made, parameters = _functions(structure, Shapes(numbers)), flat_numbers(scene)
+    grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
+
+    def play(refinement: int) -> np.ndarray:
+        nonlocal grid, joints, tray, body, finest
+        if refinement > finest:
+            # Two intervals of the motion grid make one Runge-Kutta step, whose middle needs the motion too. The first
+            # grid is made as fine as the second needs it, since two are compared at least.
+            finest = max(refinement, 2 if count else 1)
+            grid = _grid(trajectory, 2 * per_sample * finest)
+            joints = [spline(grid, order) for order in range(3)]
+            tray, body = _tray(scene, joints, made["flat_motion"])
+        every = finest // refinement
+        if not count:
+            return grid[::2, None][:, :0]
+        return _integrate(made["step"], parameters, body[:, ::every], float(grid[2 * every] - grid[0]))
+
+    slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
+    assert tray is not None  # play was called
+    every = slice(None, None, 2)
+    kept = grid[every]
+    return Replay(
+        t=kept,
+        rate=1.0 / float(kept[1] - kept[0]),
+        joint_position=joints[0][every],
+        joint_speed=joints[1][every],
+        joint_acceleration=joints[2][every],
+        tray=ToolMotions(
+            position=tray.position[every],
+            rotation=tray.rotation[every],
+            velocity=tray.velocity[every],
+            acceleration=tray.acceleration[every],
+            angular_velocity=tray.angular_velocity[every],
+            angular_acceleration=tray.angular_acceleration[every],
+        ),
+        body=body[:, ::2],
+        slosh_displacement=slosh.states[:, :count],
+        slosh_velocity=slosh.states[:, count:],
+        slosh_error=slosh.error,
+    )
+
+
+def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
+    count = (len(trajectory.t) - 1) * per_sample + 1
+    return np.linspace(trajectory.t[0], trajectory.t[-1], count)
+
+
+@lru_cache(maxsize=16)
+def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
+    """The arm's `motion_function` and one Runge-Kutta step of all liquids."""
+
+    def build() -> tuple[codegen.Functions, None]:
+        made = {"flat_motion": kinematics(structure).motion_function}
+        if coordinate_count(structure):
+            made["step"] = _step(structure, shapes)
+        return made, None
+
+    return codegen.functions("replay", structure, build)[0]
+
+
+def _tray(scene: Scene, joints: list[np.ndarray], function: Any) -> tuple[ToolMotions, np.ndarray]:
+    """Motion of the tray in base and in its own axes, from positions, speeds and accelerations of the joints."""
+    motions = kinematics(scene.robot).motions(
+        *joints,
+        tool_position=scene.tray.offset,
+        tool_yaw=scene.tray.yaw_on_flange,
+        function=function,
+    )
+    back = np.swapaxes(motions.rotation, 1, 2)
+    lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
+    vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
+    return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
+
+
+def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
+    """Accelerations of all slosh coordinates (k, 1) from displacements and velocities, m/s^2."""
+    rates, start = [], 0
+    for item, own in zip(structure.objects, numbers.objects, strict=True):
+        motion = object_motion(own, tray)
+        for oscillator, directions in zip(own.oscillators, item.oscillators, strict=True):
+            part = slice(start, start + len(directions))
+            start = part.stop
+            rates.append(
+                modal_acceleration(
+                    oscillator,
+                    directions,
+                    motion,
+                    q[part],
+                    qd[part],
+                    damp_against_spin=structure.fidelity == "deliverable",
+                )
+            )
+    return ca.vertcat(*rates)
+
+
+def _step(structure: Structure, shapes: Shapes) -> Any:
+    """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
+    count = coordinate_count(structure)
+
+    def rate(state: SX, body: SX, parameters: SX) -> SX:
+        q, qd = state[:count], state[count:]
+        numbers = symbolic(shapes.record, parameters)
+        return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
+
+    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=shapes.size)
+
+
+def _integrate(step: Any, parameters: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
+    """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
+    return integrate(
+        step,
+        np.zeros(step.size1_in(0)),
+        inputs=body,
+        lengths=np.full((body.shape[1] - 1) // 2, length),
+        parameters=parameters,
+    )

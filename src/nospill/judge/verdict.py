@@ -1,0 +1,150 @@
+"""What a verdict is made of: traces over time, the worst instant of each as a row, all rows as a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from nospill.scene.tolerances import spread_name
+
+APPROACH = "approach "
+"""What the constraints of the rows about the approach begin with."""
+
+_LEAST_SIZE = {"joint position": np.pi, "lift": 1.0, "apparent gravity": 1.0}
+"""By constraint, what a margin is measured by at least where the limit's distance from zero says nothing: half a turn
+of a joint, one weight, one gravity."""
+
+
+def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:
+    """Use of a limit, 1 - margin/size: 1 at the limit, more where it is broken.
+
+    The size is that of the limit itself. A joint's zero may lie anywhere in its range, so the size is half a turn at
+    least; a limit of zero counts as one of its unit (lift: one weight). A margin that is no number is infinite use.
+
+    Args:
+        constraint: its name.
+        limit: (m,) or one number, in the constraint's unit.
+        margin: likewise.
+    """
+    size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint.removeprefix(APPROACH), 0.0))
+    use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
+    return np.where(np.isnan(use), np.inf, use)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One constraint and one subject: the instant with the least margin. `ok` is worst_margin >= 0.
+
+    `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst.
+    """
+
+    constraint: str
+    subject: str
+    unit: str
+    limit: float
+    worst_value: float
+    worst_margin: float
+    at_s: float
+    ok: bool
+    variant: str = ""
+
+    @property
+    def who(self) -> str:
+        """The subject, with its variant."""
+        return spread_name(self.subject, self.variant)
+
+    @property
+    def use(self) -> float:
+        """`limit_use` at that instant."""
+        return float(limit_use(self.constraint, self.limit, self.worst_margin))
+
+
+def _urgency(row: Row) -> tuple[bool, float]:
+    return not row.ok, row.use
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """All rows; ok when every one is. `grid_hz`: rate of the grid the trajectory was judged on."""
+
+    ok: bool
+    grid_hz: float
+    rows: tuple[Row, ...]
+
+    @property
+    def worst(self) -> Row:
+        """The row that uses most of its limit (`limit_use`); a broken one before any other."""
+        return max(self.rows, key=_urgency)
+
+    def worst_rows(self) -> tuple[Row, ...]:
+        """The same within each constraint, in the order of the rows."""
+        families: dict[str, list[Row]] = {}
+        for row in self.rows:
+            families.setdefault(row.constraint, []).append(row)
+        return tuple(max(family, key=_urgency) for family in families.values())
+
+    def joined(self, other: Certificate) -> Certificate:
+        """This verdict with the rows of another one, about another segment, behind its own."""
+        return Certificate(self.ok and other.ok, min(self.grid_hz, other.grid_hz), self.rows + other.rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For certificate.json: ok, grid_hz, rows."""
+        return {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    """A row as it is written; a variant only where there is one."""
+    table = asdict(row)
+    return table if row.variant else {key: value for key, value in table.items() if key != "variant"}
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit."""
+
+    constraint: str
+    subject: str
+    unit: str
+    t: np.ndarray
+    value: np.ndarray
+    limit: np.ndarray
+    margin: np.ndarray
+
+    @property
+    def use(self) -> np.ndarray:
+        """`limit_use` over time, shape (m,)."""
+        return limit_use(self.constraint, self.limit, self.margin)
+
+
+def worst_row(trace: Trace) -> Row:
+    """The instant of a trace with the least margin."""
+    # A margin that is not a number is no margin at all.
+    margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
+    index = int(np.argmin(margins))
+    margin = float(margins[index])
+    return Row(
+        constraint=trace.constraint,
+        subject=trace.subject,
+        unit=trace.unit,
+        limit=float(trace.limit[index]),
+        worst_value=float(trace.value[index]),
+        worst_margin=margin,
+        at_s=float(trace.t[index]),
+        ok=bool(margin >= 0.0),
+    )
+
+
+def limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, values: np.ndarray) -> Row:
+    """The row of values (m,), none below zero, against one limit."""
+    return worst_row(Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values))
+
+
+def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Of every constraint and subject the row that uses most of its limit, in the order of their first rows."""
+    families: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        families.setdefault((row.constraint, row.subject), []).append(row)
+    return tuple(max(family, key=_urgency) for family in families.values())

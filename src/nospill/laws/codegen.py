@@ -1,0 +1,181 @@
+"""Functions of the laws as machine code, kept on the disk by content.
+
+The key of an entry is a hash of its kind, the structure, the source of the laws and the problem and of the versions of
+CasADi and of the file format; so a changed law never meets old code. An entry is a shared library, its own hash and a
+table of plain data, which names the key; the library is put in place last. Half a library would end the process that
+loads it, so its hash is looked at first. Where there is no compiler nothing happens and the virtual machine serves.
+
+NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+
+from nospill.laws.parameters import Structure
+
+Functions = dict[str, Any]
+"""CasADi functions by name."""
+
+_SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion")
+"""Packages whose source is part of the key: those of which compiled functions are made."""
+
+_FORMAT = "3"
+_LONGEST_COMPILATION = 600.0
+_FLAGS = ("-O1", "-shared", "-fPIC")
+_PLACE = """
+import hashlib, os, sys
+made, library = sys.argv[1:]
+digest = hashlib.sha256(open(made, "rb").read()).hexdigest()
+with open(made + ".sum", "w") as file:
+    file.write(digest)
+os.replace(made + ".sum", os.path.splitext(library)[0] + ".sum")
+os.replace(made, library)
+"""
+"""Puts a library in its place, its hash first; run by an interpreter of its own, since this process may have ended."""
+
+
+def functions(
+    kind: str, structure: Structure, build: Callable[[], tuple[Functions, Any]]
+) -> tuple[Functions, Any, bool]:
+    """The functions of a kind and structure, compiled if they are on the disk.
+
+    Otherwise they are built for CasADi's virtual machine, and a compiler, where there is one, is started in the
+    background for the next time (or waited for, if NOSPILL_COMPILE=wait).
+
+    Args:
+        kind: what the functions are for; part of the key.
+        structure: what they were built from; part of the key.
+        build: makes the functions and the plain data (anything json can hold) that is kept with them.
+
+    Returns:
+        Functions, data, and whether they are machine code.
+    """
+    ready = _load(kind, structure)
+    if ready is None:
+        made, data = build()
+        _start(kind, structure, made, data)
+        ready = _load(kind, structure) if _mode() == "wait" else None
+        if ready is None:
+            return made, data, False
+    return *ready, True
+
+
+def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
+    if _mode() == "off":
+        return None
+    library, table_file = _places(kind, structure)
+    try:
+        if not library.is_file():
+            return None
+        table = json.loads(table_file.read_text(encoding="utf-8"))
+        told = library.with_suffix(".sum").read_text(encoding="utf-8")
+        if table["key"] != library.stem or told != hashlib.sha256(library.read_bytes()).hexdigest():
+            raise ValueError("the files of the entry do not belong together")
+        return {name: ca.external(name, str(library)) for name in table["functions"]}, table["data"]
+    except (OSError, ValueError, KeyError, TypeError, RuntimeError):
+        # A damaged entry is as good as none; it is built anew.
+        with suppress(OSError):
+            library.unlink()
+        return None
+
+
+def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
+    mode, compiler = _mode(), shutil.which(os.environ.get("CC", "cc"))
+    if mode == "off" or compiler is None:
+        return
+    library, table_file = _places(kind, structure)
+    with suppress(OSError):
+        library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        lock = library.with_suffix(".lock")
+        if not _take(lock):
+            return
+        source = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
+        _write_table({"key": library.stem, "functions": list(made), "data": data}, table_file)
+        _generate(made, source)
+        # One shell does the rest, so that it goes on when this process has ended: compile, put in place, clean up.
+        script = (
+            'trap \'rm -rf "$3" "$4"\' EXIT; nice -n 10 "$1" $5 -o "$3/made.so" "$3/made.c" -lm >/dev/null 2>&1 && '
+            '"$6" -I -c "$7" "$3/made.so" "$2"'
+        )
+        arguments = [compiler, str(library), str(source), str(lock), " ".join(_FLAGS), sys.executable, _PLACE]
+        with suppress(subprocess.TimeoutExpired):
+            subprocess.run(
+                ["sh", "-c", script if mode == "wait" else f"({script}) &", "sh", *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+                timeout=_LONGEST_COMPILATION,
+                check=False,
+            )
+
+
+def cache_folder() -> Path:
+    """Where compiled functions are kept."""
+    own = os.environ.get("NOSPILL_CACHE")
+    if own:
+        return Path(own)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "nospill"
+
+
+def _mode() -> str:
+    mode = os.environ.get("NOSPILL_COMPILE", "background")
+    return mode if mode in ("wait", "off") else "background"
+
+
+def _places(kind: str, structure: Structure) -> tuple[Path, Path]:
+    digest = hashlib.sha256()
+    for part in (_FORMAT, kind, _source_digest(), ca.CasadiMeta.version(), " ".join(_FLAGS), repr(structure)):
+        digest.update(part.encode())
+        digest.update(b"\0")
+    stem = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}"
+    return stem.with_suffix(".so"), stem.with_suffix(".json")
+
+
+@lru_cache(maxsize=1)
+def _source_digest() -> str:
+    digest = hashlib.sha256()
+    package = Path(__file__).parents[1]
+    for file in sorted(file for room in _SOURCES for file in (package / room).rglob("*.py")):
+        digest.update(file.relative_to(package).as_posix().encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _take(lock: Path) -> bool:
+    """Whether this process may compile this entry: one at a time, unless the last one died long ago."""
+    try:
+        lock.touch(exist_ok=False)
+    except FileExistsError:
+        if time.time() - lock.stat().st_mtime < _LONGEST_COMPILATION:
+            return False
+        lock.touch()
+    return True
+
+
+def _generate(made: Functions, folder: Path) -> None:
+    generator = ca.CodeGenerator("made.c", {"with_header": False, "main": False})
+    for function in made.values():
+        generator.add(function)
+    generator.generate(f"{folder}/")
+
+
+def _write_table(table: dict[str, Any], path: Path) -> None:
+    temporary = path.with_suffix(f".{os.getpid()}.tmp")
+    temporary.write_text(json.dumps(table), encoding="utf-8")
+    temporary.replace(path)

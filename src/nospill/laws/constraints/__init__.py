@@ -1,0 +1,37 @@
+"""The constraints, as one visible table: a new one is a file here and a line below."""
+
+from nospill.laws.constraints.apparent_gravity import ApparentGravity
+from nospill.laws.constraints.base import Constraint as Constraint
+from nospill.laws.constraints.jerk import PathJerk, TiltJerk
+from nospill.laws.constraints.joint_acceleration import JointAcceleration
+from nospill.laws.constraints.joint_jerk import JointJerk
+from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.joint_speed import JointSpeed
+from nospill.laws.constraints.joint_torque import JointTorque
+from nospill.laws.constraints.lift import Lift
+from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.tilt import Tilt
+from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.twist import Twist
+
+CONSTRAINTS: tuple[Constraint, ...] = (
+    SloshHeight(),
+    ResidualHeight(),
+    EndDisplacement(),
+    ApparentGravity(),
+    Lift(),
+    Slip(),
+    Tip(),
+    Twist(),
+    JointPosition(),
+    JointSpeed(),
+    JointAcceleration(),
+    JointJerk(),
+    JointTorque(),
+    Tilt(),
+    PathJerk(),
+    TiltJerk(),
+)
+"""Every constraint, in the order of the certificate."""

@@ -1,0 +1,28 @@
+"""Joint accelerations stay below their limits, where there are any."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.sample import Sample
+from nospill.scene.scene import Scene
+
+
+class JointAcceleration(Constraint):
+    """|qdd| <= max_acceleration."""
+
+    name = "joint acceleration"
+    unit = "rad/s^2"
+    place = Place.JOINT
+    description = "Joint acceleration inside the robot's limits, where they are set."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every joint, where the robot's accelerations are limited."""
+        return () if scene.robot.max_acceleration is None else scene.robot.joints
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One range per joint."""
+        if "acceleration" not in sample.structure.joint_limits:
+            return ()
+        qdd, limit = sample.joint_acceleration, sample.numbers.joint_acceleration_limit
+        assert qdd is not None
+        return tuple((Range(qdd[i], -limit[i], limit[i], limit[i]),) for i in range(qdd.numel()))

@@ -1,0 +1,28 @@
+"""Joint jerks stay below their limits, where there are any."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.sample import Sample
+from nospill.scene.scene import Scene
+
+
+class JointJerk(Constraint):
+    """|qddd| <= max_jerk; the judge takes third differences of the samples, as a controller does."""
+
+    name = "joint jerk"
+    unit = "rad/s^3"
+    place = Place.CONTROL
+    description = "Third difference of the joint samples inside the robot's limits, where they are set."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every joint, where the robot's jerks are limited."""
+        return () if scene.robot.max_jerk is None else scene.robot.joints
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One range per joint."""
+        if "jerk" not in sample.structure.joint_limits:
+            return ()
+        jerk, limit = sample.joint_jerk, sample.numbers.joint_jerk_limit
+        assert jerk is not None
+        return tuple((Range(jerk[i], -limit[i], limit[i], limit[i]),) for i in range(jerk.numel()))

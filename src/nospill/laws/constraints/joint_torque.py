@@ -1,0 +1,36 @@
+"""Joint torques stay below their limits, where the arm's inertias are known."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.sample import Sample
+from nospill.robots.kinematics.dynamics import Load, torque_expression
+from nospill.scene.scene import Scene
+
+
+class JointTorque(Constraint):
+    """|tau| <= max_torque, tau by rigid-body inverse dynamics with tray and cargo as a rigid load at the flange.
+
+    Friction in the joints, rotor inertias and the reaction of the sloshing liquid are not in it.
+    """
+
+    name = "joint torque"
+    unit = "N m"
+    place = Place.JOINT
+    description = "Joint torque of the rigid arm with its load inside the limits, where inertias and limits are known."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every joint, where the robot's torques are limited and can be computed."""
+        limited = scene.robot.max_torque is not None and scene.robot.inertias_known
+        return scene.robot.joints if limited else ()
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One range per joint."""
+        if "torque" not in sample.structure.joint_limits:
+            return ()
+        numbers, q, qd, qdd = sample.numbers, sample.joint_position, sample.joint_speed, sample.joint_acceleration
+        assert q is not None and qd is not None and qdd is not None
+        load = Load(numbers.load_mass, numbers.load_first_moment, numbers.load_inertia)
+        torque = torque_expression(sample.structure, q, qd, qdd, load, gravity=numbers.gravity)
+        limit = numbers.joint_torque_limit
+        return tuple((Range(torque[i], -limit[i], limit[i], limit[i]),) for i in range(q.numel()))

@@ -1,0 +1,27 @@
+"""Lift: the tray must press every object."""
+
+from __future__ import annotations
+
+from nospill.core.frames import SX
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range, object_names
+from nospill.laws.sample import Sample
+from nospill.scene.scene import Scene
+
+
+class Lift(Constraint):
+    """N >= 0, printed as N over the object's weight [D3, waiter's constraints]."""
+
+    name = "lift"
+    unit = "weight"
+    place = Place.OBJECT
+    description = "The contact force presses the object onto the tray; printed as a multiple of its weight."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object."""
+        return object_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """N/(m g) >= 0 per object."""
+        return tuple(
+            (Range(item.wrench.force[2] / item.numbers.weight, SX(0), None, SX(1)),) for item in sample.objects
+        )

@@ -1,0 +1,90 @@
+"""What the liquid does after the end: how far it may still rise, and how still it must be when the motion stops."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from nospill.core.frames import SX
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range, liquid_names
+from nospill.laws.sample import ObjectSample, Sample
+from nospill.laws.slosh.residual import residual_bound
+from nospill.scene.scene import Scene
+
+STILL_FRACTION = 0.02
+"""Displacement (for `still`, velocity over frequency too) that counts as zero at the end, over max_slosh_height.
+
+The optimiser holds it at zero exactly; the judge, who integrates with another method, must find it this small."""
+
+_SMOOTHING = 0.02
+"""Of the bound, as a fraction of its limit: it adds 0.01 % for a mode that reaches it, 1.4 % for one at rest."""
+
+
+class ResidualHeight(Constraint):
+    """Height for all t >= t_e below residual_fraction * max_slosh_height.
+
+    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height.
+    """
+
+    name = "residual height"
+    unit = "m"
+    place = Place.END
+    description = "Bound on the surface height at any time after the motion has ended."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object with liquid."""
+        return liquid_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One range per object."""
+        budgets = []
+        for item in sample.objects:
+            if not item.structure.oscillators:
+                continue
+            limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
+            height = SX(0)
+            for oscillator, state in zip(item.numbers.oscillators, item.states, strict=True):
+                gain = ca.fabs(oscillator.surface_gain)
+                height += gain * residual_bound(
+                    state.displacement,
+                    state.velocity,
+                    frequency=oscillator.frequency,
+                    damping=oscillator.damping,
+                    smoothing=_SMOOTHING * limit / gain,
+                )
+            budgets.append((Range(height, -limit, limit, limit),))
+        return tuple(budgets)
+
+
+class EndDisplacement(Constraint):
+    """Displacement zero at the end (`published`), and velocity too (`still`) [D3, Eq. 6 and its computation]."""
+
+    name = "still at the end"
+    unit = "m"
+    place = Place.END
+    description = (
+        "Height of each mode at the end, where its displacement (for `still`, its velocity too) is to be zero."
+    )
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object with liquid, unless only the residual is bounded."""
+        return () if scene.motion.end == "residual" else liquid_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """Ranges per object and coordinate."""
+        if sample.structure.end == "residual":
+            return ()
+        still = sample.structure.end == "still"
+        return tuple(_still_ranges(item, still) for item in sample.objects if item.structure.oscillators)
+
+
+def _still_ranges(item: ObjectSample, still: bool) -> tuple[Budget, ...]:
+    limit = STILL_FRACTION * item.numbers.max_slosh_height
+    ranges: list[Budget] = []
+    for oscillator, state in zip(item.numbers.oscillators, item.states, strict=True):
+        parts = [state.displacement]
+        if still:
+            parts.append(state.velocity / oscillator.frequency)
+        for part in parts:
+            for component in ca.vertsplit(oscillator.surface_gain * part):
+                ranges.append(Range(component, -limit, limit, limit))
+    return tuple(ranges)

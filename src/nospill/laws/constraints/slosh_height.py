@@ -1,0 +1,32 @@
+"""Slosh height: the surface must not rise above its limit anywhere round the wall."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, liquid_names
+from nospill.laws.sample import Sample
+from nospill.laws.slosh.height import crest_demands
+from nospill.scene.scene import Scene
+
+
+class SloshHeight(Constraint):
+    """Crest above the rest level <= max_slosh_height, which the reader keeps at or below the room to the rim."""
+
+    name = "slosh height"
+    unit = "m"
+    place = Place.OBJECT
+    description = "Highest point of the liquid's surface at the wall above its rest level."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object with liquid."""
+        return liquid_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One cone for a circular wall, two bands for a box."""
+        return tuple(
+            tuple(
+                Cone(demand, item.numbers.max_slosh_height, item.numbers.max_slosh_height)
+                for demand in crest_demands(item.structure, item.surface)
+            )
+            for item in sample.objects
+            if item.structure.oscillators
+        )

@@ -1,0 +1,28 @@
+"""Tray tilt stays inside the freedom the scenario gives."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.sample import Sample
+from nospill.scene.scene import Scene
+
+
+class Tilt(Constraint):
+    """|theta_x|, |theta_y| <= max_tilt where the tilt is free."""
+
+    name = "tilt"
+    unit = "rad"
+    place = Place.CONTROL
+    description = "Each of the tray's two tilt angles against max_tilt."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Both tilt angles, where free."""
+        return ("theta_x", "theta_y") if scene.motion.tilt_free else ()
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One range per angle."""
+        if not sample.structure.tilt_free:
+            return ()
+        tilt, limit = sample.tilt, sample.numbers.max_tilt
+        assert tilt is not None
+        return tuple((Range(tilt[i], -limit, limit, limit),) for i in range(2))

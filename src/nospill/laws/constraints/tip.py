@@ -1,0 +1,44 @@
+"""Tip: the pressing force must act inside the footprint less its reserve."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.sample import ObjectSample, Sample
+from nospill.scene.scene import Scene
+
+
+class Tip(Constraint):
+    """Centre of pressure (-M_y, M_x)/N inside the footprint, each length of it less `footprint_reserve`.
+
+    With the deliverable wrench M = h_G e_z x f, so this is |f_T| <= (R/h_G) N for a disc [D3].
+    """
+
+    name = "tip"
+    unit = "1"
+    place = Place.OBJECT
+    relative = True
+    description = (
+        "Distance of the centre of pressure from the middle of the footprint, as a fraction of the footprint less its "
+        "reserve."
+    )
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object."""
+        return object_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One cone for a disc, one band per side for a rectangle."""
+        return tuple(_budgets(item) for item in sample.objects)
+
+
+def _budgets(item: ObjectSample) -> tuple[Budget, ...]:
+    pressing, moment = item.wrench.force[2], item.wrench.moment
+    weight, half = item.numbers.weight, (1.0 - item.numbers.footprint_reserve) * item.numbers.footprint
+    if item.structure.footprint == "disc":
+        return (Cone(ca.vertcat(-moment[1], moment[0]), half[0] * pressing, half[0] * weight),)
+    return (
+        Cone(-moment[1], half[0] * pressing, half[0] * weight),
+        Cone(moment[0], half[1] * pressing, half[1] * weight),
+    )

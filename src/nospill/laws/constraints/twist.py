@@ -1,0 +1,29 @@
+"""Twist: friction must hold every object against turning on the spot."""
+
+from __future__ import annotations
+
+from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.sample import Sample
+from nospill.scene.scene import Scene
+
+
+class Twist(Constraint):
+    """|M_z| <= mu N r, r the mean lever arm of friction: 2R/3 for a disc [D3, absolute value added]."""
+
+    name = "twist"
+    unit = "1"
+    place = Place.OBJECT
+    relative = True
+    description = "Moment about the object's vertical axis against what friction gives under uniform pressure."
+
+    def subjects(self, scene: Scene) -> tuple[str, ...]:
+        """Every object."""
+        return object_names(scene)
+
+    def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
+        """One band per object."""
+        bands = []
+        for item in sample.objects:
+            lever = item.numbers.friction * item.numbers.twist_radius
+            bands.append((Cone(item.wrench.moment[2], lever * item.wrench.force[2], lever * item.numbers.weight),))
+        return tuple(bands)

@@ -1,0 +1,226 @@
+"""The numbers of a scene, apart from its structure.
+
+`Structure` says what there is (hashable; it decides the shape of every expression); `SceneNumbers` holds how large it
+is. A law reads a numbers record whose leaves are floats or SX alike: `flatten` turns a record into one parameter
+vector, `symbolic` makes the same record with the entries of an SX vector as leaves.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar
+
+import casadi as ca
+import numpy as np
+
+from nospill.scene.scene import EndCondition, Fidelity
+
+Number = Any
+"""A float, a numpy array, or the SX expression that stands for it."""
+
+Record = TypeVar("Record")
+
+
+@dataclass(frozen=True, slots=True)
+class OscillatorNumbers:
+    """One modal mass; fields as in `slosh.modes.Oscillator`, `curvature` = P in 1/m."""
+
+    frequency: Number
+    curvature: Number
+    mass: Number
+    height: Number
+    damping: Number
+    surface_gain: Number
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectNumbers:
+    """One object on the tray, SI.
+
+    Attributes:
+        position: (3,) bottom centre in the tray frame. yaw: of the object on the tray.
+        mass, first_moment, inertia: of the part that moves with the container, about the bottom centre, object axes:
+            () kg, (3,) kg m, (3, 3) kg m^2. Referred to a fixed point, they stay regular when the fixed liquid's mass
+            is small or negative.
+        spin_inertia: kg m^2, an inertia that counts for turns about the z axis only.
+        weight: of everything, N, the scale of forces.
+        friction: coefficient the plan may use.
+        footprint: (2,) m: radius twice for a disc, half lengths for a rectangle. footprint_reserve: part of it that the
+            plan keeps from tipping.
+        twist_radius: mean lever arm of friction under uniform pressure, m; 2R/3 for a disc.
+        grip_radius: radius of gyration of the footprint about its weaker axis, m; R/2 for a disc.
+        liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
+        oscillators: the modal masses.
+    """
+
+    position: Number
+    yaw: Number
+    mass: Number
+    first_moment: Number
+    inertia: Number
+    spin_inertia: Number
+    weight: Number
+    friction: Number
+    footprint: Number
+    footprint_reserve: Number
+    twist_radius: Number
+    grip_radius: Number
+    liquid_height: Number
+    max_slosh_height: Number
+    static_correction: Number
+    oscillators: tuple[OscillatorNumbers, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SceneNumbers:
+    """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
+
+    Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
+    and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
+    origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
+    zero where there is none or a motion has not been chosen yet.
+    """
+
+    gravity: Number
+    path_breaks: Number
+    path_coefficients: Number
+    tray_offset: Number
+    tray_yaw_on_flange: Number
+    joint_lower: Number
+    joint_upper: Number
+    joint_speed_limit: Number
+    joint_acceleration_limit: Number
+    joint_jerk_limit: Number
+    joint_torque_limit: Number
+    self_motion: Number
+    load_mass: Number
+    load_first_moment: Number
+    load_inertia: Number
+    max_tilt: Number
+    path_jerk_limit: Number
+    tilt_jerk_limit: Number
+    path_jerk_weight: Number
+    tilt_jerk_weight: Number
+    residual_fraction: Number
+    objects: tuple[ObjectNumbers, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectStructure:
+    """Kind of footprint and, per oscillator, the horizontal directions it moves in (0 = x, 1 = y)."""
+
+    footprint: Literal["disc", "rectangle"]
+    oscillators: tuple[tuple[int, ...], ...]
+
+    @property
+    def coordinates(self) -> int:
+        """Number of slosh coordinates of the object."""
+        return sum(len(directions) for directions in self.oscillators)
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """What decides the shape of the expressions.
+
+    Attributes:
+        joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
+        regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
+    """
+
+    fidelity: Fidelity
+    tilt_free: bool
+    end: EndCondition
+    spans: int
+    degree: int
+    urdf: str
+    joints: tuple[str, ...]
+    tip: str
+    objects: tuple[ObjectStructure, ...]
+    joint_limits: tuple[str, ...] = ()
+    redundant: bool = False
+    regular: bool = False
+
+
+def flatten(record: object) -> np.ndarray:
+    """All leaves of a numbers record in field order (arrays column by column), shape (n,)."""
+    leaves: list[np.ndarray] = []
+    _gather(record, leaves)
+    return np.concatenate(leaves) if leaves else np.zeros(0)
+
+
+def _gather(record: object, leaves: list[np.ndarray]) -> None:
+    if isinstance(record, tuple):
+        for item in record:
+            _gather(item, leaves)
+    elif dataclasses.is_dataclass(record):
+        for field in dataclasses.fields(record):
+            _gather(getattr(record, field.name), leaves)
+    else:
+        leaves.append(np.asarray(record, dtype=float).ravel(order="F"))
+
+
+def symbolic(template: Record, vector: ca.SX) -> Record:
+    """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
+
+    Raises:
+        ValueError: the vector has another length than the record has leaves.
+    """
+    size = len(flatten(template))
+    if vector.numel() != size:
+        raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
+    record, _ = _unflatten(template, vector, 0)
+    return record
+
+
+def constants(record: Record) -> Record:
+    """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
+    return symbolic(record, ca.SX(ca.DM(flatten(record))))
+
+
+def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
+    if isinstance(template, tuple):
+        items = []
+        for item in template:
+            value, start = _unflatten(item, vector, start)
+            items.append(value)
+        return tuple(items), start
+    if dataclasses.is_dataclass(template):
+        assert not isinstance(template, type)
+        values = {}
+        for field in dataclasses.fields(template):
+            values[field.name], start = _unflatten(getattr(template, field.name), vector, start)
+        return type(template)(**values), start
+    shape = np.shape(template)
+    size = int(np.prod(shape))
+    piece = vector[start : start + size]
+    if len(shape) == 2:
+        piece = ca.reshape(piece, *shape)
+    elif len(shape) == 3:
+        # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
+        step = shape[0] * shape[1]
+        piece = [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
+    return piece, start + size
+
+
+class Shapes:
+    """A numbers record as a cache key beside its structure, which already decides every shape: all compare equal.
+
+    Attributes:
+        record: the template for `symbolic`.
+    """
+
+    def __init__(self, record: SceneNumbers) -> None:
+        self.record = record
+
+    @property
+    def size(self) -> int:
+        """Number of leaves."""
+        return len(flatten(self.record))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Shapes)
+
+    def __hash__(self) -> int:
+        return 0

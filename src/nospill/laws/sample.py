@@ -1,0 +1,99 @@
+"""Everything a constraint may look at, at one instant, built the same way for the optimiser and for the judge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.core.frames import SX, FrameMotion
+from nospill.laws.contact import Wrench, contact_wrench
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure, SceneNumbers, Structure
+from nospill.laws.slosh.height import surface_vector
+from nospill.laws.slosh.motion import OscillatorState
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectSample:
+    """One object: numbers, structure, motion of its frame, wrench from the tray, surface height (2, 1) m, states."""
+
+    numbers: ObjectNumbers
+    structure: ObjectStructure
+    motion: FrameMotion
+    wrench: Wrench
+    surface: SX
+    states: tuple[OscillatorState, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One instant of a scene; a part that the asker cannot supply is absent.
+
+    A constraint says by its `place` which parts it needs.
+
+    Attributes:
+        structure, numbers: of the scene.
+        objects: one per cargo.
+        joint_position, joint_speed, joint_acceleration: (n, 1), rad, rad/s, rad/s^2; the last one only where
+            acceleration or torque is limited.
+        joint_jerk: (n, 1), rad/s^3, only where it is limited.
+        tilt: (2, 1), theta_x and theta_y, rad.
+        jerks: third derivative of s (1/s^3), then of theta_x and theta_y (rad/s^3) where the tilt is free.
+    """
+
+    structure: Structure
+    numbers: SceneNumbers
+    objects: tuple[ObjectSample, ...] = ()
+    joint_position: SX | None = None
+    joint_speed: SX | None = None
+    joint_acceleration: SX | None = None
+    joint_jerk: SX | None = None
+    tilt: SX | None = None
+    jerks: SX | None = None
+
+
+SloshStates = tuple[tuple[OscillatorState, ...], ...]
+"""Per object, per oscillator."""
+
+
+def object_motion(numbers: ObjectNumbers, tray: FrameMotion) -> FrameMotion:
+    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame."""
+    return tray.at(numbers.position).turned(numbers.yaw)
+
+
+def sample_objects(
+    structure: Structure, numbers: SceneNumbers, tray: FrameMotion, slosh: SloshStates
+) -> tuple[ObjectSample, ...]:
+    """The objects' part of a sample."""
+    samples = []
+    for object_structure, object_numbers, states in zip(structure.objects, numbers.objects, slosh, strict=True):
+        motion = object_motion(object_numbers, tray)
+        wrench = contact_wrench(structure.fidelity, object_numbers, object_structure, motion, states)
+        surface = surface_vector(
+            object_numbers, object_structure, motion, states, corrected=structure.fidelity == "full"
+        )
+        samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states))
+    return tuple(samples)
+
+
+def split_states(structure: Structure, position: SX, velocity: SX, acceleration: SX) -> SloshStates:
+    """Slosh states from stacked coordinates, each (total, 1), object by object, oscillator by oscillator."""
+    states, start = [], 0
+    for item in structure.objects:
+        own = []
+        for directions in item.oscillators:
+            part = slice(start, start + len(directions))
+            own.append(OscillatorState(position[part], velocity[part], acceleration[part]))
+            start += len(directions)
+        states.append(tuple(own))
+    return tuple(states)
+
+
+def coordinate_count(structure: Structure) -> int:
+    """Number of slosh coordinates of all objects."""
+    return sum(item.coordinates for item in structure.objects)
+
+
+def tray_motion(rotation: SX, acceleration: SX, omega: SX, alpha: SX, gravity: SX | float) -> FrameMotion:
+    """The tray frame's motion from base-frame acceleration (3, 1) and body rates: specific force R^T (a + g e_z)."""
+    return FrameMotion(omega, alpha, rotation.T @ (acceleration + ca.vertcat(0, 0, gravity)))

@@ -1,0 +1,109 @@
+"""Equation of motion of a sloshing liquid in general rigid motion, one oscillator at a time.
+
+The modal mass slides on a paraboloid about the container's axis. With q its horizontal displacement (one or two
+coordinates), rho = (D q, H + P |q|^2 / 2) its place in the container frame and a the apparent acceleration at rho
+(specific force, Euler, centrifugal, Coriolis and relative terms), the equation is J^T a + damping = 0 with
+J = d rho / d q. With f = a - rho'' it reads for a circular cup
+
+    (I + P^2 q q^T) q'' = -f_xy - P f_z q - P^2 |q'|^2 q - 2 zeta omega (q' + P^2 (q.q') q);
+
+on a level tray it is the published 4-D equation. The stiffness comes from the apparent gravity along the axis, so P is
+free of g.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.core.frames import SX, FrameMotion
+from nospill.laws.parameters import OscillatorNumbers
+
+
+@dataclass(frozen=True, slots=True)
+class OscillatorState:
+    """Displacement (k, 1) m, velocity m/s, acceleration m/s^2 of a modal mass along its directions, container axes."""
+
+    displacement: SX
+    velocity: SX
+    acceleration: SX
+
+
+def horizontal(directions: tuple[int, ...], coordinates: SX) -> SX:
+    """D q: the coordinates as a horizontal vector, shape (2, 1)."""
+    full = SX.zeros(2)
+    for index, axis in enumerate(directions):
+        full[axis] = coordinates[index]
+    return full
+
+
+def modal_place(oscillator: OscillatorNumbers, directions: tuple[int, ...], state: OscillatorState) -> SX:
+    """rho, place of the modal mass in the container frame, shape (3, 1), m."""
+    q = state.displacement
+    return ca.vertcat(horizontal(directions, q), oscillator.height + oscillator.curvature / 2 * ca.dot(q, q))
+
+
+def apparent_acceleration(
+    oscillator: OscillatorNumbers, directions: tuple[int, ...], motion: FrameMotion, state: OscillatorState
+) -> SX:
+    """Acceleration of the modal mass less gravity, container axes, shape (3, 1), m/s^2.
+
+    f + alpha x rho + omega x (omega x rho) + 2 omega x rho' + rho'', f the specific force at the bottom centre; times
+    the modal mass it is the force the container exerts on it.
+    """
+    q, qd, qdd = state.displacement, state.velocity, state.acceleration
+    curvature = oscillator.curvature
+    place = modal_place(oscillator, directions, state)
+    speed = ca.vertcat(horizontal(directions, qd), curvature * ca.dot(q, qd))
+    relative = ca.vertcat(horizontal(directions, qdd), curvature * (ca.dot(qd, qd) + ca.dot(q, qdd)))
+    return motion.at(place).specific_force + 2 * ca.cross(motion.angular_velocity, speed) + relative
+
+
+def motion_residual(
+    oscillator: OscillatorNumbers,
+    directions: tuple[int, ...],
+    motion: FrameMotion,
+    state: OscillatorState,
+    *,
+    damp_against_spin: bool,
+) -> SX:
+    """J^T a + damping, shape (k, 1), m/s^2; zero on a motion of the liquid, linear in the acceleration.
+
+    Args:
+        oscillator: its numbers.
+        directions: horizontal axes it moves along.
+        motion: of the container frame, in container axes.
+        state: displacement, velocity, acceleration.
+        damp_against_spin: measure the damping velocity against axes that do not spin about the cup's axis, as the
+            published equation does, instead of against the wall.
+    """
+    q, qd = state.displacement, state.velocity
+    curvature = oscillator.curvature
+    apparent = apparent_acceleration(oscillator, directions, motion, state)
+    along = ca.vertcat(*[apparent[axis] for axis in directions])
+    slip_rate = qd
+    if damp_against_spin and len(directions) == 2:
+        slip_rate = qd + motion.angular_velocity[2] * ca.vertcat(-q[1], q[0])
+    damping = 2 * oscillator.damping * oscillator.frequency
+    return along + curvature * q * apparent[2] + damping * (slip_rate + curvature**2 * ca.dot(q, slip_rate) * q)
+
+
+def modal_acceleration(
+    oscillator: OscillatorNumbers,
+    directions: tuple[int, ...],
+    motion: FrameMotion,
+    displacement: SX,
+    velocity: SX,
+    *,
+    damp_against_spin: bool,
+) -> SX:
+    """Q'' solved from `motion_residual` = 0, shape (k, 1), m/s^2.
+
+    The residual is (I + P^2 q q^T) q'' + bias, inverted in closed form (Sherman and Morrison).
+    """
+    still = OscillatorState(displacement, velocity, SX.zeros(displacement.shape[0]))
+    bias = motion_residual(oscillator, directions, motion, still, damp_against_spin=damp_against_spin)
+    stiff = oscillator.curvature**2
+    correction = stiff * ca.dot(displacement, bias) / (1 + stiff * ca.dot(displacement, displacement))
+    return -(bias - correction * displacement)

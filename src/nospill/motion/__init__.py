@@ -1,0 +1,1 @@
+"""A motion as samples: trajectory, interpolation, pauses before and after."""

@@ -1,1 +1,0 @@
-"""The optimal control problem: a scene as a nonlinear programme, and a solved one as exported samples."""

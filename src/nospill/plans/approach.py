@@ -1,0 +1,151 @@
+"""A plan with the way to its start: found, judged with the plan, judged again, and handed over as a file of its own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from nospill.approach import find_approach, judge_segment, require_ruckig
+from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
+from nospill.export import Exporter
+from nospill.judge.certificate import certify
+from nospill.judge.verdict import APPROACH, Certificate
+from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
+from nospill.motion.interpolation import resampled
+from nospill.plans.handover import Handover, read_samples, require_fit
+from nospill.plans.plan import Plan, describe
+from nospill.scene.scene import Scene
+
+_ADVICE = (
+    "the tray leans as the joints turn it on a straight line in joint space: "
+    'start nearer to the motion, or with tray = "empty" under [approach].'
+)
+
+
+def require_possible(scene: Scene) -> None:
+    """Find out before any long work that an approach is asked for which cannot be planned here.
+
+    Raises:
+        MissingExtraError: the library ruckig is not installed.
+    """
+    if scene.approach is not None:
+        require_ruckig()
+
+
+def starts_alike(first: Scene, second: Scene) -> bool:
+    """Whether two scenes say the same of where the arm comes from, so that they prefer the same branch."""
+    ours, theirs = first.start_near, second.start_near
+    return ours is theirs if ours is None or theirs is None else np.array_equal(ours, theirs)
+
+
+def with_approach(plan: Plan) -> Plan:
+    """The plan with its approach and the rows about it; as it is where the scene asks for none.
+
+    Raises:
+        NoSolutionError: there is no approach that the judge certifies; names the constraint in the way.
+        MissingExtraError: the library ruckig is not installed.
+    """
+    rules = plan.scene.approach
+    if rules is None:
+        return plan
+    try:
+        found = find_approach(plan.scene, rules, plan.trajectory.joint_position[0])
+    except ModelError as error:
+        reason = Reason(MOTION, "approach slosh height", "cargo", changes=_less(plan))
+        raise NoSolutionError(f"No approach found: {error} {_ADVICE}", reason) from error
+    worst = found.certificate.worst
+    if not found.certificate.ok:
+        slowly = "" if found.segment.stretch == 1.0 else f", even {found.segment.stretch:g} times as slowly"
+        changes = _less(plan)
+        helps = f" Smallest single change found: {changes[0].text}." if changes else ""
+        reason = Reason(MOTION, worst.constraint, worst.subject, None, worst.use - 1.0, changes=changes)
+        raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {_ADVICE}{helps}", reason)
+    return replace(plan, approach=found.segment, certificate=plan.certificate.joined(found.certificate))
+
+
+def _less(plan: Plan) -> tuple[Change, ...]:
+    """What helps where an approach with the cargo on the tray is not certified: to go there with the tray empty."""
+    rules = plan.scene.approach
+    if rules is None or not rules.loaded:
+        return ()
+    empty = find_approach(plan.scene, replace(rules, loaded=False), plan.trajectory.joint_position[0])
+    if not empty.certificate.ok:
+        return ()
+    text = 'approach.tray "empty" instead of "loaded"'
+    return (Change("load of the approach", "approach.tray", "empty", text),)
+
+
+def certify_whole(plan: Plan) -> Certificate:
+    """Judge a plan again, its motion and its approach, from the samples and the scene alone.
+
+    Raises:
+        ModelError, PlanFolderError: as for `certificate.certify`.
+    """
+    verdict = certify(plan.trajectory, plan.scene)
+    if plan.approach is None or plan.scene.approach is None:
+        return verdict
+    rules, end = plan.scene.approach, plan.trajectory.joint_position[0]
+    return verdict.joined(judge_segment(plan.approach, plan.scene, rules, end))
+
+
+def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None) -> Handover:
+    """Write a plan's approach as a file of its own, read it back and judge what its receiver will play.
+
+    Args:
+        plan: with an approach.
+        exporter: the format.
+        path: file to write, at once or not at all.
+        rate: samples per second, Hz; the plan's when left out.
+
+    Raises:
+        ScenarioError: the plan has no approach, or the format does not take this scene or rate.
+        PlanFolderError: the disk refuses, or the file cannot be read back.
+        ModelError: the liquids on the tray cannot be integrated along what was read.
+    """
+    segment, rules = plan.approach, plan.scene.approach
+    if segment is None or rules is None:
+        raise ScenarioError(f"{plan.scene.name}: the plan has no approach; plan again with a table [approach]")
+    rate = plan.scene.output_rate if rate is None else rate
+    require_fit(plan, exporter, rate)
+    exporter.write(resampled(segment.record(), rate), plan.scene, path)
+    bare = replace(plan.scene, motion=replace(plan.scene.motion, hold_before=0.0, hold_after=0.0))
+    found = read_samples(exporter, path, bare)
+    motion = exporter.interpolation.motion(found)
+    played = replace(segment, samples=found)
+    end = plan.trajectory.joint_position[0]
+    return Handover(
+        path=path,
+        exporter=exporter,
+        rate=found.rate,
+        samples=len(found.t),
+        certificate=judge_segment(played, plan.scene, rules, end, motion=motion),
+        joint_deviation=Handover.largest_deviation(segment.record(), found, motion),
+    )
+
+
+def settling_time(plan: Plan) -> float:
+    """How long the liquids swing on after a loaded approach until they count as still, s; the motion starts from rest.
+
+    The bound on what a mode still swings falls as exp(-zeta omega t) of the slowest decay on the tray.
+    """
+    if plan.approach is None or not plan.approach.loaded:
+        return 0.0
+    heights = {
+        row.subject: row.worst_value
+        for row in plan.certificate.rows
+        if row.constraint == APPROACH + ResidualHeight.name
+    }
+    longest = 0.0
+    for cargo in plan.scene.cargo:
+        if cargo.filling is None or heights.get(cargo.name, 0.0) <= 0.0:
+            continue
+        still = STILL_FRACTION * cargo.filling.max_slosh_height
+        decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)
+        decay *= cargo.tolerance.damping[0] if cargo.tolerance is not None else 1.0
+        ratio = heights[cargo.name] / still
+        if ratio > 1.0:
+            longest = max(longest, math.log(ratio) / decay if decay > 0.0 else math.inf)
+    return longest

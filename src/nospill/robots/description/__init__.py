@@ -1,0 +1,1 @@
+"""A robot as data: descriptions in URDF, the catalogue, limits."""

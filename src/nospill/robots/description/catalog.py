@@ -1,0 +1,152 @@
+"""The arms nospill knows: one URDF and one TOML file each in `robots/data`, and one line in the table below."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
+from nospill.robots.robot import Robot
+
+ROBOTS: dict[str, str] = {
+    "comau-smart-six": "comau-smart-six",
+    "comau-racer-5-080": "comau-racer-5-080",
+    "ur5e": "ur5e",
+    "ur10e": "ur10e",
+    "franka-fr3": "franka-fr3",
+    "kuka-kr6-r900": "kuka-kr6-r900",
+    "abb-irb1200-5-90": "abb-irb1200-5-90",
+}
+"""Name in a scenario -> stem of the two data files."""
+
+
+def load_robot(name: str) -> Robot:
+    """Return an arm of the catalogue.
+
+    Args:
+        name: a key of `ROBOTS`.
+
+    Returns:
+        The arm; its arrays are read-only.
+
+    Raises:
+        ScenarioError: no arm has that name; the message lists the names and the nearest one.
+    """
+    if name not in ROBOTS:
+        near = difflib.get_close_matches(name, ROBOTS, n=1, cutoff=0.5)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise ScenarioError(f"robot model {name!r} is not in the catalogue (known: {', '.join(sorted(ROBOTS))}){hint}")
+    folder = resources.files("nospill.robots") / "data"
+    facts = tomllib.loads((folder / f"{ROBOTS[name]}.toml").read_text(encoding="utf-8"))
+    return Robot(
+        name=name,
+        title=facts["title"],
+        urdf=(folder / f"{ROBOTS[name]}.urdf").read_text(encoding="utf-8"),
+        joints=tuple(facts["joints"]),
+        tip=facts["tip"],
+        lower=_constant(np.radians(facts["lower_deg"])),
+        upper=_constant(np.radians(facts["upper_deg"])),
+        max_speed=_constant(np.radians(facts["max_speed_deg_s"])),
+        max_acceleration=_optional(facts.get("max_acceleration_rad_s2")),
+        max_jerk=_optional(facts.get("max_jerk_rad_s3")),
+        max_torque=_optional(facts.get("max_torque_nm")),
+        inertias_known=bool(facts.get("inertias_known", False)),
+        home=_constant(np.radians(facts["home_deg"])),
+        payload=facts.get("payload_kg"),
+        reach=facts.get("reach_m"),
+        sources=dict(facts["sources"]),
+        not_known=tuple(facts["not_known"]),
+    )
+
+
+def moved_robot(
+    robot: Robot, *, tip: str | None = None, base: BasePose = WORLD, locked: Mapping[str, object] = NO_LOCKS
+) -> Robot:
+    """Return an arm of the catalogue with another base pose, flange frame or joints that stand still.
+
+    Args:
+        robot: the arm.
+        tip: another frame of its URDF, or None.
+        base: pose of its root in the world.
+        locked: joint -> angle at which it stands still ("30 deg", rad).
+
+    Raises:
+        ScenarioError: as for `read_arm`.
+    """
+    if not (base.moved() or locked or (tip is not None and tip != robot.tip)):
+        return robot
+    arm = read_arm(robot.urdf, tip=tip or robot.tip, base=base, locked=locked)
+    kept = [robot.joints.index(name) for name in arm.joints]
+
+    def of_kept(values: np.ndarray | None) -> np.ndarray | None:
+        return None if values is None else _constant(values[kept])
+
+    return replace(
+        robot,
+        urdf=arm.urdf,
+        joints=arm.joints,
+        tip=arm.tip,
+        lower=_constant(robot.lower[kept]),
+        upper=_constant(robot.upper[kept]),
+        max_speed=_constant(robot.max_speed[kept]),
+        max_acceleration=of_kept(robot.max_acceleration),
+        max_jerk=of_kept(robot.max_jerk),
+        max_torque=of_kept(robot.max_torque),
+        home=of_kept(robot.home),
+        notes=(*robot.notes, *arm.notes),
+    )
+
+
+def robot_table() -> list[dict[str, Any]]:
+    """Return one plain (JSON-ready) row per arm of the catalogue, for `nospill robots`.
+
+    Returns:
+        Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
+        max_speed_deg_s, max_acceleration_rad_s2, max_jerk_rad_s3, max_torque_nm (None where nobody states it),
+        inertias_known, home_deg, sources, not_known.
+    """
+    return [_row(load_robot(name)) for name in ROBOTS]
+
+
+def _row(robot: Robot) -> dict[str, Any]:
+    return {
+        "name": robot.name,
+        "title": robot.title,
+        "joint_count": len(robot.joints),
+        "joints": list(robot.joints),
+        "tip": robot.tip,
+        "reach_m": robot.reach,
+        "payload_kg": robot.payload,
+        "lower_deg": _degrees(robot.lower),
+        "upper_deg": _degrees(robot.upper),
+        "max_speed_deg_s": _degrees(robot.max_speed),
+        "max_acceleration_rad_s2": None if robot.max_acceleration is None else robot.max_acceleration.tolist(),
+        "max_jerk_rad_s3": None if robot.max_jerk is None else robot.max_jerk.tolist(),
+        "max_torque_nm": None if robot.max_torque is None else robot.max_torque.tolist(),
+        "inertias_known": robot.inertias_known,
+        "home_deg": None if robot.home is None else _degrees(robot.home),
+        "sources": dict(robot.sources),
+        "not_known": list(robot.not_known),
+    }
+
+
+def _degrees(radians: np.ndarray) -> list[float]:
+    # twelve digits hide the rounding of deg -> rad -> deg
+    return [float(f"{value:.12g}") for value in np.degrees(radians)]
+
+
+def _optional(values: Sequence[float] | None) -> np.ndarray | None:
+    return None if values is None else _constant(values)
+
+
+def _constant(values: Sequence[float] | np.ndarray) -> np.ndarray:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

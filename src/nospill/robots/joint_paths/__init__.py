@@ -1,0 +1,1 @@
+"""From a path of the tray to paths of the joints."""

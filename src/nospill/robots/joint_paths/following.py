@@ -1,0 +1,200 @@
+"""Following inverse solutions along a path of the level tray: Newton continuation with step control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.core.paths import Path
+from nospill.robots.kinematics.forward import Kinematics
+from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
+
+SUBSTEPS = (1, 4, 16, 64, 256)
+"""An interval between two samples is tried in this many steps, one after the other, before a branch is given up."""
+
+MAX_PREDICTION = 0.3
+"""Largest change of a joint in one step, rad."""
+
+MAX_CORRECTION = 0.05
+"""Largest first Newton correction of a step, rad: farther off, another branch may be nearer."""
+
+CONTRACTION = 0.1
+"""Largest second correction over the first: so Newton converges to the branch the prediction came from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """What became of each branch.
+
+    Attributes:
+        s: (m,) path parameters.
+        q: (k, m, n) joint positions, rad, limits ignored; NaN after a branch is lost.
+        complete: (k,) whether the branch reaches the end of the path.
+        last: (k,) index in s of the last sample reached.
+    """
+
+    s: np.ndarray
+    q: np.ndarray
+    complete: np.ndarray
+    last: np.ndarray
+
+
+def tray_poses(path: Path, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions (m, 3), m, and rotations Rz(yaw) (m, 3, 3) of the level tray at s (m,)."""
+    values = path.at(s)
+    cosine, sine = np.cos(values[:, 3]), np.sin(values[:, 3])
+    rotations = np.zeros((len(values), 3, 3))
+    rotations[:, 0, 0] = rotations[:, 1, 1] = cosine
+    rotations[:, 1, 0], rotations[:, 0, 1] = sine, -sine
+    rotations[:, 2, 2] = 1.0
+    return values[:, :3], rotations
+
+
+def tray_rates(path: Path, s: np.ndarray) -> np.ndarray:
+    """Return the change of the level tray's pose with s, (m, 6): dr/ds, m, and (0, 0, dyaw/ds), rad."""
+    slope = path.derivative(s, 1)
+    return np.concatenate([slope[:, :3], np.zeros((len(slope), 2)), slope[:, 3:]], axis=1)
+
+
+def follow(
+    arm: Kinematics,
+    path: Path,
+    s: np.ndarray,
+    starts: np.ndarray,
+    *,
+    tool_position: np.ndarray,
+    tool_yaw: float,
+    held: np.ndarray | None = None,
+) -> Followed:
+    """Follow each start configuration along the path, joint limits ignored.
+
+    Args:
+        arm: forward kinematics.
+        path: path of the tray.
+        s: (m,) increasing path parameters.
+        starts: (k, n) joint positions that put the tray at s[0], rad.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+        held: (n,) combination of the joints that keeps its start value; without it, seven joints move as little as
+            they can.
+    """
+    stepper = _Stepper(arm, path, tool_position, tool_yaw, held)
+    positions, rotations = tray_poses(path, s)
+    rates = tray_rates(path, s)
+    branches = len(starts)
+    q = np.full((branches, len(s), arm.n), np.nan)
+    q[:, 0] = starts
+    last = np.zeros(branches, dtype=int)
+    active = np.arange(branches)
+    for index in range(1, len(s)):
+        if active.size == 0:
+            break
+        waiting = active
+        for substeps in SUBSTEPS:
+            start = q[waiting, index - 1]
+            if substeps == 1:
+                width = s[index] - s[index - 1]
+                reached, good = stepper.step(start, width, positions[index], rotations[index], rates[index - 1])
+            else:
+                reached, good = stepper.advance(start, np.linspace(s[index - 1], s[index], substeps + 1))
+            q[waiting[good], index] = reached[good]
+            last[waiting[good]] = index
+            waiting = waiting[~good]
+            if waiting.size == 0:
+                break
+        active = np.setdiff1d(active, waiting, assume_unique=True)
+
+    complete = np.zeros(branches, dtype=bool)
+    complete[active] = True
+    for branch in active:
+        polished, error = newton(
+            arm,
+            positions,
+            rotations,
+            q[branch],
+            tool_position=tool_position,
+            tool_yaw=tool_yaw,
+            held=None if held is None else Held(held, np.full(len(s), starts[branch] @ held)),
+            max_iterations=5,
+        )
+        settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
+        complete[branch] = settled.all()
+        if not complete[branch]:
+            last[branch] = max(int(np.argmin(settled)) - 1, 0)
+        q[branch] = polished
+    return Followed(s, q, complete, last)
+
+
+class _Stepper:
+    """Predictor along dq/ds and two Newton corrections, on several branches at once."""
+
+    def __init__(
+        self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float, held: np.ndarray | None
+    ) -> None:
+        self._arm = arm
+        self._path = path
+        self._tool_position = tool_position
+        self._tool_yaw = tool_yaw
+        self._held = held
+
+    def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which made it (k,)."""
+        q = q.copy()
+        good = np.ones(len(q), dtype=bool)
+        positions, rotations = tray_poses(self._path, s[1:])
+        rates = tray_rates(self._path, s[:-1])
+        kept = self._kept(q)
+        for step, width in enumerate(np.diff(s)):
+            rows = np.flatnonzero(good)
+            if rows.size == 0:
+                break
+            held = None if kept is None else Held(kept.direction, kept.values[rows])
+            q[rows], good[rows] = self.step(q[rows], width, positions[step], rotations[step], rates[step], held)
+        return q, good
+
+    def step(
+        self,
+        q: np.ndarray,
+        width: float,
+        position: np.ndarray,
+        rotation: np.ndarray,
+        rate: np.ndarray,
+        held: Held | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Carry branches by one step; return where they are (k, n) and which made it (k,).
+
+        Args:
+            q: (k, n) where they were.
+            width: of the step, in s.
+            position: (3,) of the tray at the end of the step.
+            rotation: (3, 3) likewise.
+            rate: (6,) as of `tray_rates`, at the beginning of the step.
+            held: what keeps its value; without it, the value at q.
+        """
+        _, _, jacobian = self._at(q)
+        held = held or self._kept(q)
+        rates = np.broadcast_to(rate, (len(q), 6))
+        if held is not None:
+            jacobian, rates = held.added(jacobian, rates, q)
+        prediction = width * least_norm_step(jacobian, rates)
+        near = q + prediction
+        first = self._correction(near, position, rotation, held)
+        second = self._correction(near + first, position, rotation, held)
+        sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
+        good = (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
+        return near + first + second, good
+
+    def _kept(self, q: np.ndarray) -> Held | None:
+        return None if self._held is None else Held(self._held, q @ self._held)
+
+    def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray, held: Held | None) -> np.ndarray:
+        reached, turned, jacobian = self._at(q)
+        shape = (len(q), 3, 3)
+        gap = pose_gap(np.broadcast_to(position, shape[:2]), np.broadcast_to(rotation, shape), reached, turned)
+        if held is not None:
+            jacobian, gap = held.added(jacobian, gap, q)
+        return least_norm_step(jacobian, gap)
+
+    def _at(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self._arm.poses_and_jacobians(q, tool_position=self._tool_position, tool_yaw=self._tool_yaw)

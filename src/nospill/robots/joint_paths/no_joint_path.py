@@ -1,0 +1,171 @@
+"""Why no joint path exists: out of reach, a joint limit, or a singularity; with the place on the path and the size."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.core.paths import Path
+from nospill.errors import ROBOT, Reason, ScenarioError
+from nospill.robots.joint_paths.following import Followed, tray_poses
+from nospill.robots.kinematics.closed_form import TURN, solutions_anywhere
+from nospill.robots.kinematics.forward import Kinematics, kinematics
+from nospill.robots.kinematics.newton import pose_gap
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.robot import Robot
+
+_ORIENTATION_WEIGHT = 100.0  # m per rad
+_RANDOM_STARTS = 16
+_REACHED = 1e-6  # m
+_BISECTIONS = 20
+_PLACES = 9
+
+
+def explain(
+    robot: Robot, path: Path, followed: Followed, *, tool_position: np.ndarray, tool_yaw: float
+) -> ScenarioError:
+    """Return the error that says why none of the followed branches is a joint path.
+
+    Args:
+        robot: the arm.
+        path: path of the tray.
+        followed: what `follow` returned for all solutions at the start.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+    """
+    if followed.complete.any():
+        return _limit_in_the_way(robot, followed, path)
+    s = followed.s
+    solved = np.array([is_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
+    if not solved.all():
+        return _out_of_reach(robot, path, s, solved, tool_position, tool_yaw)
+    best = int(np.argmax(followed.last))
+    farthest = int(followed.last[best])
+    joints = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
+    lost = float(s[min(farthest + 1, len(s) - 1)])
+    return ScenarioError(
+        f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
+        f"singularity, the last near s = {lost:.3f} ({_place(path, lost)}) at joints ({joints}) deg; "
+        "move the path or change its yaw there",
+        Reason(ROBOT, "singularity", robot.name, lost),
+    )
+
+
+def _place(path: Path, s: float) -> str:
+    """Where the tray is at s, for people."""
+    return "x, y, z = " + ", ".join(f"{1e3 * value:.0f}" for value in path.at(s)[0, :3]) + " mm"
+
+
+def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioError:
+    """Return the error for the branch that breaks its limits least, with the whole turns that suit it best."""
+    best: tuple[float, int, int, np.ndarray] | None = None
+    for q in followed.q[followed.complete]:
+        # for each joint the whole turns that break its limits least
+        turns = np.round((0.5 * (robot.lower + robot.upper) - 0.5 * (q.min(axis=0) + q.max(axis=0))) / TURN)
+        options = q + TURN * (turns + np.array([[-1.0], [0.0], [1.0]]))[:, None, :]
+        over = np.maximum(np.maximum(robot.lower - options, options - robot.upper), 0.0)
+        kept = np.argmin(over.max(axis=1), axis=0)
+        joints = np.arange(q.shape[1])
+        turned, excess = options[kept, :, joints].T, over[kept, :, joints].T
+        joint = int(np.argmax(excess.max(axis=0)))
+        worst = float(excess[:, joint].max())
+        if best is None or worst < best[0]:
+            best = (worst, joint, int(np.argmax(excess[:, joint] > 0)), turned)
+    assert best is not None, "called with no complete branch"
+    worst, joint, first, turned = best
+    upper = turned[first, joint] > robot.upper[joint]
+    limit = robot.upper[joint] if upper else robot.lower[joint]
+    at_s = float(followed.s[first])
+    return ScenarioError(
+        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
+        f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
+        f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
+        f"{np.degrees(worst):.3g} deg, from s = {at_s:.3f} on ({_place(path, at_s)}); move the path or change its yaw",
+        Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
+    )
+
+
+def farthest_reached(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> float:
+    """How far along the path every place is reachable, by a quick look at some of them; 1 where all of these are.
+
+    Args:
+        robot: the arm.
+        path: path of the tray.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+    """
+    places = np.linspace(0.0, 1.0, _PLACES)
+    reached = 0.0
+    for place in places:
+        if not is_reachable(robot, path, float(place), tool_position, tool_yaw):
+            return reached
+        reached = float(place)
+    return reached
+
+
+def is_reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
+    """Whether the arm can put the level tray on the path at s, joint limits aside."""
+    positions, rotations = tray_poses(path, np.array([s]))
+    held = redundant_joint(robot)
+    if held is None:
+        tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
+        return len(solutions_anywhere(robot, positions[0], rotations[0], **tool)) > 0
+    return _shortfalls(kinematics(robot), path, np.array([s]), tool_position, tool_yaw)[0] < _REACHED
+
+
+def _out_of_reach(
+    robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, tool_position: np.ndarray, tool_yaw: float
+) -> ScenarioError:
+    first = int(np.argmin(solved))
+    edge = float(s[first])
+    if first > 0:
+        inside = float(s[first - 1])
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (inside + edge)
+            if is_reachable(robot, path, middle, tool_position, tool_yaw):
+                inside = middle
+            else:
+                edge = middle
+    outside = s[~solved]
+    shortfall = _shortfalls(kinematics(robot), path, outside, tool_position, tool_yaw)
+    worst = int(np.argmax(shortfall))
+    reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
+    return ScenarioError(
+        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on (start 0, end 1), by up to "
+        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f} ({_place(path, float(outside[worst]))}); "
+        "move the path nearer to the robot's base or away from its axis",
+        Reason(ROBOT, "reach", robot.name, edge, float(shortfall[worst]), "m"),
+    )
+
+
+def _shortfalls(
+    arm: Kinematics, path: Path, s: np.ndarray, tool_position: np.ndarray, tool_yaw: float, *, iterations: int = 60
+) -> np.ndarray:
+    """Return how far (m,) in m the tray stays from its place on the path when its orientation is kept.
+
+    Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is
+    kept, from several starts; at a place out of reach the gap that remains is the distance to the edge of the
+    workspace.
+    """
+    generator = np.random.default_rng(0)
+    positions, rotations = tray_poses(path, np.repeat(s, _RANDOM_STARTS))
+    q = generator.uniform(-np.pi, np.pi, size=(len(positions), arm.n))
+    weight = np.array([1.0, 1.0, 1.0, *[_ORIENTATION_WEIGHT] * 3])
+
+    def linearised(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        reached, turned, jacobian = arm.poses_and_jacobians(at, tool_position=tool_position, tool_yaw=tool_yaw)
+        return pose_gap(positions, rotations, reached, turned) * weight, jacobian * weight[:, None]
+
+    gap, jacobian = linearised(q)
+    damping = np.full(len(q), 1e-1)
+    for _ in range(iterations):
+        transposed = np.swapaxes(jacobian, 1, 2)
+        normal = transposed @ jacobian + damping[:, None, None] * np.eye(arm.n)
+        trial = q + np.linalg.solve(normal, (transposed @ gap[..., None]))[..., 0]
+        trial_gap, trial_jacobian = linearised(trial)
+        better = np.linalg.norm(trial_gap, axis=1) < np.linalg.norm(gap, axis=1)
+        q[better], gap[better], jacobian[better] = trial[better], trial_gap[better], trial_jacobian[better]
+        damping = np.clip(np.where(better, damping / 4.0, damping * 6.0), 1e-8, 1e6)
+    remaining = np.where(
+        np.linalg.norm(gap[:, 3:], axis=1) < 0.1 * _ORIENTATION_WEIGHT, np.linalg.norm(gap[:, :3], axis=1), np.inf
+    )
+    return remaining.reshape(-1, _RANDOM_STARTS).min(axis=1)

@@ -1,0 +1,209 @@
+"""Inverse kinematics: all solutions at one pose, many poses from guesses, and the joint paths that follow a tray path.
+
+`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that
+exists at the start of the path is followed along all of it with a level tray, by Newton continuation with step
+control, so that a branch never jumps. Seven joints have a family of branches for every position of the redundant
+joint: a number of positions is tried, each kept along the path, and only where none leads through, the joints are left
+to move as little as they can. That gives the planner its start; it may move the redundant joint as it likes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from nospill.core.paths import Path
+from nospill.errors import ScenarioError
+from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
+from nospill.robots.joint_paths.no_joint_path import explain
+from nospill.robots.kinematics.closed_form import TURN, solutions_anywhere, turn_choices
+from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
+from nospill.robots.kinematics.forward import FLANGE, ToolPosition, kinematics
+from nospill.robots.kinematics.newton import Held, least_norm_step
+from nospill.robots.kinematics.newton import solve_joints as solve_joints
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.robot import Robot
+
+_REDUNDANT_POSITIONS = 13
+"""Positions of the redundant joint that are tried, evenly over its range."""
+
+NEARLY_AS_FAST = 1.5
+"""A branch may have this many times the best speed figure and still be taken because the arm is near to it."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointPath:
+    """One continuous way for the joints to carry the level tray along a path.
+
+    Attributes:
+        branch: start configuration in words.
+        s: (m,) path parameters from 0 to 1.
+        q: (m, n) joint positions, rad, all within the limits.
+        dq_ds: (m, n) derivative with respect to s, rad.
+        speed_figure: max over s and joints of |dq_i/ds| / max_speed_i, s: no motion with s' constant is shorter.
+            Smaller is better.
+        limit_margin: least distance of a joint to one of its position limits, rad.
+    """
+
+    branch: str
+    s: np.ndarray
+    q: np.ndarray
+    dq_ds: np.ndarray
+    speed_figure: float
+    limit_margin: float
+
+    def at(self, s: np.ndarray) -> np.ndarray:
+        """Return joint positions (k, n), rad, at path parameters s (k,) in [0, 1], by cubic Hermite interpolation."""
+        span = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+        width = (self.s[span + 1] - self.s[span])[:, None]
+        u = (np.asarray(s) - self.s[span])[:, None] / width
+        start, end = self.q[span], self.q[span + 1]
+        start_slope, end_slope = width * self.dq_ds[span], width * self.dq_ds[span + 1]
+        rise = u * u * (3.0 - 2.0 * u)
+        return start + rise * (end - start) + u * (1.0 - u) * ((1.0 - u) * start_slope - u * end_slope)
+
+
+def joint_paths(
+    robot: Robot,
+    path: Path,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    samples: int = 101,
+) -> list[JointPath]:
+    """Return every continuous joint motion within the limits that carries the level tray along a path.
+
+    The tray's frame follows position = r(s), rotation = Rz(yaw(s)).
+
+    Args:
+        robot: the arm.
+        path: path of the tray frame in the robot's base frame.
+        tool_position: (3,) tray origin in flange axes, m.
+        tool_yaw: turn of the tray about the flange's z, rad.
+        samples: number of equally spaced path parameters.
+
+    Returns:
+        At least one joint path, best first: smallest speed figure, then farthest from the limits, then nearest to
+        the middle of the ranges.
+
+    Raises:
+        ScenarioError: there is none. The message says whether the path leaves the arm's reach (from which s on,
+        by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
+        singularity (where).
+    """
+    tried = try_joint_paths(robot, path, tool_position=tool_position, tool_yaw=tool_yaw, samples=samples)
+    if tried.paths:
+        return tried.paths
+    raise tried.failure()
+
+
+@dataclass(frozen=True, slots=True)
+class TriedPaths:
+    """The joint paths along a path of the tray, or how far the arm came.
+
+    Attributes:
+        paths: as `joint_paths` returns them; none where there is no joint path.
+        reached: path parameter that the best branch comes to; 0 where not even the start is reached.
+        failure: the error that says why there is none; takes a while.
+    """
+
+    paths: list[JointPath]
+    reached: float
+    failure: Callable[[], ScenarioError]
+
+
+def try_joint_paths(
+    robot: Robot,
+    path: Path,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    samples: int = 101,
+) -> TriedPaths:
+    """`joint_paths` for whoever tries many: the reason why there is none is found out only on demand."""
+    tool_position = np.asarray(tool_position, dtype=float)
+    s = np.linspace(0.0, 1.0, samples)
+    starts = _starts(robot, path, tool_position, tool_yaw)
+    joint = redundant_joint(robot)
+    followed: Followed | None = None
+    found: list[JointPath] = []
+    for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
+        followed = follow(kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
+        found = _within_limits(robot, path, followed, held, tool_position=tool_position, tool_yaw=tool_yaw)
+        if found:
+            break
+    assert followed is not None  # there is one turn of the loop at least
+    why = partial(explain, robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
+    return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
+
+
+def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | None) -> JointPath:
+    """Return the joint path to plan with.
+
+    Args:
+        paths: as `joint_paths` returns them, best first.
+        robot: the arm.
+        near: (n,) joint positions from which the arm comes, rad, or None.
+
+    Returns:
+        The best one; with `near`, among those whose speed figure is at most `NEARLY_AS_FAST` times the best, the one
+        whose start is nearest to it: each joint's way is measured by the time it takes at full speed, and the root of
+        the sum of squares counts, so that no joint's way is hidden behind a longer one (of equals the better one).
+    """
+    if near is None:
+        return paths[0]
+    able = [path for path in paths if path.speed_figure <= NEARLY_AS_FAST * paths[0].speed_figure]
+    # rounded, so that branches as near as each other keep their order
+    return min(able, key=lambda path: float(f"{np.linalg.norm((path.q[0] - near) / robot.max_speed):.6g}"))
+
+
+def branch_in_words(q: np.ndarray) -> str:
+    """The branch of a configuration q (n,), rad: a branch is told by where it starts."""
+    # + 0.0 turns -0 into 0
+    return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
+
+
+def _starts(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> np.ndarray:
+    """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
+    positions, rotations = tray_poses(path, np.zeros(1))
+    tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
+    joint = redundant_joint(robot)
+    if joint is None:
+        return solutions_anywhere(robot, positions[0], rotations[0], **tool)
+    lower, upper = robot.lower[joint], robot.upper[joint]
+    inside = np.linspace(0.0, 1.0, _REDUNDANT_POSITIONS + 2)[1:-1]
+    values = lower + inside * (upper - lower)
+    found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), **tool) for value in values]
+    return np.concatenate(found)
+
+
+def _within_limits(
+    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool_position: np.ndarray, tool_yaw: float
+) -> list[JointPath]:
+    """The joint paths among the followed branches, best first."""
+    arm, s = kinematics(robot), followed.s
+    found: list[tuple[tuple[float, ...], JointPath]] = []
+    middle = 0.5 * (robot.lower + robot.upper)
+    for q in followed.q[followed.complete]:
+        jacobian, rates = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw), tray_rates(path, s)
+        if held is not None:
+            jacobian, rates = Held(held, q @ held).added(jacobian, rates, q)
+        dq_ds = least_norm_step(jacobian, rates)
+        figure = float((np.abs(dq_ds) / robot.max_speed).max())
+        for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):
+            turned = q + TURN * np.array(turns)
+            margin = float(np.minimum(turned - robot.lower, robot.upper - turned).min())
+            off_middle = float((np.abs(turned.mean(axis=0) - middle) / (robot.upper - robot.lower)).sum())
+            joint_path = JointPath(branch_in_words(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
+            # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
+            found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
+    return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
+
+
+def _constant(array: np.ndarray) -> np.ndarray:
+    array.setflags(write=False)
+    return array

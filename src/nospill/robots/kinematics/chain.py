@@ -1,0 +1,78 @@
+"""A serial chain as small expressions: pose, twist and its derivative by the recursion from joint to joint.
+
+With w, z, p the angular velocity, axis and origin of a joint in base axes and r the way to the next one [Siciliano et
+al., Robotics, 3.1 and 7.5]:
+
+    w' = w + z qd               v' = v + w' x r
+    alpha' = alpha + z qdd + w x z qd        a' = a + alpha' x r + w' x (w' x r)
+
+These expressions have a quarter of the operations of products of general transforms and a differentiated Jacobian, and
+planning time is nearly proportional to that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.frames import SX
+from nospill.robots.kinematics.bodies import Chain
+
+_RIGHT_ANGLE = 1e-10
+
+
+@dataclass(frozen=True, slots=True)
+class ChainExpressions:
+    """Motion of the tool frame in base axes; (3, 1) each but `rotation` (3, 3) and `jacobian` (6, n)."""
+
+    position: SX
+    rotation: SX
+    velocity: SX
+    angular_velocity: SX
+    acceleration: SX
+    angular_acceleration: SX
+    jacobian: SX
+
+
+def chain_expressions(chain: Chain, q: SX, qd: SX, qdd: SX, *, tool_position: SX, tool_yaw: SX) -> ChainExpressions:
+    """Motion of a tool frame: origin at `tool_position` in flange axes, turned by `tool_yaw` about the flange's z."""
+    position, rotation = SX.zeros(3), SX.eye(3)
+    velocity = omega = acceleration = alpha = SX(3, 1)
+    axes, origins = [], []
+
+    def carry(step: SX) -> tuple[SX, SX, SX]:
+        swing = ca.cross(alpha, step) + ca.cross(omega, ca.cross(omega, step))
+        return position + step, velocity + ca.cross(omega, step), acceleration + swing
+
+    for index, body in enumerate(chain.bodies):
+        position, velocity, acceleration = carry(rotation @ _constant(body.position))
+        rotation = rotation @ _constant(_squared(body.rotation))
+        axis = rotation[:, 2]
+        axes.append(axis)
+        origins.append(position)
+        alpha = alpha + axis * qdd[index] + ca.cross(omega, axis * qd[index])
+        omega = omega + axis * qd[index]
+        rotation = rotation @ _about_z(q[index])
+    flange = rotation @ _constant(_squared(chain.flange_rotation))
+    position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool_position)
+    columns = [ca.vertcat(ca.cross(axis, position - origin), axis) for axis, origin in zip(axes, origins, strict=True)]
+    turned = flange @ _about_z(tool_yaw)
+    return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
+
+
+def _squared(rotation: np.ndarray) -> np.ndarray:
+    """A rotation whose entries near 0 and 1 are 0 and 1: files write right angles with a dozen digits."""
+    nearest = np.round(rotation)
+    return np.where(np.abs(rotation - nearest) < _RIGHT_ANGLE, nearest, rotation)
+
+
+def _constant(values: np.ndarray) -> SX:
+    # sparse, so that zeros make no nodes
+    return ca.sparsify(SX(ca.DM(values)))
+
+
+def _about_z(angle: SX) -> SX:
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.sparsify(ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1)))

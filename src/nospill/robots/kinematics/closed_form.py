@@ -1,0 +1,201 @@
+"""All inverse solutions of an arm, by EAIK's subproblem decomposition polished on our own forward kinematics.
+
+Of a seven-joint arm one joint is held at a given position, which leaves six. Where no closed form is known, Newton's
+method is started from many places; what it finds is exact too, but a solution may be missed.
+
+Source: Ostermeier, Kuelz, Althoff, "Automatic geometric decomposition for analytical inverse kinematics", IEEE
+RA-L 2025 (EAIK).
+EAIK knows neither tool nor limits and mixes least-squares answers in; all three are dealt with here.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.robots.kinematics.forward import FLANGE, Kinematics, ToolPosition, kinematics
+from nospill.robots.kinematics.newton import RESIDUAL, Held, newton
+from nospill.robots.robot import Robot
+
+TURN = 2.0 * np.pi
+SAME = 1e-6
+"""Solutions closer than this in every joint (rad, whole turns removed) are one."""
+
+_TRIALS = 8
+_ROUGHLY = 1e-3
+_RANDOM_STARTS = 256
+_RANDOM_ITERATIONS = 60
+
+
+def inverse_solutions(
+    robot: Robot,
+    position: np.ndarray,
+    rotation: np.ndarray,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    held: tuple[int, float] | None = None,
+) -> np.ndarray:
+    """Return every joint position within the limits that puts the tool at a pose.
+
+    Args:
+        robot: the arm.
+        position: (3,) tool origin in the base frame, m.
+        rotation: (3, 3) tool axes to base axes.
+        tool_position: (3,) tool origin in flange axes, m.
+        tool_yaw: turn of the tool about the flange's z, rad.
+        held: index and position (rad) of the joint that is given; needed with seven joints.
+
+    Returns:
+        (k, n), rad; k is 0 where there is none. A joint that can turn by more than a full turn gives one row per
+        admissible turn, at most one full turn away from the middle of its range.
+
+    Raises:
+        ScenarioError: the arm has more joints to solve for than six.
+    """
+    exact = solutions_anywhere(robot, position, rotation, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
+    rows = [q + TURN * np.array(turns) for q in exact for turns in product(*turn_choices(robot, q, q))]
+    return np.array(rows).reshape(-1, len(robot.joints))
+
+
+def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[list[int]]:
+    """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) within limits.
+
+    A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion
+    with less room.
+    """
+    middle = 0.5 * (robot.lower + robot.upper)
+    bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - lowest) / TURN - 1e-12)
+    top = np.floor((np.minimum(robot.upper, middle + TURN) - highest) / TURN + 1e-12)
+    choices = [list(range(int(low), int(high) + 1)) for low, high in zip(bottom, top, strict=True)]
+    # a motion wider than the two turns around the middle may still fit into the limits
+    for joint, fitting in enumerate(choices):
+        if not fitting:
+            turn = round(float((middle - 0.5 * (lowest + highest))[joint] / TURN))
+            inside = (
+                robot.lower[joint] <= lowest[joint] + TURN * turn and highest[joint] + TURN * turn <= robot.upper[joint]
+            )
+            choices[joint] = [turn] if inside else []
+    return choices
+
+
+def solutions_anywhere(
+    robot: Robot,
+    position: np.ndarray,
+    rotation: np.ndarray,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    held: tuple[int, float] | None = None,
+) -> np.ndarray:
+    """Return the distinct exact solutions (k, n) for one pose, limits ignored, every joint in (-pi, pi], rad.
+
+    Raises:
+        ScenarioError: the arm has more joints to solve for than six.
+    """
+    arm = kinematics(robot)
+    if arm.n - (held is not None) > 6:
+        raise ScenarioError(
+            f"robot {robot.name!r} has {arm.n} moving joints; all inverse solutions are available for six, hold one"
+        )
+    turn = np.array([[np.cos(tool_yaw), -np.sin(tool_yaw), 0], [np.sin(tool_yaw), np.cos(tool_yaw), 0], [0, 0, 1]])
+    flange_rotation = np.asarray(rotation, dtype=float) @ turn.T
+    flange_position = np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool_position, dtype=float)
+    solver = None
+    if has_closed_form(arm, None if held is None else held[0]):
+        solver = _solver(arm, None if held is None else held[0], None if held is None else held[1])
+    start = _random_starts(arm.n) if solver is None else solver.solutions(flange_position, flange_rotation)
+    if held is not None:
+        start[:, held[0]] = held[1]
+    polished, error = newton(
+        arm,
+        np.broadcast_to(flange_position, (len(start), 3)),
+        np.broadcast_to(flange_rotation, (len(start), 3, 3)),
+        start,
+        held=None if held is None else Held(np.eye(arm.n)[held[0]], np.full(len(start), held[1])),
+        max_iterations=10 if solver is not None else _RANDOM_ITERATIONS,
+    )
+    found = _wrap(polished[error < RESIDUAL])
+    if held is not None:
+        found[:, held[0]] = held[1]
+    return _distinct(found)
+
+
+@lru_cache(maxsize=64)
+def has_closed_form(arm: Kinematics, held: int | None) -> bool:
+    """Whether EAIK solves the chain with a joint held (None: none is).
+
+    Its own word is not enough: of some chains it knows a decomposition that yields nothing. It has to find its way back
+    to random configurations.
+    """
+    wanted = np.random.default_rng(0).uniform(-2.0, 2.0, size=(_TRIALS, arm.n))
+    positions, rotations = arm.poses(wanted)
+    for q, position, rotation in zip(wanted, positions, rotations, strict=True):
+        solver = _solver(arm, held, None if held is None else float(q[held]))
+        found = np.zeros((0, arm.n)) if solver is None else solver.solutions(position, rotation)
+        if not len(found) or np.abs(_wrap(found - q)).max(axis=1).min() > _ROUGHLY:
+            return False
+    return True
+
+
+class _ClosedForm:
+    """EAIK's solver for a chain, and the flange's rotation at zero, which EAIK takes as identity."""
+
+    def __init__(self, arm: Kinematics, held: int | None, value: float | None) -> None:
+        # imported here: compiled module that only planning needs
+        from eaik.pybindings import EAIK
+
+        q = np.zeros((1, arm.n))
+        moving = [index for index in range(arm.n) if index != held]
+        if held is not None:
+            q[0, held] = value
+        position, rotation, jacobian = (array[0] for array in arm.poses_and_jacobians(q))
+        axes = jacobian[3:, moving].T
+        # v = axis x (p - o): the point o of the axis next to the flange is p + axis x v
+        points = position + np.cross(axes, jacobian[:3, moving].T)
+        offsets = np.diff(np.vstack([np.zeros(3), points, position]), axis=0)
+        self._solver = EAIK.Robot(axes.T, offsets.T, np.eye(3), [], True)
+        self._zero_rotation, self._moving, self._at = rotation, moving, q[0]
+        self.known = bool(self._solver.has_known_decomposition())
+
+    def solutions(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """All joint positions (k, n) for a flange pose, as EAIK finds them; least-squares answers are left out."""
+        pose = np.eye(4)
+        pose[:3, :3] = rotation @ self._zero_rotation.T
+        pose[:3, 3] = position
+        answer = self._solver.calculate_IK(pose)
+        rows = np.array(answer.Q, dtype=float).reshape(-1, len(self._moving))
+        approximate = np.array(answer.is_LS, dtype=bool).reshape(-1)
+        exact = rows[~approximate & np.isfinite(rows).all(axis=1)]
+        q = np.tile(self._at, (len(exact), 1))
+        q[:, self._moving] = exact
+        return q
+
+
+@lru_cache(maxsize=256)
+def _solver(arm: Kinematics, held: int | None, value: float | None) -> _ClosedForm | None:
+    """The closed form of a chain with six moving joints; None where none is known."""
+    try:
+        solver = _ClosedForm(arm, held, value)
+    except RuntimeError:  # EAIK's word for a geometry it does not know
+        return None
+    return solver if solver.known else None
+
+
+def _random_starts(joints: int) -> np.ndarray:
+    return np.random.default_rng(0).uniform(-np.pi, np.pi, size=(_RANDOM_STARTS, joints))
+
+
+def _wrap(q: np.ndarray) -> np.ndarray:
+    return q - TURN * np.ceil(q / TURN - 0.5)
+
+
+def _distinct(q: np.ndarray) -> np.ndarray:
+    kept: list[np.ndarray] = []
+    for row in q:
+        if all(np.abs(_wrap(row - other)).max() > SAME for other in kept):
+            kept.append(row)
+    return np.array(kept).reshape(-1, q.shape[1])

@@ -1,0 +1,247 @@
+"""Forward kinematics of an arm: one CasADi expression from its URDF, for laws (SX) and for samples (compiled).
+
+The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by
+`tool_yaw` about the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's
+base frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Protocol
+
+import casadi as cs
+import numpy as np
+
+from nospill.core.batches import evaluate
+from nospill.errors import ScenarioError
+from nospill.robots.description.urdf_tree import read_tree
+from nospill.robots.kinematics.bodies import Chain as BodyChain
+from nospill.robots.kinematics.bodies import chain_bodies
+from nospill.robots.kinematics.chain import chain_expressions
+
+ToolPosition = Sequence[float] | np.ndarray | cs.SX
+
+FLANGE = (0.0, 0.0, 0.0)
+"""Tool position that makes the tool the flange."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToolMotions:
+    """Motion of the tool frame at m samples, in base axes.
+
+    Attributes:
+        position: (m, 3) origin, m.
+        rotation: (m, 3, 3), tool axes to base axes.
+        velocity, acceleration: (m, 3) first and second time derivative of the origin (classical, not spatial),
+            m/s and m/s^2.
+        angular_velocity, angular_acceleration: (m, 3), rad/s and rad/s^2.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
+
+
+class Kinematics:
+    """Forward kinematics of one chain. Get it from `kinematics(robot)`, which keeps one per chain.
+
+    Attributes:
+        n: number of moving joints.
+        motion_function: (q, qd, qdd, tool) -> pose, twist and its derivative as one column; `motions` reads it.
+    """
+
+    def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
+        """Build the expressions from URDF text.
+
+        Args:
+            urdf: URDF text without xacro.
+            joints: names of the moving joints in the order of q; every other joint stays at zero.
+            tip: the flange link.
+
+        Raises:
+            ScenarioError: the text is no URDF, or a joint or the tip is not in it.
+        """
+        self.n = len(joints)
+        q = cs.SX.sym("q", self.n)
+        rate = cs.SX.sym("qd", self.n)
+        rate_change = cs.SX.sym("qdd", self.n)
+        tool = cs.SX.sym("tool", 4)
+        motion = chain_expressions(
+            _chain(urdf, joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
+        )
+        position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
+        twist = cs.vertcat(motion.velocity, motion.angular_velocity)
+        twist_change = cs.vertcat(motion.acceleration, motion.angular_acceleration)
+
+        self._pose = _function("pose", [q, tool], [position, rotation])
+        self._jacobian = _function("jacobian", [q, tool], [jacobian])
+        self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
+        # flat columns, so that a call on m samples returns one column per sample
+        self._flat_pose = _function("flat_pose", [q, tool], [cs.vertcat(position, cs.vec(rotation.T))])
+        self._flat_jacobian = _function("flat_jacobian", [q, tool], [cs.vec(jacobian.T)])
+        self._flat_both = _function(
+            "flat_both", [q, tool], [cs.vertcat(position, cs.vec(rotation.T), cs.vec(jacobian.T))]
+        )
+        self.motion_function = _function(
+            "flat_motion", [q, rate, rate_change, tool], [cs.vertcat(position, cs.vec(rotation.T), twist, twist_change)]
+        )
+
+    def pose(
+        self, q: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
+    ) -> tuple[cs.SX, cs.SX]:
+        """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
+        position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
+        return position, rotation
+
+    def jacobian(self, q: cs.SX) -> cs.SX:
+        """Return the geometric Jacobian (6, n) of the flange in base axes, linear rows first, as an expression."""
+        return self._jacobian(q, _tool(FLANGE, 0.0))
+
+    def twist(
+        self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
+    ) -> tuple[cs.SX, cs.SX]:
+        """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, for q, qd (n,)."""
+        velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
+        return velocity, angular_velocity
+
+    def poses(
+        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions (m, 3), m, and rotations (m, 3, 3) of the tool at m samples.
+
+        Args:
+            q: (m, n) joint positions, rad.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+        """
+        flat = self._call(self._flat_pose, q, tool=_tool_row(tool_position, tool_yaw))
+        return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
+
+    def jacobians(self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0) -> np.ndarray:
+        """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
+
+        Rows 0 to 2 give the velocity of the tool's origin (m/s), rows 3 to 5 its angular velocity (rad/s), per joint
+        speed (rad/s).
+
+        Args:
+            q: (m, n) joint positions, rad.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+        """
+        flat = self._call(self._flat_jacobian, q, tool=_tool_row(tool_position, tool_yaw))
+        return flat.reshape(-1, 6, self.n)
+
+    def poses_and_jacobians(
+        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
+        flat = self._call(self._flat_both, q, tool=_tool_row(tool_position, tool_yaw))
+        return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
+
+    def motions(
+        self,
+        q: np.ndarray,
+        qd: np.ndarray,
+        qdd: np.ndarray,
+        *,
+        tool_position: ToolPosition = FLANGE,
+        tool_yaw: float = 0.0,
+        function: Any = None,
+    ) -> ToolMotions:
+        """Return pose, velocity and acceleration of the tool at m samples.
+
+        Args:
+            q: (m, n) joint positions, rad.
+            qd: (m, n) joint speeds, rad/s.
+            qdd: (m, n) joint accelerations, rad/s^2.
+            tool_position: (3,) tool origin in flange axes, m.
+            tool_yaw: turn of the tool about the flange's z, rad.
+            function: a compiled copy of `motion_function` to use in its place.
+        """
+        tool = _tool_row(tool_position, tool_yaw)
+        flat = self._call(function or self.motion_function, q, qd, qdd, tool=tool)
+        return ToolMotions(
+            position=flat[:, :3],
+            rotation=flat[:, 3:12].reshape(-1, 3, 3),
+            velocity=flat[:, 12:15],
+            angular_velocity=flat[:, 15:18],
+            acceleration=flat[:, 18:21],
+            angular_acceleration=flat[:, 21:24],
+        )
+
+    def _call(self, function: Any, *samples: np.ndarray, tool: np.ndarray) -> np.ndarray:
+        """Evaluate on (m, n) arrays, one sample per row; the tool (x, y, z, yaw) is the same for all."""
+        count = len(samples[0])
+        for array in samples:
+            if np.shape(array) != (count, self.n):
+                raise ValueError(f"joint samples have shape {np.shape(array)}, expected ({count}, {self.n})")
+        if count == 0:
+            return np.zeros((0, function.size1_out(0)))
+        columns = [np.asarray(array, dtype=float).T for array in samples]
+        return np.ascontiguousarray(evaluate(function, columns, tool).T)
+
+
+class Chain(Protocol):
+    """What forward kinematics needs to know of an arm; a `Robot` is one."""
+
+    @property
+    def urdf(self) -> str:
+        """URDF text without xacro."""
+        ...
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the moving joints, base to tip."""
+        ...
+
+    @property
+    def tip(self) -> str:
+        """The flange link."""
+        ...
+
+
+def kinematics(robot: Chain) -> Kinematics:
+    """Return the forward kinematics of an arm; built once per chain.
+
+    Raises:
+        ScenarioError: the URDF cannot be read, or a joint or the tip is not in it.
+    """
+    return _kinematics(robot.urdf, robot.joints, robot.tip)
+
+
+_kinematics = lru_cache(maxsize=32)(Kinematics)
+
+
+def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
+    tree = read_tree(urdf)
+    if tip not in tree.links:
+        raise ScenarioError(
+            f"robot description: tip {tip!r} is no link; there are {', '.join(sorted(tree.links)[:12])}"
+        )
+    chain = chain_bodies(tree, joints, tip)
+    if len(chain.bodies) != len(joints):
+        known = ", ".join(joint.name for joint in tree.joints)
+        raise ScenarioError(
+            f"robot description: not all of the joints {', '.join(joints)} lead to {tip!r}; there are {known}"
+        )
+    return chain
+
+
+def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
+    return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
+
+
+def _tool_row(position: ToolPosition, yaw: float) -> np.ndarray:
+    return np.array([*position, yaw], dtype=float)
+
+
+def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:
+    if isinstance(position, cs.SX) or isinstance(yaw, cs.SX):
+        return cs.vertcat(cs.SX(position if isinstance(position, cs.SX) else list(position)), yaw)
+    return cs.DM([*(float(value) for value in position), float(yaw)])

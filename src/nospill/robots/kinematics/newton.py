@@ -1,0 +1,175 @@
+"""Newton's method on many poses at once: joint positions whose tool pose is a given one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.errors import ModelError
+from nospill.robots.kinematics.forward import FLANGE, Kinematics, ToolPosition, kinematics
+from nospill.robots.robot import Robot
+
+RESIDUAL = 1e-11
+"""Largest pose error (m and rad, norm of six) that counts as solved."""
+
+DAMPING = 1e-12
+"""Added to J J^T (m^2 and rad^2): keeps the step finite at a singularity and costs no accuracy elsewhere, since the
+residual decides.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A combination of the joints with given values, which takes the freedom of a seventh joint.
+
+    Attributes:
+        direction: (n,), for example a unit vector for a joint that is held.
+        values: (m,) of direction . q, rad, one for each pose.
+    """
+
+    direction: np.ndarray
+    values: np.ndarray
+
+    def added(
+        self, jacobian: np.ndarray, gap: np.ndarray, q: np.ndarray, samples: np.ndarray | slice = slice(None)
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Jacobians (k, 7, n) and gaps (k, 7) with the further row, for the chosen samples at q (k, n)."""
+        row = np.broadcast_to(self.direction, (len(q), 1, jacobian.shape[2]))
+        missing = self.values[samples] - q @ self.direction
+        return np.concatenate([jacobian, row], axis=1), np.concatenate([gap, missing[:, None]], axis=1)
+
+
+def solve_joints(
+    robot: Robot,
+    positions: np.ndarray,
+    rotations: np.ndarray,
+    q_start: np.ndarray,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    held: Held | None = None,
+    max_iterations: int = 30,
+) -> np.ndarray:
+    """Solve the tool pose for the joint positions at m samples, each from its own guess.
+
+    Newton's method with the least-norm step J^T (J J^T)^-1 e; joint limits are not looked at. Where the arm has more
+    joints than the pose has numbers, `held` says what a combination of them shall be; without it the nearest solution
+    is taken.
+
+    Args:
+        robot: the arm.
+        positions: (m, 3) tool origins in the base frame, m.
+        rotations: (m, 3, 3) tool axes to base axes.
+        q_start: (m, n) guesses, rad.
+        tool_position: (3,) tool origin in flange axes, m.
+        tool_yaw: turn of the tool about the flange's z, rad.
+        held: a combination of the joints whose values are given.
+        max_iterations: Newton steps before it gives up.
+
+    Returns:
+        (m, n) joint positions, rad, with pose errors below `RESIDUAL`.
+
+    Raises:
+        ModelError: a sample does not converge; the message names the worst one and its error.
+    """
+    q, error = newton(
+        kinematics(robot),
+        positions,
+        rotations,
+        q_start,
+        tool_position=tool_position,
+        tool_yaw=tool_yaw,
+        held=held,
+        max_iterations=max_iterations,
+    )
+    if len(q) and not error.max() < RESIDUAL:  # a NaN fails as well
+        worst = int(np.nanargmax(np.where(np.isnan(error), np.inf, error)))
+        unsolved = int(np.sum(~(error < RESIDUAL)))
+        raise ModelError(
+            f"robot {robot.name!r}: no joint positions found for {unsolved} of {len(q)} tray poses; worst is sample "
+            f"{worst} at {_point(positions[worst])} m with a pose error of {error[worst]:.3g} (m, rad), "
+            f"allowed {RESIDUAL:g}; the pose is out of reach or at a singularity"
+        )
+    return q
+
+
+def newton(
+    arm: Kinematics,
+    positions: np.ndarray,
+    rotations: np.ndarray,
+    q_start: np.ndarray,
+    *,
+    tool_position: ToolPosition = FLANGE,
+    tool_yaw: float = 0.0,
+    held: Held | None = None,
+    max_iterations: int = 30,
+    max_step: float = 0.3,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Iterate as `solve_joints` does, but return what was reached instead of judging it.
+
+    Args:
+        arm: forward kinematics.
+        positions: (m, 3), m.
+        rotations: (m, 3, 3).
+        q_start: (m, n), rad.
+        tool_position: (3,), m.
+        tool_yaw: rad.
+        held: a combination of the joints whose values are given; what it is off counts as pose error.
+        max_iterations: Newton steps.
+        max_step: largest change of one joint in one step, rad.
+
+    Returns:
+        Joint positions (m, n), rad, and pose errors (m,), the norm of position (m) and rotation (rad) error. A sample
+        stops when it is solved and a further step brings nothing, so the answer is as good as rounding allows.
+    """
+    q = np.array(q_start, dtype=float)
+    error = np.full(len(q), np.inf)
+    active = np.arange(len(q))
+    for iteration in range(max_iterations + 1):
+        if active.size == 0:
+            break
+        reached, turned, jacobian = arm.poses_and_jacobians(q[active], tool_position=tool_position, tool_yaw=tool_yaw)
+        gap = pose_gap(positions[active], rotations[active], reached, turned)
+        if held is not None:
+            jacobian, gap = held.added(jacobian, gap, q[active], active)
+        size = np.linalg.norm(gap, axis=1)
+        better = size < error[active]
+        error[active] = size
+        if iteration == max_iterations:
+            break
+        # finished: solved, and the last step brought nothing more
+        going = ~((size < RESIDUAL) & (~better | (size < 1e-15)))
+        step = np.clip(least_norm_step(jacobian[going], gap[going]), -max_step, max_step)
+        active = active[going]
+        q[active] += step
+    return q, error
+
+
+def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Return the motion (m, 6) from reached to wanted poses: translation, m, and rotation vector, rad, in base axes."""
+    turn = rotations @ np.swapaxes(turned, 1, 2)
+    sine = 0.5 * np.stack(
+        [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
+    )
+    size = np.linalg.norm(sine, axis=1)
+    cosine = 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0)
+    angle = np.arctan2(size, cosine)
+    vector = sine * np.where(size > 1e-9, angle / np.maximum(size, 1e-300), 1.0)[:, None]
+    # at half a turn the sine vanishes though the gap does not; the turn is 2 a a^T - I there, with a its axis
+    for row in np.flatnonzero((size < 1e-9) & (cosine < 0)):
+        outer = 0.5 * (turn[row] + np.eye(3))
+        longest = int(np.argmax(np.diag(outer)))
+        vector[row] = np.pi * outer[longest] / np.sqrt(outer[longest, longest])
+    return np.concatenate([positions - reached, vector], axis=1)
+
+
+def least_norm_step(jacobian: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Return the shortest joint changes (m, n) whose first-order effect is the gaps (m, k); jacobian is (m, k, n)."""
+    transposed = np.swapaxes(jacobian, 1, 2)
+    gram = jacobian @ transposed + DAMPING * np.eye(jacobian.shape[1])
+    return (transposed @ np.linalg.solve(gram, gap[..., None]))[..., 0]
+
+
+def _point(position: np.ndarray) -> str:
+    return "(" + ", ".join(f"{value:.4f}" for value in position) + ")"

@@ -1,0 +1,62 @@
+"""The freedom of a seven-joint arm: a number that stands for it.
+
+With a pose given, one parameter of seven joints is free. To find solutions one joint is held: the six others then form
+an ordinary arm. To carry a motion, planner and exporter use the value of a combination of the joints, direction . q: it
+parametrises the self-motion as long as the null vector of the Jacobian is not square to the direction, so the mean null
+vector along the way is taken. A single joint would do it too, but every joint has places within the workspace where the
+self-motion leaves it at rest, and there a motion would have a singularity that the arm does not have.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from nospill.robots.kinematics.closed_form import has_closed_form
+from nospill.robots.kinematics.forward import Chain, Kinematics, kinematics
+
+_SAMPLES = 200
+
+
+def redundant_joint(robot: Chain) -> int | None:
+    """Index of the joint that is held when solutions are looked for; None for six joints or fewer.
+
+    Among the joints whose locking leaves a closed form (all joints, where there is none): the one with the largest
+    median, over random configurations, of the least singular value of the Jacobian with the joint's own row added.
+    """
+    return _redundant_joint(robot.urdf, robot.joints, robot.tip)
+
+
+@lru_cache(maxsize=32)
+def _redundant_joint(urdf: str, joints: tuple[str, ...], tip: str) -> int | None:
+    if len(joints) <= 6:
+        return None
+    arm = kinematics(_Chain(urdf, joints, tip))
+    solvable = [index for index in range(arm.n) if has_closed_form(arm, index)]
+    return max(solvable or range(arm.n), key=lambda index: _conditioning(arm, index))
+
+
+def _conditioning(arm: Kinematics, index: int) -> float:
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, size=(_SAMPLES, arm.n))
+    row = np.zeros((_SAMPLES, 1, arm.n))
+    row[:, 0, index] = 1.0
+    stacked = np.concatenate([arm.jacobians(q), row], axis=1)
+    return float(np.median(np.linalg.svd(stacked, compute_uv=False)[:, -1]))
+
+
+def self_motion(robot: Chain, q: np.ndarray) -> np.ndarray:
+    """Mean direction (n,) of the self-motion along joint positions (m, n), a unit vector; seven joints."""
+    jacobians = kinematics(robot).jacobians(q)
+    vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
+    turned = np.where(np.einsum("ij,ij->i", vectors[1:], vectors[:-1]) < 0, -1.0, 1.0)
+    signs = np.concatenate([[1.0], np.cumprod(turned)])
+    mean = (signs[:, None] * vectors).mean(axis=0)
+    return mean / np.linalg.norm(mean)
+
+
+class _Chain:
+    """A chain by its three facts."""
+
+    def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
+        self.urdf, self.joints, self.tip = urdf, joints, tip

@@ -1,0 +1,36 @@
+"""The scenarios that come with nospill, by name."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from nospill.errors import ScenarioError
+
+EXAMPLES: dict[str, str] = {
+    "matrix-liquid": "four open cups of water on a level tray, published arc and end condition",
+    "matrix-rigid": "four loose solids on a tray that tilts, along the published arc",
+    "matrix-liquid-soft-end": "the four cups, level; at the end the water may swing up to a fifth of its limit",
+    "matrix-liquid-still": "the four cups, level; at the end the water stands exactly still",
+    "matrix-liquid-tilt": "the four cups on a tray that tilts, with the whole slosh and contact model",
+    "matrix-liquid-tilt-robust": "the same for ranges of friction, fill and damping: it holds at every corner",
+    "matrix-liquid-tilt-all-limits": "four cups on a tilting tray, with the laboratory's limits of joint acceleration",
+    "pp-two-cups": "two cups of water along the published path pp, level tray",
+    "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
+}
+"""Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""
+
+_FOLDER = Path(__file__).parent / "data"
+
+
+def example_path(name: str) -> Path:
+    """The file of a bundled example.
+
+    Raises:
+        ScenarioError: no example has that name; the message lists the names.
+    """
+    if name not in EXAMPLES:
+        near = difflib.get_close_matches(name, EXAMPLES, n=1)
+        hint = f'; did you mean "{near[0]}"?' if near else ""
+        raise ScenarioError(f'there is no bundled example "{name}" (known: {", ".join(EXAMPLES)}){hint}')
+    return _FOLDER / f"{name}.toml"

@@ -1,0 +1,1 @@
+"""The task as frozen records: tray, cargo, liquids, containers, tolerances."""

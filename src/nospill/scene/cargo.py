@@ -1,0 +1,114 @@
+"""One thing that stands on the tray."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.modes import SloshModes
+from nospill.scene.liquids import Liquid
+
+
+@dataclass(frozen=True, slots=True)
+class Filling:
+    """The liquid in a container: which, how high at rest (m), and how far its surface may rise (m above rest)."""
+
+    liquid: Liquid
+    liquid_height: float
+    max_slosh_height: float
+    modes: SloshModes
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far the numbers of an object may be off; what is not given is certain.
+
+    Attributes:
+        friction: relative, either side, of the measured coefficient.
+        liquid_height: either side, m, of the liquid at rest.
+        damping: lowest and highest factor on the damping ratios.
+        position: either side, m, in x and in y of the tray.
+        mass: relative, either side, of the empty container or of the solid.
+    """
+
+    friction: float = 0.0
+    liquid_height: float = 0.0
+    damping: tuple[float, float] = (1.0, 1.0)
+    position: float = 0.0
+    mass: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Cargo:
+    """A named object on the tray, loose, standing on its bottom.
+
+    Attributes:
+        name: unique on its tray.
+        shape: key of the shape in the table of containers, as written in the scenario.
+        container: its geometry.
+        position: (2,) bottom centre in the tray frame, m.
+        yaw: turn of the container frame about the tray's z, rad.
+        total: mass properties of everything at rest (container and liquid frozen), container frame.
+        empty: mass properties without the liquid (equal to `total` for a solid), container frame.
+        friction: coefficient as measured between object and tray.
+        friction_reserve: fraction of it kept back, 0 to below 1.
+        footprint_reserve: fraction of the footprint kept back from tipping, 0 to below 1.
+        filling: the liquid, or None for a solid object.
+        tolerance: how far these numbers may be off, or None where all are certain.
+    """
+
+    name: str
+    shape: str
+    container: Container
+    position: np.ndarray
+    yaw: float
+    total: MassProperties
+    empty: MassProperties
+    friction: float
+    friction_reserve: float
+    footprint_reserve: float
+    filling: Filling | None
+    tolerance: Tolerance | None = None
+
+    @property
+    def planned_friction(self) -> float:
+        """Friction the plan may use: measured value less the reserve."""
+        return self.friction * (1.0 - self.friction_reserve)
+
+
+def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:
+    """The liquid at rest up to a height (m) as a solid; a container is a prism, cut off at the surface."""
+    # A shape is a dataclass whose fields are its sizes (docs/extending.md); `height` is one of them.
+    body: Container = replace(container, height=liquid_height)  # type: ignore[type-var]
+    return body.solid_properties(liquid.density * container.volume(liquid_height))
+
+
+def mass_at_rest(
+    container: Container, empty: MassProperties, frozen: MassProperties, *, homogeneous: bool
+) -> MassProperties:
+    """Container and frozen liquid as one body.
+
+    Args:
+        container: its outer shape.
+        empty: without liquid.
+        frozen: the liquid at rest.
+        homogeneous: take the whole as the homogeneous solid of the outer shape with its centre where it is, as the
+            published computations do, instead of adding the inertias by the parallel-axis theorem.
+    """
+    total = _joined(empty, frozen)
+    return replace(container.solid_properties(total.mass), centre=total.centre) if homogeneous else total
+
+
+def _joined(first: MassProperties, second: MassProperties) -> MassProperties:
+    """Two bodies as one: inertias moved to the common centre by the parallel-axis theorem."""
+    mass = first.mass + second.mass
+    centre = (first.mass * first.centre + second.mass * second.centre) / mass
+    inertia = np.zeros((3, 3))
+    for body in (first, second):
+        arm = body.centre - centre
+        inertia += body.inertia + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    for values in (centre, inertia):
+        values.flags.writeable = False
+    return MassProperties(mass, centre, inertia)

@@ -1,0 +1,81 @@
+"""What every container answers, whatever its shape.
+
+Container frame: origin at the centre of the bottom, z along the axis towards the rim, x and y along the tray's axes
+turned by the yaw of the container on the tray.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from nospill.scene.containers.modes import SloshModes
+from nospill.scene.liquids import Liquid
+
+
+@dataclass(frozen=True, slots=True)
+class DiscFootprint:
+    """The container touches the tray on a full disc: radius in m."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class RectangleFootprint:
+    """The container touches the tray on a full rectangle: half lengths along its x and y in m."""
+
+    half_x: float
+    half_y: float
+
+
+Footprint = DiscFootprint | RectangleFootprint
+
+
+@dataclass(frozen=True, slots=True)
+class MassProperties:
+    """Mass in kg, centre of mass (3,) in m in the container frame, inertia about it (3, 3) kg m^2, container axes."""
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+
+
+class Container(Protocol):
+    """A shape that stands on the tray, solid or with liquid inside; immutable, SI units."""
+
+    @property
+    def height(self) -> float:
+        """Height of the rim (or of the solid's top) above the bottom, m."""
+        ...
+
+    @property
+    def footprint(self) -> Footprint:
+        """The surface that touches the tray."""
+        ...
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Corners of the footprint's convex hull in the container frame, shape (n, 2), m; a disc gives 64 points."""
+        ...
+
+    def volume(self, liquid_height: float) -> float:
+        """Volume of liquid up to `liquid_height` m above the bottom, m^3."""
+        ...
+
+    def level(self, volume: float) -> float:
+        """Inverse of `volume`: the liquid height in m for a volume in m^3."""
+        ...
+
+    def solid_properties(self, mass: float) -> MassProperties:
+        """Mass properties of a homogeneous solid of this outer shape."""
+        ...
+
+    def shell_properties(self, mass: float) -> MassProperties:
+        """Mass properties of the empty container: a thin shell of uniform thickness, wall and bottom, no lid."""
+        ...
+
+    def slosh_modes(self, liquid: Liquid, liquid_height: float, count: int, damping: float | None = None) -> SloshModes:
+        """The first `count` modes in each direction; `damping` sets the slowest mode's ratio, the others scale."""
+        ...

@@ -1,0 +1,113 @@
+"""The frozen whole: everything a plan depends on, in SI units, checked by the reader that made it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from nospill.core.paths import Path
+from nospill.robots.robot import Robot
+from nospill.scene.cargo import Cargo
+from nospill.scene.tray import Tray
+
+Fidelity = Literal["deliverable", "full"]
+EndCondition = Literal["still", "published", "residual"]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionRules:
+    """What the motion may do.
+
+    Attributes:
+        tilt_free: whether tray pitch and roll are free.
+        max_tilt: bound on each of the two tilt angles, rad.
+        path_jerk_limit: bound on |s'''|, 1/s^3.
+        tilt_jerk_limit: bound on each tilt angle's third derivative, rad/s^3.
+        end: end condition for the liquids.
+        residual_fraction: height after the end over max_slosh_height.
+        max_duration: longest motion that is considered, s.
+        hold_before, hold_after: how long the arm stands still at the start and at the end of an exported motion, s.
+    """
+
+    tilt_free: bool
+    max_tilt: float
+    path_jerk_limit: float
+    tilt_jerk_limit: float
+    end: EndCondition
+    residual_fraction: float
+    max_duration: float
+    hold_before: float = 0.0
+    hold_after: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ApproachRules:
+    """How the arm gets from where it is to the start of the motion.
+
+    Attributes:
+        start: (n,) joint positions it comes from, rad.
+        loaded: whether the cargo is on the tray already.
+        max_speed, max_acceleration, max_jerk: (n,) what it is judged by, rad/s, rad/s^2, rad/s^3.
+        speed_scale, acceleration_scale: parts of the first two that it is planned with, above 0 and at most 1.
+    """
+
+    start: np.ndarray
+    loaded: bool
+    max_speed: np.ndarray
+    max_acceleration: np.ndarray
+    max_jerk: np.ndarray
+    speed_scale: float
+    acceleration_scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningOptions:
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, solver, times (s), number of starts."""
+
+    path_jerk_weight: float
+    tilt_jerk_weight: float
+    intervals: int
+    solver: str
+    max_iterations: int
+    max_solve_time: float
+    max_plan_time: float
+    starts: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """One planning task, complete.
+
+    Attributes:
+        name: short name, from the file or its key `name`.
+        fidelity: which physics: the report's equations or the whole wrench.
+        robot, tray, cargo, path, motion, planning: the parts.
+        output_rate: rate of the exported samples, Hz.
+        gravity: m/s^2.
+        source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
+            which `scenario.write_scenario` writes the copy that is kept with a plan.
+        approach: how the arm gets to the start, or None where that is not asked for.
+        start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
+            robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
+        carried: one set of the objects, where `cargo` holds several variants of each: what the flange carries. None
+            where that is the cargo itself.
+    """
+
+    name: str
+    fidelity: Fidelity
+    robot: Robot
+    tray: Tray
+    cargo: tuple[Cargo, ...]
+    path: Path
+    motion: MotionRules
+    planning: PlanningOptions
+    output_rate: float
+    gravity: float
+    slosh_modes: int
+    source: dict[str, object] = field(repr=False)
+    approach: ApproachRules | None = None
+    start_near: np.ndarray | None = None
+    carried: tuple[Cargo, ...] | None = None

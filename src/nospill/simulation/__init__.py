@@ -1,0 +1,1 @@
+"""One container in a prescribed motion, and the comparison with measurements."""

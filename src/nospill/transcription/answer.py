@@ -1,0 +1,230 @@
+"""From the grid of the optimal control problem to the exported samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.attitudes import tray_quaternions
+from nospill.core.batches import evaluate
+from nospill.core.frames import SX, body_motion
+from nospill.errors import ModelError
+from nospill.laws import codegen
+from nospill.laws.parameters import Shapes, Structure, symbolic
+from nospill.laws.sample import coordinate_count, sample_objects, split_states
+from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.laws.slosh.height import crest
+from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.newton import Held, solve_joints
+from nospill.scene.scene import Scene
+from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.stages import Stages, StageSamples, sample_stages
+from nospill.transcription.tray_state import tray_state
+
+_SINGULAR = 1e-5
+"""Part of the largest determinant of the Jacobian at which the rates of the joints are lost."""
+
+
+@dataclass(frozen=True, slots=True)
+class TraySamples:
+    """The tray frame at m samples.
+
+    Attributes:
+        position: (m, 3), m. rotation: (m, 3, 3), tray to base.
+        twist, twist_change: (m, 6) in base axes, linear then angular, and its time derivative.
+        body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    twist: np.ndarray
+    twist_change: np.ndarray
+    body: np.ndarray
+
+
+def export_samples(scene: Scene, stages: Stages) -> Trajectory:
+    """Sample a solved motion at the scene's output rate, until the first sample at or after its end.
+
+    s and tilt follow their own polynomials exactly; the joints are solved on every sample from the tray's pose, their
+    speeds and accelerations from its twist. Past the end the motion stands still.
+
+    Raises:
+        ModelError: the joints cannot follow (does not happen on a feasible motion).
+    """
+    layout = layout_of(structure_of(scene))
+    count = int(np.ceil(stages.duration * scene.output_rate - 1e-9)) + 1
+    t = np.arange(count) / scene.output_rate
+    samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
+    samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
+    tray = _tray_samples(scene, samples.chains)
+    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
+    tilt = [np.zeros((count, 2)) for _ in range(3)]
+    if scene.motion.tilt_free:
+        tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
+    return Trajectory(
+        t=t,
+        s=samples.chains[:, 0],
+        s_rate=samples.chains[:, 1],
+        s_acceleration=samples.chains[:, 2],
+        tilt=tilt[0],
+        tilt_rate=tilt[1],
+        tilt_acceleration=tilt[2],
+        joints=scene.robot.joints,
+        joint_position=position,
+        joint_speed=speed,
+        joint_acceleration=acceleration,
+        tray_position=tray.position,
+        tray_quaternion=tray_quaternions(scene.path.at(samples.chains[:, 0])[:, 3], tilt[0][:, 1], tilt[0][:, 0]),
+        slosh=_slosh_tracks(scene, samples, tray),
+    )
+
+
+def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = None) -> Stages:
+    """The same motion of the tray, its joints solved at every node; as it is where they cannot follow.
+
+    Joints that were carried over from another grid are off by the curvature of their way. With a joint path `near`
+    they are solved from it, and not from the motion's own.
+    """
+    layout = layout_of(structure_of(scene))
+    t = np.arange(stages.intervals + 1) * stages.interval
+    chains = stages.table[:, : 3 * layout.chains]
+    tray = _tray_samples(scene, chains)
+    if near is not None:
+        table = stages.table.copy()
+        table[:, layout.joint_position] = near.at(np.clip(chains[:, 0], 0.0, 1.0))
+        stages = replace(stages, table=table)
+    try:
+        position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, chains)
+    except (ModelError, np.linalg.LinAlgError):
+        return stages
+    jerk = np.gradient(acceleration, stages.interval, axis=0)
+    table = stages.table.copy()
+    for order, part in enumerate((position, speed, acceleration, jerk)[: layout.orders + 1]):
+        table[:, layout.joint_derivative(order)] = part
+    return replace(stages, table=table)
+
+
+@lru_cache(maxsize=16)
+def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
+    """The tray's pose and motion from the chains; the liquids' crests from their displacements and the tray's motion.
+
+    Last input of both: the scene's numbers.
+    """
+
+    def build() -> tuple[codegen.Functions, None]:
+        parameters = SX.sym("p", shapes.size)
+        numbers = symbolic(shapes.record, parameters)
+        layout = layout_of(structure)
+        symbol = SX.sym("chains", 3 * layout.chains)
+        state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+        motion, rotation = state.motion, state.rotation
+        acceleration, angular_acceleration = state.acceleration(numbers.gravity)
+        parts = [
+            state.position,
+            ca.vec(rotation.T),
+            state.velocity,
+            rotation @ motion.angular_velocity,
+            acceleration,
+            angular_acceleration,
+            motion.angular_velocity,
+            motion.angular_acceleration,
+            motion.specific_force,
+        ]
+        made = {"tray": _dense("tray", [symbol, parameters], parts)}
+        count = coordinate_count(structure)
+        if count:
+            displacement, body = SX.sym("q", count), SX.sym("body", 9)
+            zeros = SX.zeros(count)
+            slosh = split_states(structure, displacement, zeros, zeros)
+            objects = sample_objects(structure, numbers, body_motion(body), slosh)
+            heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
+            made["crests"] = _dense("crests", [displacement, body, parameters], heights)
+        return made, None
+
+    return codegen.functions("export", structure, build)[0]
+
+
+def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
+    return ca.Function(name, inputs, [ca.densify(ca.vertcat(*parts))], {"cse": True})
+
+
+def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
+    numbers = numbers_of(scene)
+    function = _functions(structure_of(scene), Shapes(numbers))["tray"]
+    flat = evaluate(function, [chains.T], flat_numbers(scene))
+    return TraySamples(
+        position=flat[:3].T.copy(),
+        rotation=flat[3:12].T.reshape(-1, 3, 3),
+        twist=flat[12:18].T,
+        twist_change=flat[18:24].T,
+        body=flat[24:33],
+    )
+
+
+def _joint_samples(
+    scene: Scene,
+    stages: Stages,
+    layout: Layout,
+    t: np.ndarray,
+    tray: TraySamples,
+    chains: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Joint positions, speeds and accelerations (m, n) that carry the tray, the self-motion as its chain says."""
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    grid = np.arange(stages.intervals) * stages.interval
+    start = np.column_stack([np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T])
+    arm = kinematics(scene.robot)
+    held = None
+    if stages.self_motion is not None:
+        held = Held(stages.self_motion, chains[:, -3])
+    position = solve_joints(scene.robot, tray.position, tray.rotation, start, held=held, **tool)
+    jacobian, twist = arm.jacobians(position, **tool), tray.twist
+    if held is not None:
+        jacobian, _ = held.added(jacobian, twist, position)
+        twist = np.hstack([twist, chains[:, -2:-1]])
+    speed = np.linalg.solve(jacobian, twist[:, :, None])[:, :, 0]
+    bias = arm.motions(position, speed, np.zeros_like(speed), **tool)
+    change = tray.twist_change - np.hstack([bias.acceleration, bias.angular_acceleration])
+    if held is not None:
+        change = np.hstack([change, chains[:, -1:]])
+    acceleration = np.linalg.solve(jacobian, change[:, :, None])[:, :, 0]
+    return position, *smooth_where_singular(t, jacobian, speed, acceleration)
+
+
+def smooth_where_singular(
+    t: np.ndarray, jacobian: np.ndarray, speed: np.ndarray, acceleration: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds and accelerations (m, n), taken from the neighbours where the arm is singular but for rounding.
+
+    A motion may lead straight through a singularity; an instant that falls on it leaves the joints' rates to rounding.
+    """
+    size = np.abs(np.linalg.det(jacobian))
+    lost = size < _SINGULAR * size.max()
+    if not np.any(lost) or np.all(lost):
+        return speed, acceleration
+    speed, acceleration = speed.copy(), acceleration.copy()
+    for rates in (speed, acceleration):
+        for column in rates.T:
+            column[lost] = np.interp(t[lost], t[~lost], column[~lost])
+    return speed, acceleration
+
+
+def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    if not coordinate_count(structure):
+        return {}
+    function = _functions(structure, Shapes(numbers))["crests"]
+    table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
+    tracks, start = {}, 0
+    carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
+    for row, (cargo, item) in enumerate(carriers):
+        own = slice(start, start + item.coordinates)
+        start += item.coordinates
+        tracks[cargo.name] = SloshTrack(samples.displacement[:, own], samples.velocity[:, own], table[row])
+    return tracks

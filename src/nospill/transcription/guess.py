@@ -1,0 +1,240 @@
+"""Starting points: smooth motions along the path, and answers carried from one grid to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.laws.scene_parameters import structure_of
+from nospill.motion.trajectory import Trajectory
+from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.redundancy import self_motion
+from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.scene import Scene
+from nospill.transcription.collocation import POINTS
+from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.stages import Stages, sample_stages
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How a starting motion differs from the plain quintic.
+
+    Attributes:
+        stretch: factor on the estimated duration.
+        skew: shifts the middle of the motion earlier (negative) or later, -0.3 to 0.3.
+        tilt: (2,) rad, amplitude of a smooth lean of theta_x and theta_y, where free.
+    """
+
+    stretch: float = 1.0
+    skew: float = 0.0
+    tilt: tuple[float, float] = (0.0, 0.0)
+
+
+USUAL_START = Start(stretch=0.7)
+"""The start that is tried first."""
+
+_FIXED_STARTS = (USUAL_START, Start(stretch=0.6, skew=-0.45), Start(stretch=0.5, skew=0.25))
+
+
+def quintic(tau: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """10 tau^3 - 15 tau^4 + 6 tau^5 and its first two derivatives: rest to rest over the unit interval."""
+    return (
+        tau**3 * (10 - 15 * tau + 6 * tau**2),
+        30 * tau**2 * (1 - tau) ** 2,
+        60 * tau * (1 - tau) * (1 - 2 * tau),
+    )
+
+
+def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
+    """End time of a quintic motion that uses about half of friction and slosh height and 80 % of joint speed, s."""
+    s, rate, change = quintic(np.linspace(0.0, 1.0, 201))
+    first, second = scene.path.derivative(s, 1), scene.path.derivative(s, 2)
+    unit_acceleration = second * rate[:, None] ** 2 + first * change[:, None]
+    offset = max((float(np.hypot(*cargo.position)) for cargo in scene.cargo), default=0.0)
+    turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
+    demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
+    allowed = min(0.5 * cargo.planned_friction * STANDARD_GRAVITY for cargo in scene.cargo)
+    for cargo in scene.cargo:
+        for mode in cargo.filling.modes.oscillators[:1] if cargo.filling else ():
+            assert cargo.filling is not None
+            allowed = min(allowed, 0.5 * cargo.filling.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))
+    speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
+    fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
+    jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
+    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.max_duration))
+
+
+def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:
+    """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
+    layout = layout_of(structure_of(scene))
+    duration = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    tau = np.linspace(0.0, 1.0, intervals + 1)
+    # Time is warped by w(tau) = tau + skew tau (1 - tau), monotone for |skew| < 1.
+    warp, warp_rate = tau + start.skew * tau * (1 - tau), 1 + start.skew * (1 - 2 * tau)
+    s, rate, change = quintic(warp)
+    table = np.zeros((intervals + 1, layout.size))
+    chains = [(s, rate * warp_rate / duration, (change * warp_rate**2 - 2 * start.skew * rate) / duration**2)]
+    for index in range(layout.tilts):
+        amplitude = start.tilt[index]
+        bump = 64 * tau**3 * (1 - tau) ** 3
+        slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
+        bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
+        chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
+    closed = [_closed(np.column_stack(chain), duration / intervals) for chain in chains]
+    s, rate = closed[0][0][:, 0], closed[0][0][:, 1]
+    slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
+    joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * rate[:, None]
+    direction = self_motion(scene.robot, joints) if layout.redundant else None
+    if direction is not None:
+        change = np.gradient(speeds @ direction, duration / intervals)
+        own = np.column_stack([joints @ direction, speeds @ direction, change])
+        closed.append(_closed(own, duration / intervals))
+    for index, (states, jerks) in enumerate(closed):
+        table[:, 3 * index : 3 * index + 3] = states
+        table[:-1, layout.jerks.start + index] = jerks
+    table[:, layout.interval] = duration / intervals
+    table[:, layout.joint_position], table[:, layout.joint_speed] = joints, speeds
+    for order in range(2, layout.orders + 1):
+        table[:, layout.joint_derivative(order)] = np.gradient(
+            table[:, layout.joint_derivative(order - 1)], duration / intervals, axis=0
+        )
+    return Stages(duration / intervals, table, direction)
+
+
+def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    """States (N + 1, 3) and jerks (N,) of a chain near the given states, each state following from the one before.
+
+    The jerks are the differences of the accelerations, with the least change that leads to the given end.
+    """
+    count, h = len(states) - 1, interval
+    step = np.array([[1.0, h, h * h / 2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
+    push = np.array([h**3 / 6, h * h / 2, h])
+    remaining = h * np.arange(count - 1, -1, -1)
+    # effect of each jerk on the end: the push of its interval, carried over what remains
+    reach = np.array([push[0] + push[1] * remaining + push[2] * remaining**2 / 2, push[1] + push[2] * remaining])
+    reach = np.vstack([reach, np.full(count, push[2])])
+    jerks = np.diff(states[:, 2]) / h
+    total = h * count
+    drift = np.array([[1.0, total, total * total / 2], [0.0, 1.0, total], [0.0, 0.0, 1.0]]) @ states[0]
+    jerks = jerks + np.linalg.lstsq(reach, states[-1] - drift - reach @ jerks, rcond=None)[0]
+    closed = np.empty_like(states)
+    closed[0] = states[0]
+    for index in range(count):
+        closed[index + 1] = step @ closed[index] + push * jerks[index]
+    return closed, jerks
+
+
+def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
+    """The same motion on another grid: chains and slosh by their own polynomials, joints linearly."""
+    old, duration = stages.table, stages.duration
+    times = np.linspace(0.0, duration, intervals + 1)
+    samples = sample_stages(stages, layout, times)
+    table = np.zeros((intervals + 1, layout.size))
+    table[:, : 3 * layout.chains] = samples.chains
+    accelerations = samples.chains[:, 2::3]
+    table[:-1, layout.jerks] = np.diff(accelerations, axis=0) * intervals / duration
+    table[:, layout.interval] = duration / intervals
+    table[:, layout.displacement], table[:, layout.velocity] = samples.displacement, samples.velocity
+    for point in range(2):
+        table[:, layout.acceleration(point)] = samples.accelerations[point]
+    joints = slice(layout.joint_position.start, layout.size)
+    grid = np.arange(stages.intervals) * stages.interval
+    for column in range(joints.start, joints.stop):
+        table[:, column] = np.interp(times, grid, old[:-1, column])
+    return Stages(duration / intervals, table, stages.self_motion)
+
+
+def slowed(stages: Stages, layout: Layout, factor: float) -> Stages:
+    """The same motion played `factor` times as slowly.
+
+    Liquids follow in proportion to the tray's acceleration, which is nearly what they do and keeps them in phase; their
+    equation of motion no longer holds to the last digit.
+    """
+    table = stages.table.copy()
+    for chain in range(layout.chains):
+        table[:, 3 * chain + 1] /= factor
+        table[:, 3 * chain + 2] /= factor**2
+    table[:, layout.jerks] /= factor**3
+    table[:, layout.interval] *= factor
+    table[:, layout.displacement] /= factor**2
+    table[:, layout.velocity] /= factor**3
+    for point in range(2):
+        table[:, layout.acceleration(point)] /= factor**4
+    for order in range(1, layout.orders + 1):
+        table[:, layout.joint_derivative(order)] /= factor**order
+    return Stages(stages.interval * factor, table, stages.self_motion)
+
+
+def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
+    """An exported motion as a start: sampled linearly, slosh accelerations from differences of the velocities.
+
+    Liquids that the trajectory does not know start at rest.
+    """
+    layout = layout_of(structure_of(scene))
+    duration = trajectory.end_time
+    times = np.linspace(0.0, duration, intervals + 1)
+    interval = duration / intervals
+
+    def at(values: np.ndarray, t: np.ndarray = times) -> np.ndarray:
+        return np.column_stack([np.interp(t, trajectory.t, column) for column in values.T])
+
+    table = np.zeros((intervals + 1, layout.size))
+    chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
+    if layout.tilts:
+        tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
+        chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
+    joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
+    direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
+    if direction is not None:
+        chains.append(np.column_stack([part @ direction for part in joints]))
+    for index, chain in enumerate(chains):
+        table[:, 3 * index : 3 * index + 3] = at(chain)
+        table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
+    table[:, layout.interval] = interval
+    first = layout.displacement.start
+    for cargo in scene.cargo:
+        count = sum(len(mode.directions) for mode in cargo.filling.modes.oscillators) if cargo.filling else 0
+        track = trajectory.slosh.get(cargo.name)
+        if track is not None and track.displacement.shape[1] == count:
+            shift = first - layout.displacement.start
+            columns = slice(shift, shift + count)
+            table[:, layout.displacement][:, columns] = at(track.displacement)
+            table[:, layout.velocity][:, columns] = at(track.velocity)
+            change = np.gradient(track.velocity, trajectory.t, axis=0)
+            for point in range(2):
+                inside = np.minimum(times + POINTS[point] * interval, duration)
+                table[:, layout.acceleration(point)][:, columns] = at(change, inside)
+        first += count
+    further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
+    for order, part in enumerate((joints + further)[: layout.orders + 1]):
+        table[:, layout.joint_derivative(order)] = at(part)
+    return Stages(interval, table, direction)
+
+
+def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
+    """Intervals in which no carried mode turns by more than `swing` rad over a motion of `duration` s."""
+    fastest = max(
+        (mode.frequency for cargo in scene.cargo if cargo.filling for mode in cargo.filling.modes.oscillators),
+        default=0.0,
+    )
+    return int(np.ceil(fastest * duration / swing))
+
+
+def starting_motions(scene: Scene, *, further: int) -> Iterator[Start]:
+    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed.
+
+    As many as the scenario asks for, and `further` ones for when all of those fail.
+    """
+    count = scene.planning.starts + further
+    yield from _FIXED_STARTS
+    random = np.random.default_rng(scene.planning.seed)
+    for _ in range(count - len(_FIXED_STARTS)):
+        lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
+        yield Start(
+            stretch=float(random.uniform(0.4, 1.6)),
+            skew=float(random.uniform(-0.6, 0.6)),
+            tilt=(float(lean[0]), float(lean[1])),
+        )

@@ -1,0 +1,90 @@
+"""The joints carry the tray: pose and motion of the tray frame from the joints equal those from path and tilt.
+
+Joint positions and their derivatives are variables of the node. Each order has six equations, and with seven joints a
+seventh: the self-motion goes as its chain does. Accelerations are variables only where acceleration, torque or
+jerk is limited, jerks only where they are. Where the arm is kept regular, the determinant of its Jacobian is a variable
+with a bound.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+
+from nospill.core.frames import SX
+from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.regularity import determinant_expression
+from nospill.transcription.layout import Chain, Layout
+from nospill.transcription.tray_state import TrayState, tray_state
+
+
+def joint_equalities(
+    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...], tray: TrayState
+) -> SX:
+    """The equations (zero) of a node; `stage` (layout.size, 1) in physical units, `tray` as the chains have it.
+
+    Half the antisymmetric part of R_d^T R is sin(angle) times the axis of the remaining turn, zero only where the
+    attitudes agree (or differ by half a turn).
+    """
+    joints = [stage[layout.joint_derivative(order)] for order in range(layout.orders + 1)]
+    arm = kinematics(structure)
+    tool = {"tool_position": numbers.tray_offset, "tool_yaw": numbers.tray_yaw_on_flange}
+    position, rotation = arm.pose(joints[0], **tool)
+    velocity, omega = arm.twist(joints[0], joints[1], **tool)
+    turn = tray.rotation.T @ rotation
+    equations = [
+        position - tray.position,
+        ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2,
+        velocity - tray.velocity,
+        tray.rotation.T @ omega - tray.motion.angular_velocity,
+    ]
+    flange = ca.vertcat(numbers.tray_offset, numbers.tray_yaw_on_flange)
+    if layout.orders > 1:
+        equations.append(
+            _twist_change(structure)(*joints[:3], flange) - ca.vertcat(*tray.acceleration(numbers.gravity))
+        )
+    if layout.orders > 2:
+        jerks = stage[layout.jerks]
+        equations.append(
+            _twist_jerk(structure)(*joints, flange) - _tray_jerk(structure, numbers, layout, chains, jerks)
+        )
+    if layout.redundant:
+        own = (*chains[-1], stage[layout.jerks][-1])
+        equations += [ca.dot(numbers.self_motion, joints[order]) - own[order] for order in range(layout.orders + 1)]
+    if layout.regular:
+        equations.append(determinant_expression(structure, joints[0], numbers.self_motion) - stage[layout.size - 1])
+    return ca.vertcat(*equations)
+
+
+@lru_cache(maxsize=16)
+def _twist_change(structure: Structure) -> Any:
+    """(q, qd, qdd, tool) -> time derivative (6, 1) of the tray's twist in base axes."""
+    arm = kinematics(structure)
+    symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd")]
+    tool = SX.sym("tool", 4)
+    change = arm.motion_function(*symbols, tool)[18:24]
+    return ca.Function("twist_change", [*symbols, tool], [change], {"cse": True})
+
+
+@lru_cache(maxsize=16)
+def _twist_jerk(structure: Structure) -> Any:
+    """(q, qd, qdd, qddd, tool) -> second time derivative (6, 1) of the tray's twist in base axes."""
+    arm = kinematics(structure)
+    symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd", "qddd")]
+    tool = SX.sym("tool", 4)
+    change = _twist_change(structure)(*symbols[:3], tool)
+    jerk = ca.jtimes(change, ca.vertcat(*symbols[:3]), ca.vertcat(*symbols[1:]))
+    return ca.Function("twist_jerk", [*symbols, tool], [jerk], {"cse": True})
+
+
+def _tray_jerk(structure: Structure, numbers: SceneNumbers, layout: Layout, chains: tuple[Chain, ...], jerks: SX) -> SX:
+    """Second time derivative (6, 1) of the tray's twist in base axes, right after the node: there the jerk jumps."""
+    symbol = SX.sym("chains", 3 * layout.chains)
+    tray = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+    acceleration = ca.vertcat(*tray.acceleration(numbers.gravity))
+    rates = [ca.vertcat(*chain[1:], jerks[index]) for index, chain in enumerate(chains)]
+    jerk = ca.jtimes(acceleration, symbol, ca.vertcat(*rates))
+    return ca.substitute(jerk, symbol, ca.vertcat(*[ca.vertcat(*chain) for chain in chains]))

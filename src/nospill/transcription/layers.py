@@ -1,0 +1,96 @@
+"""Derivatives of a stage layer by layer: the chain rule where the physics has its joints.
+
+All cups read the stage through a few numbers, the motion of the tray; every constraint reads a cup through its contact
+wrench and its surface. Differentiated in one piece, the path's polynomial and the tilt's rotations are differentiated
+again for every cup and every direction. Here such numbers are *lifted*: later expressions read symbols in their place.
+With v = (z, s_1, ..., s_n) and s_k = e_k(z, s_1, ..., s_{k-1}), the Hessian of l(v) + sum gamma_k e_k(v) at fixed
+adjoints gamma is small and sparse; eliminating the symbols from the last to the first,
+
+    K <- K_aa + K_ab E + E' K_ba + E' K_bb E,      J <- J_a + J_b E,      E = d e_k / d v_a,
+
+gives the derivatives with respect to z, exactly, and what the cups share is transformed once for all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.core.frames import SX
+
+
+@dataclass(frozen=True, slots=True)
+class Derivatives:
+    """Outputs (m, 1), their Jacobian (m, n), and the upper triangle (n, n) of the Hessian of multipliers . outputs."""
+
+    outputs: SX
+    jacobian: SX
+    hessian: SX
+
+
+class Layers:
+    """Lifted intermediate values, in the order they were lifted."""
+
+    def __init__(self) -> None:
+        self._symbols: list[SX] = []
+        self._values: list[SX] = []
+
+    def lift(self, value: SX) -> SX:
+        """Return symbols that stand for a value, of its shape; constant entries stay what they are."""
+        entries = [value[index] for index in range(value.numel())]
+        moving = [index for index, entry in enumerate(entries) if not entry.is_constant()]
+        if not moving:
+            return value
+        symbol = SX.sym(f"s{len(self._symbols)}", len(moving))
+        self._symbols.append(symbol)
+        self._values.append(ca.vertcat(*[entries[index] for index in moving]))
+        for place, index in enumerate(moving):
+            entries[index] = symbol[place]
+        return ca.sparsify(ca.reshape(ca.vertcat(*entries), *value.shape))
+
+    def lowered(self, expression: SX) -> SX:
+        """An expression without symbols of lifted values."""
+        return ca.substitute([expression], self._symbols, self._written_out())[0] if self._symbols else expression
+
+    def derivatives(self, z: SX, outputs: SX, multipliers: SX) -> Derivatives:
+        """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1)."""
+        adjoints = [SX.sym(f"g{index}", symbol.numel()) for index, symbol in enumerate(self._symbols)]
+        parts = [ca.dot(adjoint, value) for adjoint, value in zip(adjoints, self._values, strict=True)]
+        lagrangian = ca.dot(multipliers, outputs) + sum(parts, SX(0))
+        everything = ca.vertcat(z, *self._symbols)
+        jacobian = ca.jacobian(outputs, everything)
+        hessian, gradient = ca.hessian(lagrangian, everything)
+        hessian = ca.triu2symm(ca.triu(hessian))
+
+        end = everything.numel()
+        for symbol, value in zip(reversed(self._symbols), reversed(self._values), strict=True):
+            start = end - symbol.numel()
+            inner = ca.jacobian(value, everything[:start])
+            jacobian = jacobian[:, :start] + jacobian[:, start:end] @ inner
+            across, own = hessian[:start, start:end] @ inner, hessian[start:end, start:end]
+            whole = hessian[:start, :start] + across + across.T + inner.T @ (own @ inner)
+            hessian = ca.triu2symm(ca.triu(whole))  # the other half is the same: its operations are left out
+            end = start
+
+        written = self._written_out()
+        replaced: list[SX] = []
+        end = everything.numel()
+        for adjoint in reversed(adjoints):
+            # gradient of the whole with respect to the symbol, later adjoints already known
+            start = end - adjoint.numel()
+            own = ca.substitute(
+                [gradient[start:end]],
+                [*self._symbols, *adjoints[len(adjoints) - len(replaced) :]],
+                [*written, *replaced],
+            )[0]
+            replaced.insert(0, own)
+            end = start
+        found = ca.substitute([outputs, jacobian, ca.triu(hessian)], [*self._symbols, *adjoints], [*written, *replaced])
+        return Derivatives(found[0], found[1], found[2])
+
+    def _written_out(self) -> list[SX]:
+        written: list[SX] = []
+        for index, value in enumerate(self._values):
+            written.append(ca.substitute([value], self._symbols[:index], written)[0] if index else value)
+        return written

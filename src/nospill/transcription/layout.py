@@ -1,0 +1,113 @@
+"""Which entry of a stage means what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.core.frames import SX
+from nospill.laws.parameters import Structure
+from nospill.laws.sample import coordinate_count
+
+Chain = tuple[SX, SX, SX]
+"""Value, rate and acceleration."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Sizes and slices of a stage's variables.
+
+    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value,
+        rate, acceleration), interval length, slosh displacements, slosh velocities. Control: jerks, slosh accelerations
+        at both points, joint positions and their time derivatives at the node, and last, where the arm is kept regular,
+        the determinant of its Jacobian.
+
+    Attributes:
+        tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with seven joints, 0 with six.
+        coordinates: of the liquids. joints: number. orders: of the joints' derivatives that are variables: 1 for
+            positions and speeds, 2 with accelerations, 3 with jerks.
+    """
+
+    tilts: int
+    redundant: int
+    coordinates: int
+    joints: int
+    orders: int
+    regular: int = 0
+
+    @property
+    def chains(self) -> int:
+        """How many jerk-driven chains there are."""
+        return 1 + self.tilts + self.redundant
+
+    @property
+    def interval(self) -> int:
+        """Index of the interval length in the state."""
+        return 3 * self.chains
+
+    @property
+    def displacement(self) -> slice:
+        """Slosh displacements in the state."""
+        start = self.interval + 1
+        return slice(start, start + self.coordinates)
+
+    @property
+    def velocity(self) -> slice:
+        """Slosh velocities in the state."""
+        start = self.displacement.stop
+        return slice(start, start + self.coordinates)
+
+    @property
+    def states(self) -> int:
+        """Size of the state."""
+        return self.interval + 1 + 2 * self.coordinates
+
+    @property
+    def jerks(self) -> slice:
+        """Jerks in the stage vector (state, then control)."""
+        return slice(self.states, self.states + self.chains)
+
+    def acceleration(self, point: int) -> slice:
+        """Slosh accelerations at collocation point 0 or 1 in the stage vector."""
+        start = self.jerks.stop + point * self.coordinates
+        return slice(start, start + self.coordinates)
+
+    @property
+    def joint_position(self) -> slice:
+        """Joint positions in the stage vector."""
+        start = self.acceleration(1).stop
+        return slice(start, start + self.joints)
+
+    @property
+    def joint_speed(self) -> slice:
+        """Joint speeds in the stage vector."""
+        return self.joint_derivative(1)
+
+    def joint_derivative(self, order: int) -> slice:
+        """The joints' time derivative of order 0 to `orders` in the stage vector."""
+        start = self.joint_position.start + order * self.joints
+        return slice(start, start + self.joints)
+
+    @property
+    def size(self) -> int:
+        """Size of the stage vector."""
+        return self.joint_derivative(self.orders).stop + self.regular
+
+    def chain(self, stage: SX, index: int) -> Chain:
+        """One chain of a stage vector."""
+        value, rate, acceleration = ca.vertsplit(stage[3 * index : 3 * index + 3])
+        return value, rate, acceleration
+
+
+def layout_of(structure: Structure) -> Layout:
+    """The layout of a structure."""
+    lifted = {"acceleration": 2, "torque": 2, "jerk": 3}
+    return Layout(
+        tilts=2 if structure.tilt_free else 0,
+        redundant=int(structure.redundant),
+        coordinates=coordinate_count(structure),
+        joints=len(structure.joints),
+        orders=max((lifted[name] for name in structure.joint_limits), default=1),
+        regular=int(structure.regular),
+    )

@@ -1,0 +1,227 @@
+"""The whole problem from the functions of one stage, mapped over the stages and placed by a fixed permutation.
+
+Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities
+and the kept rows; then the rows on x_N. Nothing of the size of the whole problem is ever differentiated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.batches import over_columns, thread_count
+from nospill.laws.parameters import SceneNumbers, Structure, flatten
+from nospill.transcription.layout import Layout
+from nospill.transcription.stage import Block
+from nospill.transcription.stage_functions import StageFunctions, Triplets, stage_functions
+
+MX = ca.MX
+
+Kept = frozenset[tuple[str, int]]
+"""(constraint, subject) pairs whose rows take part."""
+
+_MOST_THREADS = 4
+"""Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Transcription:
+    """A problem built for a structure, a number of intervals and a choice of rows, ready for any numbers.
+
+    Attributes:
+        stage: the functions it is built from.
+        intervals: N.
+        lower, upper: bounds of all constraints, shape (m,).
+        blocks: of the kept rows of a stage, first row counted from the stage's start.
+        height: constraints per stage.
+        nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
+        jac_g, grad_f, hess_lag: exact derivatives in its signatures.
+        constraint_function: (variables, parameters) -> constraints.
+    """
+
+    stage: StageFunctions
+    intervals: int
+    lower: np.ndarray
+    upper: np.ndarray
+    blocks: tuple[Block, ...]
+    height: int
+    nlp: dict[str, MX]
+    jac_g: Any
+    grad_f: Any
+    hess_lag: Any
+    constraint_function: Any
+
+    @property
+    def layout(self) -> Layout:
+        """Of a stage vector."""
+        return self.stage.layout
+
+    @property
+    def variables(self) -> int:
+        """Number of variables."""
+        return self.intervals * self.layout.size + self.layout.states
+
+    def parameters(
+        self, numbers: SceneNumbers, scales: np.ndarray, reserves: dict[tuple[str, int], float]
+    ) -> np.ndarray:
+        """The parameter vector: numbers, scales of a stage, reserves, number of intervals."""
+        kept_back = [reserves.get(key, 0.0) for key in self.stage.reserve_keys]
+        return np.concatenate([flatten(numbers), scales, kept_back, [self.intervals]])
+
+
+def transcribe(
+    structure: Structure,
+    numbers: SceneNumbers,
+    intervals: int,
+    *,
+    kept: Kept | None = None,
+    derivable: bool = False,
+) -> Transcription:
+    """The transcription of a structure; `numbers` only shows the shapes.
+
+    Args:
+        structure: what there is.
+        numbers: of any scene of that structure.
+        intervals: N.
+        kept: which rows take part; None for all. The judge looks at all of them in any case.
+        derivable: from functions that CasADi can derive itself, for a solver that does not take ours.
+    """
+    return _transcribe(stage_functions(structure, numbers, derivable=derivable), intervals, kept)
+
+
+@lru_cache(maxsize=32)
+def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Transcription:
+    shape, layout = stage.shape, stage.layout
+    rows, blocks = _kept_rows(stage, kept)
+    zeros = np.zeros(shape.fixed)
+    chosen = rows[shape.fixed :] - shape.fixed
+    lower = np.concatenate([zeros, shape.lower[chosen]])
+    upper = np.concatenate([zeros, shape.upper[chosen]])
+
+    values, slopes, costs, curvatures = _over_stages(stage, intervals)
+    size, states, height = layout.size, layout.states, len(rows)
+    total, end_height = intervals * size + states, len(shape.end_lower)
+    w = MX.sym("w", total)
+    p = MX.sym("p", stage.values.size1_in(1))
+    stages, final = ca.reshape(w[: intervals * size], size, intervals), w[intervals * size :]
+    following = ca.horzcat(stages[:states, 1:], final)
+
+    def gather(mapped: MX) -> MX:
+        picked = mapped[rows.tolist(), :]
+        gaps = ca.vertcat(following + picked[:states, :], picked[states:, :])
+        return ca.vertcat(ca.vec(gaps), stage.end_values(final, p))
+
+    stage_costs, stage_values = values(stages, p)
+    nlp = {"x": w, "p": p, "f": ca.sum2(stage_costs), "g": gather(stage_values)}
+
+    slope_values, slope_nonzeros = slopes(stages, p)
+    entries, sparsity, order = _jacobian_places(stage, rows, intervals)
+    nonzeros = ca.vertcat(
+        ca.vec(slope_nonzeros[entries.tolist(), :]), MX.ones(intervals * states), stage.end_slopes(final, p)
+    )
+    jac_g = ca.Function(
+        "nlp_jac_g", [w, p], [gather(slope_values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
+    )
+
+    cost_values, cost_slopes = costs(stages, p)
+    gradient = ca.vertcat(ca.vec(cost_slopes), MX.zeros(states))
+    grad_f = ca.Function("nlp_grad_f", [w, p], [ca.sum2(cost_values), gradient], ["x", "p"], ["f", "grad_f_x"])
+
+    multipliers, weight = MX.sym("lam_g", intervals * height + end_height), MX.sym("lam_f")
+    split = ca.reshape(multipliers[: intervals * height], height, intervals)
+    # Rows that are left out have no multiplier: they read the zero row appended below.
+    source = np.full(shape.height, height)
+    source[rows] = np.arange(height)
+    spread = ca.vertcat(split, MX.zeros(1, intervals))[source.tolist(), :]
+    sparsity, order = _hessian_places(stage, intervals)
+    nonzeros = ca.vertcat(
+        ca.vec(curvatures(stages, p, weight, spread)),
+        stage.end_curvatures(final, p, multipliers[intervals * height :]),
+    )
+    hess_lag = ca.Function(
+        "nlp_hess_l",
+        [w, p, weight, multipliers],
+        [MX(sparsity, nonzeros[order])],
+        ["x", "p", "lam_f", "lam_g"],
+        ["triu_hess_gamma_x_x"],
+    )
+    return Transcription(
+        stage=stage,
+        intervals=intervals,
+        lower=np.concatenate([np.tile(lower, intervals), shape.end_lower]),
+        upper=np.concatenate([np.tile(upper, intervals), shape.end_upper]),
+        blocks=blocks,
+        height=height,
+        nlp=nlp,
+        jac_g=jac_g,
+        grad_f=grad_f,
+        hess_lag=hess_lag,
+        constraint_function=ca.Function("constraints", [w, p], [nlp["g"]]),
+    )
+
+
+@lru_cache(maxsize=32)
+def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, Any]:
+    """Values, slopes, costs and curvatures of all stages: the same for every choice of rows."""
+    threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
+    values, slopes, costs = (
+        over_columns(function, intervals, [1], threads=threads)
+        for function in (stage.values, stage.slopes, stage.costs)
+    )
+    return values, slopes, costs, over_columns(stage.curvatures, intervals, [1, 2], threads=threads)
+
+
+def _kept_rows(stage: StageFunctions, kept: Kept | None) -> tuple[np.ndarray, tuple[Block, ...]]:
+    """Indices of the constraints of a stage that take part, and the kept blocks at their new places."""
+    rows, blocks = list(range(stage.shape.fixed)), []
+    for block in stage.shape.blocks:
+        if kept is None or (block.constraint, block.subject) in kept:
+            blocks.append(Block(block.constraint, block.subject, len(rows), block.count, block.repetition))
+            rows += range(block.first, block.first + block.count)
+    return np.array(rows, dtype=int), tuple(blocks)
+
+
+def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tuple[ca.Sparsity, list[int]]:
+    """Sparsity of the given entries and, per stored nonzero, which entry it is."""
+    order = np.lexsort((rows, columns))
+    sparsity = ca.Sparsity.triplet(*shape, rows[order].tolist(), columns[order].tolist())
+    return sparsity, order.tolist()
+
+
+def _jacobian_places(
+    stage: StageFunctions, kept: np.ndarray, intervals: int
+) -> tuple[np.ndarray, ca.Sparsity, list[int]]:
+    """Entries of a stage's Jacobian that take part, sparsity of the whole, and the order of its nonzeros."""
+    layout, shape, height = stage.layout, stage.shape, len(kept)
+    place = np.full(shape.height, -1)
+    place[kept] = np.arange(height)
+    rows, columns = shape.jacobian
+    entries = np.flatnonzero(place[rows] >= 0)
+    rows, columns = place[rows[entries]], columns[entries]
+    index, state = np.arange(intervals)[:, None], np.arange(layout.states)
+    end_rows, end_columns = shape.end_jacobian
+    all_rows = [(index * height + rows).ravel(), (index * height + state).ravel(), intervals * height + end_rows]
+    all_columns = [
+        (index * layout.size + columns).ravel(),
+        ((index + 1) * layout.size + state).ravel(),
+        intervals * layout.size + end_columns,
+    ]
+    whole = (intervals * height + len(shape.end_lower), intervals * layout.size + layout.states)
+    return entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
+
+
+@lru_cache(maxsize=32)
+def _hessian_places(stage: StageFunctions, intervals: int) -> tuple[ca.Sparsity, list[int]]:
+    size, index = stage.layout.size, np.arange(intervals)[:, None]
+
+    def spread(triplets: Triplets, end: Triplets) -> Callable[[int], np.ndarray]:
+        return lambda axis: np.concatenate([(index * size + triplets[axis]).ravel(), intervals * size + end[axis]])
+
+    entries = spread(stage.shape.hessian, stage.shape.end_hessian)
+    total = intervals * size + stage.layout.states
+    return _place(entries(0), entries(1), (total, total))

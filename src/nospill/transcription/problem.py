@@ -1,0 +1,188 @@
+"""A scene as an optimal control problem with numbers.
+
+Parameters, scales, bounds, and the way in and out of its variables.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.robots.kinematics.regularity import determinants
+from nospill.scene.scene import Scene
+from nospill.transcription.layout import Layout
+from nospill.transcription.nlp import Kept, Transcription, transcribe
+from nospill.transcription.stages import Stages
+
+_SHORTEST = 0.05
+"""Shortest motion considered, s: keeps the interval away from zero."""
+
+_LARGEST_SLOSH_SCALE = 0.02
+"""Scale of a surface height when its limit is generous, m."""
+
+_SELF_MOTION_JERK = 1000.0
+"""Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
+
+DERIVING_SOLVERS = ("fatrop",)
+"""Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
+
+Reserves = dict[tuple[str, int], float]
+"""(constraint, subject index) -> fraction of the budget kept back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One nonlinear programme.
+
+    Attributes:
+        scene, structure, numbers: what it was made from.
+        transcription: functions and constraint bounds.
+        parameters: of the functions.
+        scales: (layout.size,) physical size of a scaled one.
+        lower, upper: bounds of the scaled variables.
+        self_motion: as in `Stages`.
+    """
+
+    scene: Scene
+    structure: Structure
+    numbers: SceneNumbers
+    transcription: Transcription
+    parameters: np.ndarray
+    scales: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    self_motion: np.ndarray | None
+
+    def encode(self, stages: Stages) -> np.ndarray:
+        """Scaled variables of a candidate on this problem's grid."""
+        layout, table = self.transcription.layout, stages.table
+        if layout.regular:
+            values = determinants(self.scene.robot, table[:, layout.joint_position], self.self_motion)
+            table = np.column_stack([table, values])
+        return (table / self.scales).ravel()[: self.transcription.variables]
+
+    def duration(self, variables: np.ndarray) -> float:
+        """End time of the candidate that scaled variables stand for, s."""
+        index = self.transcription.layout.interval
+        return float(variables[index] * self.scales[index]) * self.transcription.intervals
+
+    def decode(self, variables: np.ndarray) -> Stages:
+        """The candidate that scaled variables stand for."""
+        size = self.transcription.layout.size
+        padded = np.zeros((self.transcription.intervals + 1) * size)
+        padded[: len(variables)] = variables
+        table = (padded.reshape(-1, size) * self.scales)[:, : size - self.transcription.layout.regular]
+        return Stages(float(table[0, self.transcription.layout.interval]), table, self.self_motion)
+
+
+def build_problem(
+    scene: Scene,
+    intervals: int,
+    *,
+    nominal_duration: float,
+    reserves: Reserves,
+    kept: Kept | None = None,
+    self_motion: np.ndarray | None = None,
+    least_determinant: float | None = None,
+) -> Problem:
+    """The problem of a scene on a grid.
+
+    Args:
+        scene: the task.
+        intervals: N.
+        nominal_duration: expected end time, s, for the scales only.
+        reserves: fraction of each budget kept back from the optimiser.
+        kept: which (constraint, subject) rows take part; None for all.
+        self_motion: of a seven-joint arm, as in `Stages`.
+        least_determinant: with its sign, what the determinant of the Jacobian stays beyond; None leaves it free.
+    """
+    structure = replace(structure_of(scene), regular=least_determinant is not None)
+    numbers = numbers_of(scene)
+    if self_motion is not None:
+        numbers = replace(numbers, self_motion=self_motion)
+    transcription = transcribe(
+        structure, numbers, intervals, kept=kept, derivable=scene.planning.solver in DERIVING_SOLVERS
+    )
+    scales = _scales(scene, transcription.layout, nominal_duration, intervals)
+    lower, upper = _bounds(scene, transcription.layout, scales, intervals)
+    if least_determinant is not None:
+        size = transcription.layout.size
+        scales[size - 1] = least_determinant
+        lower[size - 1 : intervals * size : size] = 1.0
+    return Problem(
+        scene=scene,
+        structure=structure,
+        numbers=numbers,
+        transcription=transcription,
+        parameters=transcription.parameters(numbers, scales, reserves),
+        scales=scales,
+        lower=lower,
+        upper=upper,
+        self_motion=self_motion,
+    )
+
+
+def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np.ndarray:
+    scales = np.ones(layout.size)
+    tilt = 0.3
+    for chain in range(layout.chains):
+        value = (1.0, *[tilt] * layout.tilts, *[1.0] * layout.redundant)[chain]
+        scales[3 * chain : 3 * chain + 3] = value, 2 * value / duration, 10 * value / duration**2
+    scales[layout.interval] = duration / intervals
+    limits = [scene.motion.path_jerk_limit] + [scene.motion.tilt_jerk_limit] * (layout.chains - 1)
+    if layout.redundant:
+        limits[-1] = _SELF_MOTION_JERK
+    scales[layout.jerks] = [0.3 * limit for limit in limits]
+    heights = []
+    for cargo in scene.cargo:
+        for mode in cargo.filling.modes.oscillators if cargo.filling else ():
+            assert cargo.filling is not None
+            height = min(cargo.filling.max_slosh_height, _LARGEST_SLOSH_SCALE)
+            heights += [(height / abs(mode.surface_gain), mode.frequency)] * len(mode.directions)
+    displacement = np.array([size for size, _ in heights])
+    frequency = np.array([frequency for _, frequency in heights])
+    scales[layout.displacement] = displacement
+    scales[layout.velocity] = displacement * frequency
+    for point in range(2):
+        scales[layout.acceleration(point)] = displacement * frequency**2
+    further = (scene.robot.max_acceleration, scene.robot.max_jerk)
+    scales[layout.joint_speed] = scene.robot.max_speed
+    for order in range(2, layout.orders + 1):
+        limit, usual = further[order - 2], 2.0 * scene.robot.max_speed * (2.0 / duration) ** (order - 1)
+        scales[layout.joint_derivative(order)] = usual if limit is None else limit
+    return scales
+
+
+def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) -> tuple[np.ndarray, np.ndarray]:
+    lower = np.full((intervals + 1, layout.size), -np.inf)
+    upper = np.full((intervals + 1, layout.size), np.inf)
+    lower[:, 1] = 0.0
+    lower[:, layout.interval] = _SHORTEST / intervals
+    upper[:, layout.interval] = scene.motion.max_duration / intervals
+    ends = (lower[0], upper[0], lower[-1], upper[-1])
+    if layout.redundant:
+        # No constraint of the table speaks of this jerk: it only keeps the self-motion smooth.
+        own = layout.jerks.stop - 1
+        lower[:, own], upper[:, own] = -_SELF_MOTION_JERK, _SELF_MOTION_JERK
+    for row in ends:
+        row[: layout.interval] = 0.0
+    if layout.redundant:
+        free = 3 * (layout.chains - 1)
+        for row, bound in zip(ends, (-np.inf, np.inf, -np.inf, np.inf), strict=True):
+            row[free] = bound
+    for row in ends[2:]:
+        row[0] = 1.0
+    for row in ends[:2]:
+        row[layout.displacement] = row[layout.velocity] = 0.0
+    # Several variants of one object do not come to rest at one instant: their rows hold them as near as the judge asks.
+    exact = scene.carried is None or len(scene.cargo) <= len(scene.carried)
+    for row in ends[2:]:
+        if exact and scene.motion.end in ("still", "published"):
+            row[layout.displacement] = 0.0
+        if exact and scene.motion.end == "still":
+            row[layout.velocity] = 0.0
+    size = intervals * layout.size + layout.states
+    return (lower / scales).ravel()[:size], (upper / scales).ravel()[:size]

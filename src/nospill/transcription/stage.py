@@ -1,0 +1,193 @@
+"""One stage of the optimal control problem as expressions of its own variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.frames import SX, FrameMotion
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Place, smooth_rows
+from nospill.laws.contact import Wrench
+from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_objects, split_states
+from nospill.laws.slosh.motion import motion_residual
+from nospill.transcription.collocation import POINTS, advance_chain, gauss_step, interior
+from nospill.transcription.joint_equalities import joint_equalities
+from nospill.transcription.layers import Layers
+from nospill.transcription.layout import Chain, Layout
+from nospill.transcription.tray_state import tray_state
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Rows of one constraint and one subject inside a stage.
+
+    First row, number of rows, and which repetition (point) it is.
+    """
+
+    constraint: str
+    subject: int
+    first: int
+    count: int
+    repetition: int
+
+
+class RowCollector:
+    """Gathers smooth rows and remembers which constraint and subject each belongs to."""
+
+    def __init__(self, reserves: dict[tuple[str, int], SX]) -> None:
+        self._reserves = reserves
+        self.values: list[SX] = []
+        self.lower: list[np.ndarray] = []
+        self.upper: list[np.ndarray] = []
+        self.blocks: list[Block] = []
+        self._count = 0
+
+    def add(self, sample: Sample, places: tuple[Place, ...], repetition: int = 0) -> None:
+        """Add every constraint of the given places."""
+        for constraint in CONSTRAINTS:
+            if constraint.place not in places:
+                continue
+            for subject, budgets in enumerate(constraint.budgets(sample)):
+                first = self._count
+                for budget in budgets:
+                    value, lower, upper = smooth_rows(budget, self._reserves[constraint.name, subject])
+                    self.values.append(value)
+                    self.lower.append(lower)
+                    self.upper.append(upper)
+                    self._count += len(lower)
+                self.blocks.append(Block(constraint.name, subject, first, self._count - first, repetition))
+
+    def stacked(self) -> tuple[SX, np.ndarray, np.ndarray]:
+        """All rows with their bounds."""
+        if not self.values:
+            return SX(0, 1), np.zeros(0), np.zeros(0)
+        return ca.vertcat(*self.values), np.concatenate(self.lower), np.concatenate(self.upper)
+
+
+@dataclass(frozen=True, slots=True)
+class StageExpressions:
+    """The pieces a transcription maps: next state, equalities (zero), rows with bounds, share of the cost.
+
+    All in physical units except the equalities, which are divided by their scales, and the rows (see `smooth_rows`).
+    They may read values lifted into `layers`.
+    """
+
+    layers: Layers
+    following: SX
+    equalities: SX
+    rows: SX
+    lower: np.ndarray
+    upper: np.ndarray
+    blocks: tuple[Block, ...]
+    cost: SX
+
+
+def stage_expressions(
+    structure: Structure,
+    layout: Layout,
+    numbers: SceneNumbers,
+    stage: SX,
+    *,
+    scales: SX,
+    reserves: dict[tuple[str, int], SX],
+    intervals: SX,
+) -> StageExpressions:
+    """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
+    chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
+    jerks = stage[layout.jerks]
+    interval = stage[layout.interval]
+    accelerations = (stage[layout.acceleration(0)], stage[layout.acceleration(1)])
+    step = gauss_step(stage[layout.displacement], stage[layout.velocity], accelerations, interval)
+
+    layers = Layers()
+    ends = _moved(chains, jerks, interval)
+    following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
+
+    collector = RowCollector(reserves)
+    start = tray_state(structure, numbers, chains).lifted(layers)
+    equalities = [joint_equalities(structure, numbers, stage, layout, chains, start)]
+    tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
+    node = Sample(
+        structure,
+        numbers,
+        joint_position=stage[layout.joint_position],
+        joint_speed=stage[layout.joint_speed],
+        joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
+        joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
+        tilt=tilt,
+        jerks=jerks,
+    )
+    collector.add(node, (Place.JOINT, Place.CONTROL))
+
+    for point in range(2):
+        moved = _lifted(_moved(chains, jerks, POINTS[point] * interval), layers)
+        tray = tray_state(structure, numbers, moved).lifted(layers).motion
+        position, velocity = layers.lift(step.point_displacements[point]), layers.lift(step.point_velocities[point])
+        slosh = split_states(structure, position, velocity, accelerations[point])
+        residuals = [
+            motion_residual(
+                oscillator,
+                directions,
+                object_motion(own, tray),
+                state,
+                damp_against_spin=structure.fidelity == "deliverable",
+            )
+            for own, item, states in zip(numbers.objects, structure.objects, slosh, strict=True)
+            for oscillator, directions, state in zip(own.oscillators, item.oscillators, states, strict=True)
+        ]
+        if residuals:
+            equalities.append(ca.vertcat(*residuals) / scales[layout.acceleration(point)])
+
+    # Constraints are imposed at the node, where jerk-limited accelerations have their corners, and in the middle.
+    for repetition, fraction in enumerate((0.0, 0.5)):
+        tray = start.motion
+        if repetition:
+            moved = _lifted(_moved(chains, jerks, fraction * interval), layers)
+            tray = tray_state(structure, numbers, moved).lifted(layers).motion
+        inside = interior(stage[layout.displacement], stage[layout.velocity], accelerations, fraction, interval)
+        position, velocity, acceleration = (layers.lift(part) for part in inside)
+        objects = sample_objects(structure, numbers, tray, split_states(structure, position, velocity, acceleration))
+        objects = tuple(_lifted_object(item, layers) for item in objects)
+        collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
+
+    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * layout.tilts
+    weights += [numbers.tilt_jerk_weight] * layout.redundant
+    cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
+    rows, lower, upper = collector.stacked()
+    return StageExpressions(
+        layers, following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
+    )
+
+
+def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
+    return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
+
+
+def _lifted(chains: tuple[Chain, ...], layers: Layers) -> tuple[Chain, ...]:
+    return tuple((layers.lift(chain[0]), layers.lift(chain[1]), layers.lift(chain[2])) for chain in chains)
+
+
+def _lifted_object(item: ObjectSample, layers: Layers) -> ObjectSample:
+    wrench = Wrench(layers.lift(item.wrench.force), layers.lift(item.wrench.moment))
+    return replace(item, wrench=wrench, surface=layers.lift(item.surface))
+
+
+def terminal_rows(
+    structure: Structure,
+    layout: Layout,
+    numbers: SceneNumbers,
+    state: SX,
+    reserves: dict[tuple[str, int], SX],
+) -> RowCollector:
+    """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
+    zero = SX.zeros(3)
+    rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
+    slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))
+    objects = sample_objects(structure, numbers, rest, slosh)
+    collector = RowCollector(reserves)
+    collector.add(Sample(structure, numbers, objects=objects), (Place.END,))
+    return collector

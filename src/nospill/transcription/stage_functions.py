@@ -1,0 +1,172 @@
+"""One stage as functions: values and exact derivatives with their sparsity, for any numbers of one structure."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.frames import SX
+from nospill.laws import codegen
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
+from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.stage import Block, stage_expressions, terminal_rows
+
+Triplets = tuple[np.ndarray, np.ndarray]
+"""Row and column of every structural nonzero, column by column."""
+
+
+@dataclass(frozen=True, eq=False)
+class StageShape:
+    """Everything about a stage that is not a function; made from plain data that is kept beside compiled code.
+
+    Attributes:
+        numbers: entries of a flattened numbers record.
+        height: constraints of a stage: gaps, equalities, rows. fixed: how many of them are gaps and equalities.
+        lower, upper: bounds of the rows, (height - fixed,). blocks: of the rows, first row counted from the stage's
+            start.
+        end_lower, end_upper, end_blocks: of the rows on the final state.
+        jacobian, hessian, end_jacobian, end_hessian: structural nonzeros; the Hessians' upper triangles.
+    """
+
+    numbers: int
+    height: int
+    fixed: int
+    lower: np.ndarray
+    upper: np.ndarray
+    blocks: tuple[Block, ...]
+    end_lower: np.ndarray
+    end_upper: np.ndarray
+    end_blocks: tuple[Block, ...]
+    jacobian: Triplets
+    hessian: Triplets
+    end_jacobian: Triplets
+    end_hessian: Triplets
+
+
+@dataclass(frozen=True, eq=False)
+class StageFunctions:
+    """A stage's functions of its scaled vector z, the final state's x, and the parameters p.
+
+    Attributes:
+        layout, shape: sizes and places. reserve_keys: (constraint, subject) of every entry of the reserve vector.
+        values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) ->
+            cost, gradient.
+        curvatures: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the Lagrangian's Hessian.
+        end_values: (x, p) -> rows. end_slopes: (x, p) -> nonzeros. end_curvatures: (x, p, multipliers) -> nonzeros.
+        compiled: whether they are machine code rather than CasADi's virtual machine.
+    """
+
+    layout: Layout
+    shape: StageShape
+    reserve_keys: tuple[tuple[str, int], ...]
+    values: Any
+    slopes: Any
+    costs: Any
+    curvatures: Any
+    end_values: Any
+    end_slopes: Any
+    end_curvatures: Any
+    compiled: bool
+
+
+def reserve_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
+    """Every (constraint, subject) the structure can have, in a fixed order."""
+    counts = max(len(structure.objects), len(structure.joints), 3)
+    return tuple((constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
+
+
+def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, int]:
+    """Lengths of the parts of the parameter vector: numbers, scales of a stage, reserves, number of intervals."""
+    return numbers, layout_of(structure).size, len(reserve_keys(structure)), 1
+
+
+def stage_functions(structure: Structure, numbers: SceneNumbers, *, derivable: bool = False) -> StageFunctions:
+    """The functions of a structure; `numbers` only shows the shapes, `derivable` asks for functions CasADi can derive.
+
+    Compiled ones are taken from the disk where an earlier run has left them; otherwise they are built for CasADi's
+    virtual machine, and a compiler, where there is one, is started in the background for the next time.
+    """
+    return _stage_functions(structure, Shapes(numbers), derivable)
+
+
+@lru_cache(maxsize=16)
+def _stage_functions(structure: Structure, shapes: Shapes, derivable: bool) -> StageFunctions:
+    if derivable:
+        made, data, is_compiled = *_build(structure, shapes), False
+    else:
+        made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure, shapes))
+    return StageFunctions(layout_of(structure), _shape(data), reserve_keys(structure), **made, compiled=is_compiled)
+
+
+def _shape(data: dict[str, Any]) -> StageShape:
+    table = dict(data)
+    for name in ("lower", "upper", "end_lower", "end_upper"):
+        table[name] = np.array(table[name], dtype=float)
+    for name in ("blocks", "end_blocks"):
+        table[name] = tuple(Block(*block) for block in table[name])
+    for name in ("jacobian", "hessian", "end_jacobian", "end_hessian"):
+        table[name] = tuple(np.array(part, dtype=int) for part in table[name])
+    return StageShape(**table)
+
+
+def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[str, Any]]:
+    layout, keys = layout_of(structure), reserve_keys(structure)
+    sizes = parameter_sizes(structure, shapes.size)
+    parameters = SX.sym("p", sum(sizes))
+    flat, scales, kept_back, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
+    numbers = symbolic(shapes.record, flat)
+    reserves = {key: kept_back[index] for index, key in enumerate(keys)}
+
+    z, x = SX.sym("z", layout.size), SX.sym("x", layout.states)
+    stage = stage_expressions(structure, layout, numbers, z * scales, scales=scales, reserves=reserves, intervals=count)
+    gap = -stage.following / scales[: layout.states]
+    constraints = ca.vertcat(gap, stage.equalities, stage.rows)
+    fixed = gap.numel() + stage.equalities.numel()
+    end = terminal_rows(structure, layout, numbers, x * scales[: layout.states], reserves)
+    end_rows, end_lower, end_upper = end.stacked()
+
+    multipliers, end_multipliers, weight = SX.sym("l", constraints.numel()), SX.sym("m", end_rows.numel()), SX.sym("f")
+    lagrangian = stage.layers.derivatives(z, ca.vertcat(stage.cost, constraints), ca.vertcat(weight, multipliers))
+    constraints, jacobian, hessian = lagrangian.outputs[1:], lagrangian.jacobian[1:, :], lagrangian.hessian
+    end_jacobian = ca.jacobian(end_rows, x)
+    end_hessian = ca.triu(ca.hessian(ca.dot(end_multipliers, end_rows), x)[0])
+    outputs: dict[str, tuple[list[SX], list[SX]]] = {
+        "values": ([z, parameters], [stage.cost, constraints]),
+        "slopes": ([z, parameters], [constraints, _nonzeros(jacobian)]),
+        "costs": ([z, parameters], [stage.cost, ca.gradient(stage.cost, z)]),
+        "curvatures": ([z, parameters, weight, multipliers], [_nonzeros(hessian)]),
+        "end_values": ([x, parameters], [end_rows]),
+        "end_slopes": ([x, parameters], [_nonzeros(end_jacobian)]),
+        "end_curvatures": ([x, parameters, end_multipliers], [_nonzeros(end_hessian)]),
+    }
+    functions = {
+        name: ca.Function(name, inputs, [ca.densify(output) for output in results], {"cse": True})
+        for name, (inputs, results) in outputs.items()
+    }
+    data = {
+        "numbers": shapes.size,
+        "height": constraints.numel(),
+        "fixed": fixed,
+        "lower": stage.lower.tolist(),
+        "upper": stage.upper.tolist(),
+        "blocks": [astuple(replace(block, first=block.first + fixed)) for block in stage.blocks],
+        "end_lower": end_lower.tolist(),
+        "end_upper": end_upper.tolist(),
+        "end_blocks": [astuple(block) for block in end.blocks],
+        "jacobian": jacobian.sparsity().get_triplet(),
+        "hessian": hessian.sparsity().get_triplet(),
+        "end_jacobian": end_jacobian.sparsity().get_triplet(),
+        "end_hessian": end_hessian.sparsity().get_triplet(),
+    }
+    return functions, data
+
+
+def _nonzeros(matrix: SX) -> SX:
+    entries = matrix.nonzeros()
+    stacked: SX = ca.vertcat(*entries) if entries else SX.zeros(0, 1)  # type: ignore[call-overload]
+    return stacked

@@ -1,0 +1,59 @@
+"""Where the tray is and how it moves, from the path parameter and the tilt angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
+from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.sample import tray_motion
+from nospill.transcription.layers import Layers
+from nospill.transcription.layout import Chain
+from nospill.transcription.path_expression import path_expression
+
+
+@dataclass(frozen=True, slots=True)
+class TrayState:
+    """Pose and motion of the tray frame from the chains.
+
+    Base-frame position and velocity, rotation to base, body motion.
+    """
+
+    position: SX
+    velocity: SX
+    rotation: SX
+    motion: FrameMotion
+
+    def lifted(self, layers: Layers) -> TrayState:
+        """The same with every entry lifted."""
+        motion = self.motion
+        return TrayState(
+            layers.lift(self.position),
+            layers.lift(self.velocity),
+            layers.lift(self.rotation),
+            FrameMotion(
+                layers.lift(motion.angular_velocity),
+                layers.lift(motion.angular_acceleration),
+                layers.lift(motion.specific_force),
+            ),
+        )
+
+    def acceleration(self, gravity: SX) -> tuple[SX, SX]:
+        """Acceleration (3, 1) of the origin, m/s^2, and angular acceleration (3, 1), rad/s^2, in base axes."""
+        weight = ca.vertcat(0, 0, gravity)
+        return self.rotation @ self.motion.specific_force - weight, self.rotation @ self.motion.angular_acceleration
+
+
+def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain, ...]) -> TrayState:
+    """The tray frame's pose and motion from s and, where free, the tilt angles."""
+    s, speed, acceleration = chains[0]
+    value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)
+    rate, change = first * speed, second * speed**2 + first * acceleration
+    level = (SX(0), SX(0), SX(0))
+    theta_x, theta_y = (chains[1], chains[2]) if structure.tilt_free else (level, level)
+    rotation = tray_rotation(value[3], theta_y[0], theta_x[0])
+    omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
+    motion = tray_motion(rotation, change[:3], omega, alpha, numbers.gravity)
+    return TrayState(value[:3], rate[:3], rotation, motion)

@@ -1,0 +1,64 @@
+"""Interpolating splines against SciPy's."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import make_interp_spline
+
+from nospill.core.piecewise import interpolating_spline
+
+
+@settings(deadline=None)
+@given(
+    st.sampled_from([(degree, count) for degree in (1, 3, 5) for count in (degree + 1, degree + 2, degree + 3, 40)])
+    | st.sampled_from([(2, 3), (4, 5)]),
+    st.integers(0, 2**31),
+    st.floats(-1e3, 1e3),
+)
+def test_interpolating_splines_equal_scipys(shape, seed, origin):
+    degree, count = shape
+    random = np.random.default_rng(seed)
+    x = origin + np.cumsum(random.uniform(0.5, 1.5, count))
+    values = random.normal(size=(count, 2))
+    ours, theirs = interpolating_spline(x, values, degree), make_interp_spline(x, values, k=degree)
+    places = np.concatenate([x, random.uniform(x[0], x[-1], 50)])
+    for order in range(min(degree, 4)):
+        expected = theirs(places, order)
+        np.testing.assert_allclose(ours(places, order), expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_many_samples_at_an_even_rate():
+    x = np.arange(5000) / 500.0
+    values = np.cumsum(np.random.default_rng(0).normal(size=(5000, 6)), axis=0)
+    ours, theirs = interpolating_spline(x, values, 5), make_interp_spline(x, values, k=5)
+    places = np.linspace(0.0, x[-1], 7001)
+    for order in range(3):
+        expected = theirs(places, order)
+        np.testing.assert_allclose(ours(places, order), expected, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("x", [[0.0, 1.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 2.0, 1.0, 3.0, 4.0, 5.0], [0.0, 1.0]])
+def test_places_that_make_no_spline_are_refused(x):
+    with pytest.raises(ValueError, match="spline of degree 5"):
+        interpolating_spline(np.array(x), np.zeros((len(x), 1)), 5)
+
+
+@pytest.mark.slow
+def test_a_plan_does_without_scipy(tmp_path: Path):
+    """Loading it takes a third of a second of every run of the command."""
+    code = (
+        "import sys; from nospill import load, load_plan, plan\n"
+        "found = plan(load('matrix-rigid')); found.save(sys.argv[1])\n"
+        "assert load_plan(sys.argv[1]).certificate.ok\n"
+        "print([name for name in sys.modules if name.split('.')[0] == 'scipy'])"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

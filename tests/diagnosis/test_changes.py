@@ -1,0 +1,157 @@
+"""Suggested changes: made in a scenario's table, and the keys that make room for a constraint."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.diagnosis import changed_table, with_change
+from nospill.diagnosis.levers import Lever, levers_of
+from nospill.diagnosis.search import WITHIN, first_share
+from nospill.errors import Change, NospillError, ScenarioError
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.scene_parameters import numbers_of
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scene.scene import Scene
+
+Changed = Callable[..., Scene]
+
+
+def test_a_change_is_made_in_a_copy_where_it_belongs() -> None:
+    scene = read_scenario("pp-two-cups")
+    before = repr(scene.source)
+    table = changed_table(scene.source, Change("", "robot.limits.speed", [1.0] * 6, ""))
+    assert table["robot"]["limits"] == {"speed": [1.0] * 6}
+    table = changed_table(scene.source, Change("", "cargo.*.max_slosh_height", 0.012, ""))
+    assert [entry["max_slosh_height"] for entry in table["cargo"]] == [0.012, 0.012]
+    table = changed_table(scene.source, Change("", "cargo.right.mass", 0.3, ""))
+    assert table["cargo"][1]["mass"] == 0.3
+    assert [entry.get("mass") for entry in table["cargo"]].count(0.3) == 1
+    assert repr(scene.source) == before
+
+
+def test_a_change_of_an_object_that_is_not_there_is_refused() -> None:
+    scene = read_scenario("pp-two-cups")
+    with pytest.raises(ScenarioError, match='no object on the tray is called "c9"'):
+        with_change(scene, Change("", "cargo.c9.mass", 0.3, ""))
+
+
+LEVERS: list[tuple[str, dict[str, Any], str, str, str]] = [
+    ("matrix-rigid", {}, "slip", "c2", "tray.friction"),
+    ("matrix-rigid", {"cargo.1.friction": 0.2}, "slip", "c2", "cargo.c2.friction"),
+    ("matrix-rigid", {"cargo.1.friction": 0.2}, "twist", "c1", "tray.friction"),
+    ("matrix-rigid", {}, "tip", "c3", "cargo.c3.centre_of_mass_height"),
+    ("matrix-liquid", {"cargo.0.footprint_reserve": 0.3}, "tip", "c1", "cargo.c1.footprint_reserve"),
+    ("matrix-liquid", {"cargo.1.max_slosh_height": "9 mm"}, "slosh height", "c2", "cargo.c2.max_slosh_height"),
+    ("matrix-liquid", {}, "residual height", "c1", "motion.residual_fraction"),
+    ("matrix-rigid", {"robot.limits": {"speed_scale": 0.5}}, "joint speed", "joint_2", "robot.limits.speed_scale"),
+    ("matrix-rigid", {"robot.limits": {"speed": 1.0}}, "joint speed", "joint_2", "robot.limits.speed"),
+    ("matrix-rigid", {}, "tilt", "theta_x", "motion.max_tilt"),
+    ("matrix-rigid", {}, "path jerk", "path", "motion.path_jerk_limit"),
+    ("matrix-rigid", {}, "tilt jerk", "theta_y", "motion.tilt_jerk_limit"),
+]
+
+
+@pytest.mark.parametrize(("name", "changes", "constraint", "subject", "place"), LEVERS)
+def test_the_scene_of_a_lever_is_that_of_its_change(
+    name: str, changes: dict[str, Any], constraint: str, subject: str, place: str, changed_scene: Changed
+) -> None:
+    """What is solved in the trial is what the user gets who writes the suggested value into the file."""
+    scene = changed_scene(name, changes)
+    lever = main_lever(scene, constraint, subject)
+    share = min(0.25, 0.5 * lever.most)
+    change = lever.change(share)
+    assert change.place == place
+    tried, written = lever.scene(share), with_change(scene, change)
+    assert numbers_text(tried) == numbers_text(written) != numbers_text(scene)
+    for limit in ("max_speed", "max_torque", "lower", "upper"):
+        ours, theirs = getattr(tried.robot, limit), getattr(written.robot, limit)
+        assert (ours is None) == (theirs is None)
+        assert ours is None or np.allclose(ours, theirs)
+
+
+def main_lever(scene: Scene, constraint: str, subject: str) -> Lever:
+    index = next(item.subjects(scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
+    return levers_of(scene, constraint, subject, {(constraint, index): 1.0})[0]
+
+
+def numbers_text(scene: Scene) -> str:
+    """The numbers the laws read, to nine digits."""
+    with np.printoptions(precision=9):
+        return repr(_rounded(numbers_of(scene)))
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_rounded(entry) for entry in value)
+    if hasattr(value, "__dataclass_fields__"):
+        return tuple(_rounded(getattr(value, name)) for name in value.__dataclass_fields__)
+    array = np.asarray(value, dtype=float)
+    return [float(f"{entry:.9g}") for entry in array.ravel()]
+
+
+def test_no_limit_is_raised_beyond_the_robots_own(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", {"robot.limits": {"speed_scale": 0.5}})
+    lever = main_lever(scene, "joint speed", "joint_1")
+    assert lever.most == pytest.approx(1.0)
+    assert levers_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []
+
+
+def test_no_slosh_height_is_suggested_above_the_rim() -> None:
+    scene = read_scenario("matrix-liquid")
+    lever = main_lever(scene, "slosh height", "c1")
+    assert lever.most == pytest.approx((99.1 - 49.0) / 15.0 - 1.0)
+    assert with_change(scene, lever.change(lever.most)).cargo[0].filling is not None
+
+
+def test_what_has_no_key_has_no_lever() -> None:
+    scene = read_scenario("matrix-liquid-tilt")
+    assert levers_of(scene, "lift", "c1", {}) == levers_of(scene, "apparent gravity", "c1", {}) == []
+
+
+def test_the_first_share_is_exact_where_the_duration_is_a_power_of_the_limit() -> None:
+    duration, elasticity = 2.0, 0.5
+    share = first_share(duration, 1.0, elasticity)
+    assert duration * (1.0 + share) ** -elasticity == pytest.approx(WITHIN)
+    assert first_share(2.0, 1.0, 0.0) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("changes", "constraint", "subject"),
+    [
+        ({"cargo.1.liquid_height": "105 mm"}, "fill", "c2"),
+        ({"cargo.1.max_slosh_height": "60 mm"}, "fill", "c2"),
+        ({"cargo.0.at": ["-150 mm", "0 mm"]}, "layout", "c1"),
+        ({"cargo.1.at": ["-80 mm", "-60 mm"]}, "layout", "c2"),
+        ({"tray.mass": "5.5 kg"}, "payload", "comau-smart-six"),
+        (
+            {"approach": {"from": [0.0, 3.0, -1.0, 0.0, 0.0, 0.0], "tray": "empty", "acceleration": 5.0}},
+            "joint position",
+            "joint_2",
+        ),
+    ],
+)
+def test_what_the_reader_refuses_can_be_read_with_the_change(
+    changes: dict[str, Any], constraint: str, subject: str, changed_scene: Changed
+) -> None:
+    with pytest.raises(NospillError) as raised:
+        changed_scene("matrix-liquid", changes)
+    reason = raised.value.reason
+    assert reason is not None and (reason.constraint, reason.subject) == (constraint, subject)
+    assert reason.excess is not None and reason.excess > 0.0
+    assert reason.changes and reason.changes[0].text in str(raised.value)
+    scene = read_scenario("matrix-liquid")
+    table: Any = dict(scene.source)
+    for place, value in changes.items():
+        table = changed_table(table, Change("", _by_name(place), value, ""))
+    for change in reason.changes:
+        assert scene_from_table(changed_table(table, change), name="changed").cargo
+
+
+def _by_name(place: str) -> str:
+    head, *rest = place.split(".")
+    return place if head != "cargo" else ".".join([head, f"c{int(rest[0]) + 1}", *rest[1:]])

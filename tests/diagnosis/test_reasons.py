@@ -1,0 +1,131 @@
+"""Why there is no motion: tasks made impossible in a known way, and changes that make them possible."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from nospill.cli import app
+from nospill.diagnosis import last_resort, motion, with_change
+from nospill.diagnosis.search import Trials
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planning.planner import plan
+from nospill.planning.run import PlanningRun
+from nospill.robots.joint_paths.search import joint_paths, preferred_path
+from nospill.scene.scene import Scene
+
+pytestmark = pytest.mark.slow
+
+Changed = Callable[..., Scene]
+
+FEW = {"planning.intervals": 40}
+
+
+def refusal(scene: Scene) -> NoSolutionError:
+    with pytest.raises(NoSolutionError) as raised:
+        plan(scene)
+    assert "\n" not in str(raised.value)
+    return raised.value
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "named", "key"),
+    [
+        ("matrix-rigid", {"tray.friction": 1e-4}, "slip of", "tray.friction"),
+        (
+            "matrix-rigid",
+            {"robot": {"model": "comau-smart-six", "limits": {"speed": "4 deg/s"}}},
+            "joint speed of joint_1",
+            "robot.limits.speed",
+        ),
+        ("matrix-rigid", {"motion.path_jerk_limit": 0.001}, "path jerk of path", "motion.path_jerk_limit"),
+        (
+            "matrix-liquid",
+            {"cargo.1.max_slosh_height": "0.01 mm"},
+            "slosh height of c2",
+            "cargo.c2.max_slosh_height",
+        ),
+    ],
+)
+def test_a_limit_that_asks_for_more_than_the_usual_time_is_named(
+    name: str, changes: dict[str, Any], named: str, key: str, changed_scene: Changed
+) -> None:
+    error = refusal(changed_scene(name, FEW | changes))
+    assert error.kind == "in motion" and named in str(error)
+    assert error.reason is not None and f"{error.reason.constraint} of {error.reason.subject}".startswith(named)
+    assert key in [change.place for change in error.changes]
+
+
+def test_a_suggested_friction_is_enough(changed_scene: Changed) -> None:
+    changes = FEW | {"tray.friction": 1e-4}
+    scene = changed_scene("matrix-rigid", changes)
+    change = next(change for change in refusal(scene).changes if change.place == "tray.friction")
+    assert plan(with_change(scene, change)).certificate.ok
+
+
+def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Changed) -> None:
+    changes = FEW | {"motion.max_duration": 1.2, "motion.path_jerk_limit": 500}
+    error = refusal(changed_scene("matrix-rigid", changes))
+    assert error.kind == "in motion"
+    longest = next(change for change in error.changes if change.place == "motion.max_duration")
+    assert "max_duration" in longest.text and longest.text in str(error)
+    assert isinstance(longest.value, float)
+    found = plan(changed_scene("matrix-rigid", changes | {"motion.max_duration": longest.value}))
+    assert found.certificate.ok and 1.2 < found.duration <= longest.value
+    # and no more than needed
+    assert longest.value < 1.08 * found.duration
+
+
+def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1, "planning.max_plan_time": 1e-3})
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    run = PlanningRun(scene, None, frozenset())
+    last = run.solve_near(run.start(way), iterations=12)
+    assert run.out_of_time
+    with pytest.raises(NoSolutionError) as raised:
+        last_resort(run, way, last)
+    assert raised.value.kind == "not converged" and raised.value.reason is not None
+    assert (raised.value.reason.constraint, raised.value.reason.subject) == ("planning", "max_plan_time")
+    told = r"within planning\.max_plan_time 0\.001 s; the last one tried breaks the limit on slip of \w+\."
+    assert re.search(told, str(raised.value))
+
+
+def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1})
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    run = PlanningRun(scene, None, frozenset())
+    last = run.solve_near(run.start(way), iterations=12)
+    told = str(motion._never(Trials(run, way), last))
+    assert re.search(
+        r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", told
+    )
+    assert "the last one tried" not in str(motion._never(Trials(run, way), None))
+
+
+def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Changed) -> None:
+    found = plan(changed_scene("matrix-rigid", FEW | {"planning.max_plan_time": 1e-3}))
+    assert found.report.starts.tried == 1 and found.report.rounds == 0
+    assert found.report.solver_status.endswith("; the time planning.max_plan_time was up")
+    usual = plan(changed_scene("matrix-rigid", FEW))
+    assert "max_plan_time" not in usual.report.solver_status and usual.certificate.ok
+    assert not found.certificate.ok and found.duration == pytest.approx(usual.duration, rel=0.1)
+
+
+def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
+    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on .*, by up to \d+"):
+        plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
+
+
+def test_the_command_line_names_the_file_and_says_what_would_help() -> None:
+    file = Path(__file__).parents[2] / "docs" / "examples" / "out-of-reach.toml"
+    result = CliRunner().invoke(app, ["plan", str(file)])
+    assert result.exit_code == 2 and result.stdout == ""
+    told = result.stderr.splitlines()[-1]
+    assert told.startswith(f"{file}: path: out of reach") and "Smallest single change found: base" in told

@@ -1,0 +1,272 @@
+"""Compiled functions: the same numbers as the virtual machine's, and never in the way when anything is wrong.
+
+What may bring a process down, or needs an environment of its own, runs in a process of its own.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from nospill.judge import certificate, replay
+from nospill.laws import codegen as compiled
+from nospill.laws.parameters import Shapes
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.planning.planner import plan
+from nospill.scene.scene import Scene
+from nospill.transcription import stage_functions
+
+pytestmark = pytest.mark.slow
+needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
+
+CACHES = (stage_functions._stage_functions, certificate._figures, replay._functions)
+"""What a process keeps of functions once made."""
+
+# A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
+USER = """
+import casadi as ca
+from nospill.laws import codegen as compiled
+from nospill.scenario import read_scenario
+from nospill.laws.scene_parameters import structure_of
+
+def build():
+    x = ca.SX.sym("x", 3)
+    return {"twice": ca.Function("twice", [x], [2 * x, ca.sin(x)])}, {"sizes": [3, 3]}
+
+functions, data, is_compiled = compiled.functions("test", structure_of(read_scenario("matrix-rigid")), build)
+print(is_compiled, data, float(functions["twice"](1.5)[0][0]))
+"""
+
+
+@pytest.fixture
+def forgotten() -> Iterator[None]:
+    """Nothing kept from before, nothing left behind."""
+    for kept in CACHES:
+        kept.cache_clear()
+    yield
+    for kept in CACHES:
+        kept.cache_clear()
+
+
+def run(folder: Path | str, **environment: str) -> str:
+    """What the user of the cache prints, in a process of its own."""
+    process = start(folder, **environment)
+    out, err = process.communicate(timeout=120)
+    assert (process.returncode, err) == (0, "")
+    return out.strip()
+
+
+def start(folder: Path | str, **environment: str) -> subprocess.Popen[str]:
+    settings = os.environ | {"NOSPILL_COMPILE": "wait", "NOSPILL_CACHE": str(folder)} | environment
+    return subprocess.Popen(
+        [sys.executable, "-c", USER], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=settings
+    )
+
+
+def served(is_compiled: bool) -> str:
+    return f"{is_compiled} {{'sizes': [3, 3]}} 3.0"
+
+
+def endings(folder: Path) -> list[str]:
+    return sorted(path.suffix for path in folder.iterdir())
+
+
+@pytest.fixture(scope="module")
+def small(changed_scene: Callable[..., Scene]) -> Scene:
+    """One solid on a level tray: little to compile."""
+    scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed", "planning.intervals": 40})
+    return dataclasses.replace(scene, cargo=scene.cargo[:1])
+
+
+@needs_compiler
+def test_machine_code_gives_the_same_values_and_the_same_plan(
+    small: Scene, forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    structure, numbers = structure_of(small), numbers_of(small)
+    slow = plan(small)
+    plain = stage_functions.stage_functions(structure, numbers)
+    figures = certificate._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    assert not plain.compiled
+    for kept in CACHES:
+        kept.cache_clear()
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    fast = stage_functions.stage_functions(structure, numbers)
+    assert fast.compiled
+    fast_figures = certificate._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    stage = ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures")
+    pairs = [(getattr(fast, name), getattr(plain, name)) for name in stage]
+    assert set(fast_figures) == set(figures)
+    pairs += [(fast_figures[name], figures[name]) for name in figures]
+    for ours, theirs in pairs:
+        assert ours.name() == theirs.name()
+        _same(ours, theirs)
+    again = plan(small)
+    assert (again.status, slow.status) == ("certified", "certified")
+    assert again.duration == pytest.approx(slow.duration, rel=1e-6)
+    assert again.report.iterations == slow.report.iterations
+    assert set(endings(tmp_path)) == {".json", ".so", ".sum"}
+
+
+def _same(ours: ca.Function, theirs: ca.Function) -> None:
+    random = np.random.default_rng(3)
+    for _ in range(5):
+        inputs = [random.uniform(0.2, 1.2, theirs.size_in(index)) for index in range(theirs.n_in())]
+        for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
+            wanted = other.full()
+            finite = np.abs(wanted[np.isfinite(wanted)])
+            np.testing.assert_allclose(one.full(), wanted, rtol=1e-12, atol=1e-12 * max(1.0, finite.max(initial=0.0)))
+
+
+@needs_compiler
+def test_the_second_process_finds_what_the_first_has_left(tmp_path: Path) -> None:
+    assert run(tmp_path) == served(True)
+    assert endings(tmp_path) == [".json", ".so", ".sum"]
+    times = [path.stat().st_mtime_ns for path in sorted(tmp_path.iterdir())]
+    # Without a compiler too: what is there is used.
+    assert run(tmp_path, CC="/nonexistent/cc") == served(True)
+    assert [path.stat().st_mtime_ns for path in sorted(tmp_path.iterdir())] == times
+
+
+@needs_compiler
+@pytest.mark.parametrize("damage", [b"", b"not a library", "half"], ids=["empty", "text", "half"])
+def test_a_damaged_library_is_built_anew(tmp_path: Path, damage: bytes | str) -> None:
+    assert run(tmp_path) == served(True)
+    library = next(tmp_path.glob("*.so"))
+    whole = library.read_bytes()
+    library.unlink()
+    library.write_bytes(whole[: len(whole) // 2] if isinstance(damage, str) else damage)
+    assert run(tmp_path) == served(True)
+    assert library.read_bytes() == whole
+    assert endings(tmp_path) == [".json", ".so", ".sum"]
+
+
+@needs_compiler
+@pytest.mark.parametrize("damage", ["", "{", "[]", "{}", "null", '{"functions": 3, "data": 1}', "\x00\x01"])
+def test_a_damaged_table_is_written_anew(tmp_path: Path, damage: str) -> None:
+    assert run(tmp_path) == served(True)
+    table = next(tmp_path.glob("*.json"))
+    whole = table.read_text()
+    table.write_text(damage)
+    assert run(tmp_path) == served(True)
+    assert table.read_text() == whole
+    assert json.loads(whole)["data"] == {"sizes": [3, 3]}
+
+
+@needs_compiler
+def test_the_table_of_another_entry_is_not_taken(tmp_path: Path) -> None:
+    assert run(tmp_path) == served(True)
+    table = next(tmp_path.glob("*.json"))
+    own = table.read_text()
+    table.write_text(own.replace(table.stem, "test-" + 32 * "0").replace("[3, 3]", "[4, 4]"))
+    assert run(tmp_path) == served(True)
+    assert table.read_text() == own
+
+
+@needs_compiler
+def test_a_missing_table_or_library_is_made_anew(tmp_path: Path) -> None:
+    for ending in ("json", "so", "sum"):
+        assert run(tmp_path) == served(True)
+        next(tmp_path.glob(f"*.{ending}")).unlink()
+        assert run(tmp_path) == served(True)
+        assert endings(tmp_path) == [".json", ".so", ".sum"]
+
+
+def test_switched_off_it_neither_writes_nor_reads(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    assert run(cache, NOSPILL_COMPILE="off") == served(False)
+    assert not cache.exists()
+
+
+@needs_compiler
+def test_switched_off_what_is_there_is_not_used(tmp_path: Path) -> None:
+    assert run(tmp_path) == served(True)
+    assert run(tmp_path, NOSPILL_COMPILE="off") == served(False)
+
+
+def test_without_a_compiler_the_virtual_machine_serves(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    for mode in ("wait", "background"):
+        assert run(cache, NOSPILL_COMPILE=mode, CC="/nonexistent/cc") == served(False)
+    assert not cache.exists()
+
+
+def test_a_compiler_that_fails_leaves_nothing_but_the_table(tmp_path: Path) -> None:
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\nexit 1\n")
+    broken.chmod(0o755)
+    cache = tmp_path / "cache"
+    assert run(cache, CC=str(broken)) == served(False)
+    assert endings(cache) == [".json"]
+    # It may be tried again at once.
+    assert run(cache, CC=str(broken)) == served(False)
+
+
+@needs_compiler
+def test_two_processes_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
+    pair = [start(tmp_path), start(tmp_path)]
+    for process in pair:
+        out, err = process.communicate(timeout=120)
+        assert (process.returncode, err) == (0, "")
+        assert out.strip() in (served(True), served(False))
+    assert run(tmp_path) == served(True)
+    assert endings(tmp_path) == [".json", ".so", ".sum"]
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("in the way")
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    assert run(file) == served(False)
+    assert run(file / "cache") == served(False)
+    # The superuser writes there all the same.
+    assert run(closed) == served(os.access(closed, os.W_OK) and shutil.which(os.environ.get("CC", "cc")) is not None)
+
+
+@needs_compiler
+def test_a_full_cache_that_cannot_be_written_is_read(tmp_path: Path) -> None:
+    assert run(tmp_path) == served(True)
+    tmp_path.chmod(0o500)
+    try:
+        assert run(tmp_path) == served(True)
+    finally:
+        tmp_path.chmod(0o700)
+
+
+@needs_compiler
+def test_odd_places_are_no_obstacle(tmp_path: Path) -> None:
+    odd = tmp_path / "a b'c$(d) ä"
+    assert run(odd) == served(True)
+    assert run(odd) == served(True)
+
+
+def test_the_folder_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "own"))
+    assert compiled.cache_folder() == tmp_path / "own"
+    monkeypatch.delenv("NOSPILL_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert compiled.cache_folder() == tmp_path / "nospill"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert compiled.cache_folder() == Path.home() / ".cache" / "nospill"
+
+
+def test_other_structures_and_kinds_have_other_entries(
+    small: Scene, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    structure = structure_of(small)
+    others = [dataclasses.replace(structure, tilt_free=True), dataclasses.replace(structure, fidelity="full")]
+    places = [compiled._places(kind, item) for kind in ("stage", "replay") for item in (structure, *others)]
+    assert len({library for library, _ in places}) == len({table for _, table in places}) == 6
+    assert compiled._places("stage", structure) == places[0]

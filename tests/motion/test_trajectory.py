@@ -1,0 +1,233 @@
+"""The exported trajectory: file and back to the bit, damaged files in one line, end time, values in between."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from nospill.errors import PlanFolderError
+from nospill.motion.trajectory import SloshTrack, Trajectory, read_trajectory, trajectory_text
+
+SINGLE = ("t", "s", "s_rate", "s_acceleration")
+WIDE = {
+    "tilt": 2,
+    "tilt_rate": 2,
+    "tilt_acceleration": 2,
+    "joint_position": 3,
+    "joint_speed": 3,
+    "joint_acceleration": 3,
+    "tray_position": 3,
+    "tray_quaternion": 4,
+}
+
+
+def trajectory_of(values: np.ndarray) -> Trajectory:
+    """A record filled column by column from a table of 34 columns."""
+    columns = iter(values.T)
+
+    def block(count: int) -> np.ndarray:
+        return np.column_stack([next(columns) for _ in range(count)])
+
+    return Trajectory(
+        **{name: next(columns) for name in SINGLE},
+        joints=("shoulder", "elbow_rad", "theta"),
+        **{name: block(count) for name, count in WIDE.items()},
+        slosh={
+            "cup": SloshTrack(block(2), block(2), next(columns)),
+            "cup_slosh": SloshTrack(block(1), block(1), next(columns)),
+        },
+    )
+
+
+def random_trajectory(rows: int = 20) -> Trajectory:
+    return trajectory_of(np.random.default_rng(1).normal(size=(rows, 34)))
+
+
+def same(first: Trajectory, second: Trajectory) -> bool:
+    if first.joints != second.joints or list(first.slosh) != list(second.slosh):
+        return False
+    pairs = [(getattr(first, name), getattr(second, name)) for name in (*SINGLE, *WIDE)]
+    for name, track in first.slosh.items():
+        other = second.slosh[name]
+        pairs += [(getattr(track, field.name), getattr(other, field.name)) for field in fields(track)]
+    return all(np.array_equal(a, b) and a.shape == b.shape for a, b in pairs)
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    values=hnp.arrays(
+        float, st.tuples(st.integers(10, 14), st.just(34)), elements=st.floats(allow_nan=False, allow_infinity=False)
+    )
+)
+def test_file_and_back_is_exact(tmp_path_factory, values):
+    path = tmp_path_factory.mktemp("trajectory") / "trajectory.csv"
+    trajectory = trajectory_of(values)
+    path.write_text(trajectory_text(trajectory))
+    assert same(read_trajectory(path), trajectory)
+
+
+def test_planned_trajectory_and_back(smooth_motion, tmp_path):
+    trajectory = smooth_motion("mixed-tray", tilt=(0.1, 0.1)).trajectory
+    (tmp_path / "trajectory.csv").write_text(trajectory_text(trajectory))
+    assert same(read_trajectory(tmp_path / "trajectory.csv"), trajectory)
+
+
+def test_solids_have_no_slosh_columns(smooth_motion, tmp_path):
+    trajectory = smooth_motion("matrix-rigid").trajectory
+    text = trajectory_text(trajectory)
+    assert "slosh" not in text and "height" not in text
+    (tmp_path / "trajectory.csv").write_text(text)
+    assert same(read_trajectory(tmp_path / "trajectory.csv"), trajectory)
+
+
+def test_header_names_units():
+    header = trajectory_text(random_trajectory()).splitlines()[0].split(",")
+    assert header[:4] == ["t_s", "s", "s_rate_1_s", "s_acceleration_1_s2"]
+    assert header[4:10] == [
+        "theta_x_rad",
+        "theta_y_rad",
+        "theta_x_rate_rad_s",
+        "theta_y_rate_rad_s",
+        "theta_x_acceleration_rad_s2",
+        "theta_y_acceleration_rad_s2",
+    ]
+    assert header[10:13] == ["shoulder_rad", "elbow_rad_rad", "theta_rad"]
+    assert header[-3:] == ["cup_slosh_slosh_1_m", "cup_slosh_slosh_rate_1_m_s", "cup_slosh_height_m"]
+    assert len(set(header)) == len(header)
+
+
+def damaged(tmp_path: Path, change) -> Path:
+    path = tmp_path / "trajectory.csv"
+    lines = trajectory_text(random_trajectory()).splitlines()
+    result = change(lines)
+    path.write_text("\n".join(lines if result is None else result) + "\n")
+    return path
+
+
+def set_line(index: int, text: str):
+    def change(lines: list[str]) -> None:
+        lines[index] = text
+
+    return change
+
+
+def set_cell(row: int, column: int, text: str):
+    def change(lines: list[str]) -> None:
+        cells = lines[row].split(",")
+        cells[column] = text
+        lines[row] = ",".join(cells)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda lines: [], "not a trajectory of nospill: column t_s is missing"),
+        (set_line(0, "a,b,c"), "column t_s is missing"),
+        (set_cell(0, 1, "progress"), "column s is missing"),
+        (set_cell(0, 4, "theta_z_rad"), "column theta_x_rad is missing"),
+        (lambda lines: [",".join(reversed(lines[0].split(","))), *lines[1:]], "not a trajectory of nospill"),
+        (lambda lines: [lines[0] + ",extra", *lines[1:]], "not in the order"),
+        (lambda lines: lines[:6], r"5 rows below the header, at least 10 are needed"),
+        (lambda lines: lines[:1], r"0 rows below the header"),
+        (set_cell(7, 5, "many"), "line 8, column theta_y_rad: 'many' is not a number"),
+        (set_cell(7, 0, ""), "line 8, column t_s: '' is not a number"),
+        (set_line(7, "1,2,3"), "line 8 has 3 values, the header 34"),
+        (set_line(7, ""), "line 8 has 1 values, the header 34"),
+        (set_cell(7, 5, "nan"), "line 8, column theta_y_rad: nan is not a finite number"),
+        (set_cell(20, 0, "-inf"), "line 21, column t_s: -inf is not a finite number"),
+        (lambda lines: [line + ",1" if index else line for index, line in enumerate(lines)], "line 2 has 35 values"),
+    ],
+)
+def test_damaged_files_are_refused_in_one_line(tmp_path, change, words):
+    path = damaged(tmp_path, change)
+    with pytest.raises(PlanFolderError, match=words) as caught:
+        read_trajectory(path)
+    message = str(caught.value)
+    assert message.startswith(str(path)) and "\n" not in message
+
+
+def test_unreadable_files(tmp_path):
+    with pytest.raises(PlanFolderError, match="cannot be read"):
+        read_trajectory(tmp_path / "missing.csv")
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x80")
+    with pytest.raises(PlanFolderError, match="cannot be read"):
+        read_trajectory(tmp_path / "binary.csv")
+    with pytest.raises(PlanFolderError, match="cannot be read"):
+        read_trajectory(tmp_path)
+
+
+def ending(end: float, jerk: float, rate: float = 500.0, hold: int = 0) -> Trajectory:
+    """s with constant jerk up to its end at 1, sampled until the first sample at or after it and `hold` more."""
+    t = np.arange(np.ceil(end * rate - 1e-9) + 1 + hold) / rate
+    left = np.clip(end - t, 0.0, None)
+    trajectory = trajectory_of(np.zeros((len(t), 34)))
+    return replace(trajectory, t=t, s=1 - jerk * left**3 / 6, s_rate=jerk * left**2 / 2, s_acceleration=-jerk * left)
+
+
+@settings(deadline=None)
+@given(end=st.floats(0.1, 0.2), jerk=st.floats(30.0, 1000.0), hold=st.integers(0, 5))
+def test_end_time_between_samples(end, jerk, hold):
+    """1 - s = J tau^3/6 and s' = J tau^2/2 give tau = 3 (1 - s)/s'."""
+    trajectory = ending(end, jerk, hold=hold)
+    assert trajectory.end_time == pytest.approx(end, abs=2e-6)
+
+
+def test_end_time_of_planned_motions(smooth_motion):
+    motion = smooth_motion("matrix-liquid")
+    assert motion.trajectory.end_time == pytest.approx(motion.stages.duration, abs=1e-3)
+
+
+def test_end_time_stays_inside_the_record():
+    trajectory = ending(0.1, 500.0)
+    assert replace(trajectory, s_rate=0 * trajectory.s_rate).end_time == trajectory.t[-1]
+    assert replace(trajectory, s_rate=1e-9 + 0 * trajectory.s_rate).end_time == trajectory.t[-1]
+    assert replace(trajectory, s=1.0 + 0 * trajectory.s).end_time == trajectory.t[-1]
+    assert replace(trajectory, s=0.5 * trajectory.s).end_time == trajectory.t[-1]
+
+
+def test_values_in_between(smooth_motion):
+    trajectory = smooth_motion("mixed-tray", tilt=(0.1, 0.1)).trajectory
+    for index in (0, 1, 700, len(trajectory.t) - 1):
+        sample = trajectory.at(float(trajectory.t[index]))
+        for name in ("s", "joint_position", "joint_speed", "joint_acceleration", "tray_position", "tilt"):
+            np.testing.assert_allclose(getattr(sample, name), getattr(trajectory, name)[index], atol=1e-12)
+        np.testing.assert_allclose(sample.tray_quaternion, trajectory.tray_quaternion[index], atol=1e-12)
+        heights = {name: track.height[index] for name, track in trajectory.slosh.items()}
+        assert sample.slosh_height == pytest.approx(heights, abs=1e-15)
+    # Every other sample left out: the cubic and the lines find it again.
+    coarse = replace(
+        trajectory,
+        **{name: getattr(trajectory, name)[::2] for name in (*SINGLE, *WIDE)},
+        slosh={
+            name: SloshTrack(track.displacement[::2], track.velocity[::2], track.height[::2])
+            for name, track in trajectory.slosh.items()
+        },
+    )
+    sample = coarse.at(float(trajectory.t[701]))
+    np.testing.assert_allclose(sample.joint_position, trajectory.joint_position[701], atol=1e-7)
+    np.testing.assert_allclose(sample.tray_position, trajectory.tray_position[701], atol=2e-5)
+    assert np.linalg.norm(sample.tray_quaternion) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("t", [-1e-9, 100.0, float("nan")])
+def test_nothing_is_known_outside(smooth_motion, t):
+    with pytest.raises(ValueError, match="outside the trajectory"):
+        smooth_motion("matrix-rigid").trajectory.at(t)
+
+
+def test_neighbouring_quaternions_of_opposite_sign_are_the_same_turn():
+    """q and -q are one attitude: halfway between them is not nothing."""
+    trajectory = random_trajectory()
+    quaternions = np.tile((0.0, 0.0, np.sin(0.3), np.cos(0.3)), (20, 1))
+    quaternions[1::2] *= -1
+    trajectory = replace(trajectory, t=np.arange(20.0), tray_quaternion=quaternions)
+    middle = trajectory.at(4.5).tray_quaternion
+    assert abs(middle @ quaternions[0]) == pytest.approx(1.0)

@@ -1,0 +1,303 @@
+"""Whole plans: published figures, agreement of solvers, grids and starts, what cannot be done, planning again."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nospill.errors import NoSolutionError
+from nospill.judge.certificate import certify
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.scene_parameters import structure_of
+from nospill.planning.planner import Planner, PlanningProgress, plan
+from nospill.planning.reserves import first_reserve
+from nospill.plans.plan import Plan, load_plan
+from nospill.robots.joint_paths.search import joint_paths
+from nospill.scenario.examples import EXAMPLES
+from nospill.scene.scene import Scene
+from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.layout import layout_of
+from nospill.transcription.problem import build_problem
+from nospill.transcription.solvers import SolveOptions, solve
+from nospill.transcription.stages import Stages
+
+pytestmark = pytest.mark.slow
+
+Changed = Callable[..., Scene]
+Example = Callable[[str], Plan]
+
+# --- the examples ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_every_example_is_certified(name: str, example_plan: Example) -> None:
+    found = example_plan(name)
+    assert found.status == "certified" and found.certificate.ok
+    assert all(row.ok and row.worst_margin >= 0.0 for row in found.certificate.rows)
+    # Judged again from the record alone.
+    assert certify(found.trajectory, found.scene) == found.certificate
+    # The fastest motion meets a limit of the scene, and meets it closely.
+    names = {constraint.name for constraint in CONSTRAINTS}
+    assert 0.99 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
+    report = found.report
+    assert report.starts.tried >= report.starts.converged == len(report.starts.durations) >= report.starts.agreed >= 1
+    assert 0 < report.solve_time < report.plan_time and report.iterations > 0
+    assert sum(report.phases.values()) <= report.plan_time
+    assert {"build", "solve", "certify"} <= set(report.phases)
+
+
+@pytest.mark.parametrize(
+    ("name", "duration", "acceleration"),
+    [
+        ("matrix-liquid", pytest.approx(1.843, rel=0.007), pytest.approx(5.36, rel=0.03)),
+        ("matrix-rigid", pytest.approx(1.40, rel=0.01), pytest.approx(6.03, rel=0.02)),
+    ],
+)
+def test_published_figures(name: str, duration: float, acceleration: float, example_plan: Example) -> None:
+    assert example_plan(name).duration == duration
+    assert example_plan(name).maxima.tray_acceleration == acceleration
+
+
+def test_the_rigid_experiment_tilts_and_saturates_the_first_joint(example_plan: Example) -> None:
+    found = example_plan("matrix-rigid")
+    assert np.degrees(found.maxima.tilt) == pytest.approx(19.9, abs=0.5)
+    speed = np.max(np.abs(found.trajectory.joint_speed), axis=0) / found.scene.robot.max_speed
+    assert np.argmax(speed) == 0 and 0.99 <= speed[0] <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "longest"),
+    [("matrix-liquid-soft-end", 1.73), ("matrix-liquid-still", 2.05), ("matrix-liquid-tilt", 1.57)],
+)
+def test_durations_that_were_promised(name: str, longest: float, example_plan: Example) -> None:
+    assert example_plan(name).duration <= longest
+
+
+@pytest.mark.parametrize(("fidelity", "longest"), [("full", 1.57), ("deliverable", 1.50)])
+def test_tilting_saves_an_eighth(fidelity: str, longest: float, example_plan: Example, changed_scene: Changed) -> None:
+    def planned(tilt: str) -> Plan:
+        if (fidelity, tilt) == ("full", "free"):
+            return example_plan("matrix-liquid-tilt")
+        return plan(changed_scene("matrix-liquid-tilt", {"fidelity": fidelity, "motion.tilt": tilt}))
+
+    tilting, level = planned("free"), planned("fixed")
+    assert tilting.certificate.ok and level.certificate.ok
+    assert level.maxima.tilt < 1e-6 < 0.2 < tilting.maxima.tilt
+    assert tilting.duration <= longest
+    assert tilting.duration <= 0.88 * level.duration
+
+
+def test_a_harder_end_takes_longer(example_plan: Example) -> None:
+    names = ("matrix-liquid-soft-end", "matrix-liquid", "matrix-liquid-still")
+    soft, published, still = (example_plan(name).duration for name in names)
+    assert soft < published < still
+
+
+# --- the same answer another way ------------------------------------------------------------------------------------
+
+
+def test_both_solvers_find_the_same_motion(changed_scene: Changed) -> None:
+    few = {"planning.intervals": 40, "planning.starts": 1}
+    one = plan(changed_scene("matrix-rigid", few))
+    other = plan(changed_scene("matrix-rigid", few | {"planning.solver": "fatrop"}))
+    assert one.certificate.ok and other.certificate.ok
+    assert other.duration == pytest.approx(one.duration, rel=2e-3)
+    assert other.report.solver_status.startswith("fatrop ") and one.report.solver_status.startswith("ipopt ")
+
+
+@pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid"])
+def test_a_finer_grid_changes_little(name: str, example_plan: Example, changed_scene: Changed) -> None:
+    coarse = example_plan(name)
+    assert coarse.scene.planning.intervals == 100
+    fine = plan(changed_scene(name, {"planning.intervals": 200}))
+    assert fine.certificate.ok
+    assert fine.duration == pytest.approx(coarse.duration, rel=5e-3)
+
+
+def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Example) -> None:
+    """On the coarse grid, where the starts compete: 25 intervals, all rows, the reserves every plan begins with."""
+    found = example_plan("matrix-liquid-still")
+    scene, intervals = found.scene, 25
+    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    path = joint_paths(scene.robot, scene.path, **tool)[0]
+    layout = layout_of(structure_of(scene))
+    reserves = {
+        (item.name, i): first_reserve(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))
+    }
+    random = np.random.default_rng(7)
+    durations = []
+    for index in range(12):
+        start = Start(stretch=float(random.uniform(0.4, 1.6)), skew=float(random.uniform(-0.6, 0.6)))
+        motion = smooth_start(scene, path, intervals, start)
+        if index % 2:
+            table = motion.table.copy()
+            swing = random.normal(scale=0.005, size=table[1:-1, layout.displacement].shape)
+            table[1:-1, layout.displacement] = swing
+            motion = Stages(motion.interval, table)
+        problem = build_problem(scene, intervals, nominal_duration=motion.duration, reserves=reserves)
+        solution = solve(problem, motion, solver="ipopt", options=SolveOptions(max_iterations=150, max_time=30.0))
+        if solution.converged and solution.violation < 1e-5:
+            durations.append(solution.stages.duration)
+    assert len(durations) >= 6
+    # Poor minima are there, 13 % longer: the best is not what any start finds.
+    assert max(durations) > 1.1 * min(durations)
+    assert min(found.report.starts.durations) <= 1.01 * min(durations)
+
+
+# --- what cannot be done --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"cargo.0.max_slosh_height": "0.001 mm"}, r"slosh height of c1 is .* against a limit of 0\.001 mm"),
+        ({"tray.friction": 0.0001}, r"slip of c1 uses .* times its limit"),
+        ({"motion.path_jerk_limit": 0.001}, r"path jerk of path is"),
+        (
+            {"motion.max_duration": "1.0 s"},
+            r"none within max_duration 1 s.*Smallest single change found: max_duration 1\.\d+ s instead",
+        ),
+    ],
+)
+def test_an_impossible_limit_is_named(changes: dict[str, object], told: str, changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-liquid", changes)
+    with pytest.raises(NoSolutionError, match=rf"^No motion found: {told}") as raised:
+        plan(dataclasses.replace(scene, cargo=scene.cargo[:1]))
+    assert "\n" not in str(raised.value) and raised.value.exit_code == 3
+
+
+# --- stopping and looking on ----------------------------------------------------------------------------------------
+
+
+class Stopper:
+    """A progress callback that raises at the first report of a phase, or at an iteration of the solver."""
+
+    def __init__(self, error: BaseException, phase: str, iteration: int | None = None) -> None:
+        self.error, self.phase, self.iteration, self.raised = error, phase, iteration, 0
+
+    def __call__(self, progress: PlanningProgress) -> None:
+        if progress.phase == self.phase and progress.iteration == self.iteration:
+            self.raised += 1
+            raise self.error
+
+
+@pytest.mark.parametrize(
+    ("phase", "iteration"),
+    [
+        ("kinematics", None),
+        ("build", None),
+        ("solve", None),
+        ("solve", 5),
+        ("certify", None),
+    ],
+)
+def test_an_interrupt_ends_planning_at_once_and_leaves_nothing(
+    phase: str, iteration: int | None, changed_scene: Changed
+) -> None:
+    scene = changed_scene("matrix-rigid", {"planning.intervals": 40})
+    stop = Stopper(KeyboardInterrupt(), phase, iteration)
+    with pytest.raises(KeyboardInterrupt) as raised:
+        plan(scene, progress=stop)
+    assert raised.value is stop.error and stop.raised == 1
+    # Nothing is left of it: the next plan is as if nothing had been.
+    assert plan(scene).duration == pytest.approx(plan(scene, progress=lambda _: None).duration, rel=1e-9)
+
+
+def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed) -> None:
+    scene = changed_scene("matrix-rigid", {"planning.intervals": 40})
+    ended: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            plan(scene, progress=Stopper(KeyboardInterrupt(), "solve", 3))
+        except BaseException as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join(timeout=60)
+    assert [type(error) for error in ended] == [KeyboardInterrupt]
+
+
+def test_progress_tells_the_story_in_order(changed_scene: Changed) -> None:
+    seen: list[PlanningProgress] = []
+    found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}), progress=seen.append)
+    phases = [phase for phase, _ in itertools.groupby(item.phase for item in seen if item.iteration is None)]
+    assert phases[:3] == ["kinematics", "build", "solve"] and phases[-2:] == ["export", "certify"]
+    iterations = [item for item in seen if item.iteration is not None]
+    solves = sum(item.iteration == 0 for item in iterations)
+    assert len(iterations) == found.report.iterations + solves
+    assert all(item.duration_s is not None and item.violation is not None for item in iterations)
+
+
+# --- planning again -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid"])
+@pytest.mark.parametrize(
+    "changes",
+    [{"tray.friction": 0.42}, {"cargo.0.at": ["-80 mm", "-60 mm"]}],
+    ids=["friction", "placement"],
+)
+def test_a_changed_scene_planned_warm_is_what_it_is_planned_cold(
+    name: str, changes: dict[str, object], example_plan: Example, changed_scene: Changed
+) -> None:
+    planner = Planner(example_plan(name))
+    scene = changed_scene(name, changes)
+    warm, cold = planner.plan(scene), plan(scene)
+    assert warm.certificate.ok and cold.certificate.ok
+    assert warm.duration == pytest.approx(cold.duration, rel=3e-3)
+    assert (warm.report.starts.tried, warm.report.starts.converged) == (1, 1)
+    assert "kinematics" not in warm.report.phases
+    assert warm.report.iterations < cold.report.iterations
+    assert planner.last is warm
+
+
+def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
+    first = example_plan("matrix-liquid")
+    first.save(tmp_path / "plan")
+    planner = Planner(load_plan(tmp_path / "plan"))
+    again = planner.plan(first.scene)
+    assert again.certificate.ok
+    # what is kept back for fear of another round costs a little
+    assert 0.0 <= again.duration / first.duration - 1.0 < 1e-3
+    assert again.report.starts.tried == 1 and again.report.iterations < first.report.iterations / 2
+
+
+@pytest.mark.parametrize(
+    "changes", [{"tray.friction": 0.35}, {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}]
+)
+def test_warm_where_limits_become_much_tighter(
+    example_plan: Example, changed_scene: Changed, changes: dict[str, object]
+) -> None:
+    """The old motion, which breaks the new limits by a tenth and more, is still a good start once it is slowed down."""
+    first, scene = example_plan("matrix-liquid"), changed_scene("matrix-liquid", changes)
+    planner = Planner(first)
+    planner.plan(first.scene)
+    again, anew = planner.plan(scene), plan(scene)
+    assert again.certificate.ok and again.report.starts.tried == 1
+    assert "kinematics" not in again.report.phases and again.report.iterations < anew.report.iterations
+    # the published weights leave several minima whose objective differs by a thousandth
+    assert first.duration < again.duration < 1.05 * anew.duration
+
+
+def test_a_plan_of_another_structure_is_not_used(example_plan: Example) -> None:
+    rigid, liquid = example_plan("matrix-rigid"), example_plan("matrix-liquid")
+    planner = Planner(rigid)
+    found = planner.plan(liquid.scene)
+    assert found.duration == liquid.duration
+    assert found.report.starts.durations == liquid.report.starts.durations and "kinematics" in found.report.phases
+
+
+def test_a_warm_start_that_leads_nowhere_is_given_up(example_plan: Example, changed_scene: Changed) -> None:
+    """From the solids' motion along another path."""
+    scene = changed_scene("matrix-rigid", {"path.offset": [0.0, 0.0, -0.1]})
+    other = plan(scene, warm=example_plan("matrix-rigid"))
+    assert other.certificate.ok
+    assert other.duration == pytest.approx(plan(scene).duration, rel=3e-3)

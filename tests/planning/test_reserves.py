@@ -1,0 +1,62 @@
+"""What a plan has to leave of its limits, and what is kept back where it does not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.judge.verdict import Row
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.planning.reserves import FIRST_RESERVES, falls_short, first_reserve, further_reserve, range_reserves
+from nospill.robots.joint_paths.search import joint_paths
+from nospill.scenario import read_scenario
+
+
+def row(constraint: str, limit: float, margin: float, unit: str = "1") -> Row:
+    return Row(constraint, "c1", unit, limit, limit - margin, margin, 0.5, margin >= 0.0)
+
+
+def test_reserves_are_of_constraints_that_exist() -> None:
+    assert set(FIRST_RESERVES) <= {constraint.name for constraint in CONSTRAINTS}
+    assert first_reserve("slip") > first_reserve("joint speed") > 0.0
+
+
+@pytest.mark.parametrize(
+    ("case", "short"),
+    [
+        (row("slip", 1.0, 1.4e-3), True),
+        (row("slip", 1.0, 1.6e-3), False),
+        (row("residual height", 1e-3, 3e-7, "m"), True),  # 0.2e-6 of integration and a share of the limit
+        (row("residual height", 1e-3, 5e-7, "m"), False),
+        (row("joint speed", 3.0, 1e-9), False),  # nothing between the instants
+        (row("joint speed", 3.0, -1e-9), True),
+        (row("lift", 0.0, 1e-9), False),
+    ],
+)
+def test_a_finer_grid_finds_nothing_broken(case: Row, short: bool) -> None:
+    assert falls_short(case) is short
+
+
+def test_what_is_kept_back_makes_up_for_what_is_missing() -> None:
+    for margin in (1e-3, 0.0, -0.01):
+        missing = 1.5e-3 - margin
+        assert missing < further_reserve(row("slip", 1.0, margin)) < 1.5 * missing + 1e-3
+    assert further_reserve(row("slip", 1.0, -5.0)) == 0.1
+
+
+def test_no_more_of_a_range_is_kept_back_than_the_path_leaves() -> None:
+    scene = read_scenario("matrix-rigid")
+    [path, *_] = joint_paths(
+        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+    )
+    middle = int(np.argmax(path.q[1:-1, 2])) + 1  # the third joint comes farthest on the way
+    assert path.q[middle, 2] > path.q[[0, -1], 2].max()
+    upper = scene.robot.upper.copy()
+    upper[2] = path.q[middle, 2] + 1e-5
+    tight = replace(scene, robot=replace(scene.robot, upper=upper))
+    level = replace(tight, motion=replace(tight.motion, tilt_free=False))
+    key = ("joint position", 2)
+    assert range_reserves(level, path)[key] == pytest.approx(1e-5 / (upper[2] - scene.robot.lower[2]))
+    assert range_reserves(tight, path)[key] > 100 * range_reserves(level, path)[key]

@@ -1,0 +1,184 @@
+"""Files of real plans, read back and judged as their receivers play them; and every way to spoil one is noticed."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.errors import NospillError, PlanFolderError, ScenarioError
+from nospill.export import EXPORTERS
+from nospill.export.base import Exporter
+from nospill.judge.certificate import certify
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples, planned_motion, resampled
+from nospill.plans.handover import certified, exporter_named, hand_over, judge_file, rate_that_would_do
+from nospill.plans.plan import Plan
+from nospill.robots.description.catalog import load_robot
+
+FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
+RATES = (100.0, 125.0, 250.0, 500.0, 1000.0)
+
+
+def file_of(exporter: Exporter, folder: Path) -> Path:
+    return folder / f"motion{exporter.suffixes[0]}"
+
+
+def rewritten(plan: Plan, name: str, folder: Path, **changes: Any) -> tuple[Exporter, Path]:
+    """A file that holds other samples than the plan's."""
+    exporter = EXPORTERS[name]
+    path = file_of(exporter, folder)
+    exporter.write(replace(resampled(plan.trajectory, 500.0), **changes), plan.scene, path)
+    return exporter, path
+
+
+@FORMATS
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("example", ["matrix-liquid-soft-end", "mixed-tray"])
+def test_every_format_at_every_rate_it_takes_is_certified(gentle_plan, tmp_path, name, rate, example):
+    plan, exporter = gentle_plan(example, 1), EXPORTERS[name]
+    if exporter.reason_against(plan.scene, rate):
+        with pytest.raises(ScenarioError, match=f"^{name}: rate is {rate:g} Hz"):
+            hand_over(plan, exporter, file_of(exporter, tmp_path), rate=rate)
+        assert not list(tmp_path.iterdir())
+        return
+    done = hand_over(plan, exporter, file_of(exporter, tmp_path), rate=rate)
+    assert done.certificate.ok, [row for row in done.certificate.rows if not row.ok]
+    assert done.rate == pytest.approx(rate, rel=1e-6)
+    assert done.samples == np.ceil(plan.trajectory.t[-1] * rate - 1e-6) + 1
+    assert done.joint_deviation < 1e-4 / rate
+    assert {row.constraint for row in done.certificate.rows} == {row.constraint for row in plan.certificate.rows}
+    assert done.certificate.grid_hz >= 2000.0 * (1 - 1e-9)
+
+
+@pytest.mark.slow
+@FORMATS
+@pytest.mark.parametrize("example", ["matrix-rigid", "matrix-liquid-tilt"])
+def test_optimal_plans_are_certified_in_every_format_at_their_own_rate(example_plan, tmp_path, name, example):
+    plan, exporter = example_plan(example), EXPORTERS[name]
+    done = hand_over(plan, exporter, file_of(exporter, tmp_path))
+    assert done.rate == pytest.approx(plan.scene.output_rate)
+    assert done.certificate.ok, [row for row in done.certificate.rows if not row.ok]
+
+
+@pytest.mark.slow
+def test_an_optimal_plan_at_a_coarse_rate_is_not_certified_and_a_rate_that_would_do_is_found(example_plan, tmp_path):
+    plan, exporter = example_plan("matrix-rigid"), EXPORTERS["joint-trajectory"]
+    done = hand_over(plan, exporter, file_of(exporter, tmp_path), rate=50.0)
+    assert not done.certificate.ok
+    assert done.path.exists()
+    rate = rate_that_would_do(plan, exporter)
+    assert rate is not None and rate > 50.0
+    assert hand_over(plan, exporter, done.path, rate=rate).certificate.ok
+
+
+def test_no_rate_would_do_for_a_motion_that_is_too_fast(gentle_plan):
+    plan = gentle_plan("matrix-rigid", 1)
+    slow = replace(plan.scene, robot=replace(plan.scene.robot, max_speed=plan.scene.robot.max_speed / 100))
+    assert rate_that_would_do(replace(plan, scene=slow), EXPORTERS["mat"]) is None
+
+
+def test_the_planned_motion_as_its_own_receiver_changes_no_verdict(gentle_plan):
+    plan = gentle_plan("matrix-liquid-soft-end", 1)
+    record = plan.trajectory
+    assert certify(record, plan.scene, motion=planned_motion(record)) == certify(record, plan.scene)
+    for row in certified(plan, planned_motion(record)).rows:
+        assert row.ok
+
+
+def test_what_the_receiver_does_between_the_samples_is_judged(gentle_plan):
+    """Positions of the plan at every sample, but a swing of 200 Hz between them: only the interpolation shows it."""
+    plan = gentle_plan("matrix-liquid-soft-end", 1)
+    samples = resampled(plan.trajectory, 100.0)
+    assert samples.speed is not None
+    swinging = replace(samples, speed=samples.speed + 0.3 * (-1.0) ** np.arange(len(samples.t))[:, None])
+    verdict = certified(plan, QUINTIC_HERMITE.motion(swinging))
+    assert "slip" in {row.constraint for row in verdict.rows if not row.ok}
+    positions = EXPORTERS["lab-csv"].interpolation.motion(swinging)
+    assert certified(plan, positions).ok
+
+
+@FORMATS
+def test_one_sample_off_by_a_millirad_is_noticed(gentle_plan, tmp_path, name):
+    plan = gentle_plan("matrix-rigid", 1)
+    position = resampled(plan.trajectory, 500.0).position.copy()
+    position[401, 2] += 1e-3
+    exporter, path = rewritten(plan, name, tmp_path, position=position)
+    done = judge_file(plan, exporter, path)
+    assert not done.certificate.ok
+    assert done.joint_deviation == pytest.approx(1e-3, rel=0.1)
+    assert "path position" in {row.constraint for row in done.certificate.rows if not row.ok}
+
+
+@FORMATS
+def test_a_file_of_another_length_is_refused(gentle_plan, tmp_path, name):
+    plan = gentle_plan("matrix-rigid", 1)
+    samples = resampled(plan.trajectory, 500.0)
+    cut = {field: getattr(samples, field)[:-20] for field in ("t", "position", "speed", "acceleration")}
+    exporter, path = rewritten(plan, name, tmp_path, **cut)
+    with pytest.raises(PlanFolderError, match=r"lasts .* s; the plan lasts"):
+        judge_file(plan, exporter, path)
+
+
+@FORMATS
+def test_a_file_that_ends_elsewhere_is_refused(gentle_plan, tmp_path, name):
+    plan = gentle_plan("matrix-rigid", 1)
+    position = resampled(plan.trajectory, 500.0).position.copy()
+    position[-1, 1] += 1e-4
+    exporter, path = rewritten(plan, name, tmp_path, position=position)
+    with pytest.raises(PlanFolderError, match=r"joint_2 ends 0\.0001 rad from where it ends in the plan"):
+        judge_file(plan, exporter, path)
+
+
+@pytest.mark.parametrize("name", ["joint-trajectory", "rosbag2", "tray-csv", "mat"])
+def test_samples_must_come_evenly(gentle_plan, tmp_path, name):
+    plan = gentle_plan("matrix-rigid", 1)
+    t = resampled(plan.trajectory, 500.0).t.copy()
+    t[100] += 2e-6
+    exporter, path = rewritten(plan, name, tmp_path, t=t)
+    with pytest.raises(PlanFolderError, match=r"samples 10[01] and 10[12] are .* s apart"):
+        judge_file(plan, exporter, path)
+
+
+def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, tmp_path):
+    plan, path = gentle_plan("matrix-rigid", 1), tmp_path / "dense.mat"
+    motion, t = planned_motion(plan.trajectory), np.arange(round(plan.trajectory.t[-1] * 4000) + 1) / 4000
+    dense = JointSamples(t, motion(t), motion(t, 1), motion(t, 2))
+    EXPORTERS["mat"].write(dense, plan.scene, path)
+    with pytest.raises(PlanFolderError, match="4000 samples per second; at most 1000 can be judged"):
+        judge_file(plan, EXPORTERS["mat"], path)
+
+
+@pytest.mark.parametrize("name", ["joint-trajectory", "rosbag2", "mat"])
+def test_seven_joints_are_handed_over_whole(gentle_plan, samples, tmp_path, name):
+    """The motion leads nowhere near the path, which the verdict says; what is played is all seven joints."""
+    plan, motion = gentle_plan("matrix-rigid", 1), samples(200, joints=7)
+    scene = replace(plan.scene, robot=load_robot("franka-fr3"))
+    record = {
+        field.name: getattr(plan.trajectory, field.name)[:200]
+        for field in fields(plan.trajectory)
+        if field.name not in ("joints", "slosh")
+    }
+    record |= {
+        "joint_position": motion.position,
+        "joint_speed": motion.speed,
+        "joint_acceleration": motion.acceleration,
+    }
+    seven = replace(plan, scene=scene, trajectory=replace(plan.trajectory, joints=scene.robot.joints, **record))
+    done = hand_over(seven, EXPORTERS[name], file_of(EXPORTERS[name], tmp_path), rate=250.0)
+    assert done.joint_deviation < 1e-5
+    assert {row.subject for row in done.certificate.rows} >= set(scene.robot.joints)
+    assert "path position" in {row.constraint for row in done.certificate.rows if not row.ok}
+
+
+def test_formats_that_do_not_exist_are_named():
+    with pytest.raises(ScenarioError, match="no format 'csv'; there are lab-csv, joint-trajectory"):
+        exporter_named("csv")
+
+
+@FORMATS
+def test_a_file_that_is_missing_is_an_error_in_words(gentle_plan, tmp_path, name):
+    with pytest.raises(NospillError, match="write it again with nospill"):
+        judge_file(gentle_plan("matrix-rigid", 1), EXPORTERS[name], file_of(EXPORTERS[name], tmp_path))

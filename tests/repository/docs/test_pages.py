@@ -1,0 +1,125 @@
+"""Pages that speak of what the program does are held to it."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import nbformat
+import pytest
+from nospill_docs.formulas import formula
+from nospill_docs.links import broken_links
+from nospill_docs.notebooks import to_markdown
+from nospill_docs.places import Places
+from nospill_docs.topics import write_topics
+from nospill_docs.transcripts import session
+
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.judge.certificate import certify
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.planning.planner import plan
+from nospill.scenario import read_scenario
+
+DOCS = Path(__file__).parents[3] / "docs"
+NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+
+
+def test_every_row_of_a_certificate_is_explained(smooth_motion: Callable[..., object]) -> None:
+    page = (DOCS / "reading-a-certificate.md").read_text(encoding="utf-8")
+    assert "_generated/constraints.md" in page  # the laws; here: the rows about the record
+    motion = smooth_motion("pp-two-cups")
+    rows = certify(motion.trajectory, motion.scene).rows  # type: ignore[attr-defined]
+    for name in {row.constraint for row in rows} - {item.name for item in CONSTRAINTS}:
+        assert re.search(rf"^\| [^|]*\b{name}\b[^|]*\|", page, re.MULTILINE), name
+
+
+@pytest.mark.slow
+def test_the_two_cups_of_get_started_are_certified() -> None:
+    found = plan(read_scenario(DOCS / "examples" / "two-cups.toml"))
+    assert found.certificate.ok
+    # What the page says of it: the liquid's height and slip are what the motion waits for, the arm is not.
+    use = {row.constraint: row.use for row in found.certificate.worst_rows()}
+    assert min(use["slosh height"], use["slip"]) > 0.99
+    assert max(use["joint speed"], use["joint position"]) < 0.98
+
+
+@pytest.mark.parametrize("name", ["misspelt", "overfull"])
+def test_the_bad_scenarios_are_refused_in_one_line(name: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(DOCS / "examples" / f"{name}.toml")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "error"), [("out-of-reach", ScenarioError), ("impossible", NoSolutionError)])
+def test_the_hopeless_scenarios_are_told_why(name: str, error: type[Exception]) -> None:
+    with pytest.raises(error, match=r"out of reach|max_duration"):
+        plan(read_scenario(DOCS / "examples" / f"{name}.toml"))
+
+
+def test_the_variants_differ_from_the_scenario_in_one_place_only() -> None:
+    base = (DOCS / "examples" / "two-cups.toml").read_text(encoding="utf-8").splitlines()[1:]
+    for name in ("misspelt", "overfull", "out-of-reach", "impossible"):
+        variant = (DOCS / "examples" / f"{name}.toml").read_text(encoding="utf-8").splitlines()[1:]
+        assert len(set(variant) - set(base) - {"[motion]"}) == 1, name
+    tomllib.loads("\n".join(base))
+
+
+def test_a_session_shows_command_message_and_exit_code(tmp_path: Path) -> None:
+    shown = session(("nospill plan nothing.toml",), tmp_path)
+    assert shown.startswith("$ nospill plan nothing.toml\nnothing.toml: no such file")
+    assert shown.endswith("(exit code 2)\n")
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_are_kept_without_outputs(path: Path) -> None:
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        assert not cell.get("outputs")
+        assert cell.get("execution_count") is None
+
+
+def test_an_executed_notebook_becomes_a_page() -> None:
+    cell = nbformat.v4.new_code_cell("print(6 * 7)")
+    picture = nbformat.v4.new_output("display_data", data={"image/png": "aGVsbG8=", "text/plain": "<Figure>"})
+    cell.outputs = [nbformat.v4.new_output("stream", name="stdout", text="42\n"), picture]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("# Title"), cell])
+    page, pictures = to_markdown(notebook)
+    assert page.startswith("# Title\n\n```python\nprint(6 * 7)\n```\n\n```text\n42\n```\n\n![")
+    assert pictures == {"figure-1.png": b"hello"}
+
+
+def test_formulas_are_outlines_and_unknown_ones_are_told() -> None:
+    drawn = formula(r"\ddot q \le \frac{1}{2}", "inline")
+    assert drawn.startswith("<svg") and "<path" in drawn and "currentColor" in drawn
+    with pytest.raises(ValueError, match="Unknown symbol"):
+        formula(r"\nosuchsymbol", "block")
+
+
+def test_links_that_lead_nowhere_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text('<a href="b.html#there">1</a><a href="b.html#gone">2</a><a href="c.html">3</a>')
+    (tmp_path / "b.html").write_text('<p id="there"><a href="https://elsewhere.invalid/">4</a></p>')
+    assert broken_links(tmp_path) == [("a.html", "b.html#gone"), ("a.html", "c.html")]
+
+
+def test_a_new_page_is_in_the_contents(tmp_path: Path) -> None:
+    for name in ("index", "performance", "robots", "new-topic", "faq"):
+        (tmp_path / f"{name}.md").write_text("```{toctree}\nfaq\n```" if name == "index" else f"# {name}")
+    write_topics(Places.of(tmp_path))
+    entries = (tmp_path / "_generated" / "topics.md").read_text().split("\n\n")[1].split()
+    assert entries[:3] == ["robots", "performance", "new-topic"]
+    assert "faq" not in entries
+
+
+def test_results_are_made_once_and_anew_when_their_key_changes(tmp_path: Path) -> None:
+    places, made = Places.of(tmp_path), []
+
+    def make(folder: Path) -> None:
+        made.append(folder)
+        (folder / "x").write_text("x")
+
+    first = places.cached("thing", "key", make)
+    assert places.cached("thing", "key", make) == first and len(made) == 1
+    second = places.cached("thing", "other key", make)
+    assert len(made) == 2 and second != first and not first.exists()

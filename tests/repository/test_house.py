@@ -1,0 +1,145 @@
+"""The house rules: sizes, docstrings, pins, and a README that says what is true."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from nospill.cli import app
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.scenario import scene_from_table
+
+ROOT = Path(__file__).parents[2]
+SOURCES = sorted((ROOT / "src").rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PINS = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if line and not line.startswith("#")]
+
+
+def label(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def make_targets() -> set[str]:
+    return set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
+
+
+def canonical(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+@pytest.mark.parametrize("path", SOURCES + TESTS, ids=label)
+def test_no_file_is_over_500_lines(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= 500
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=label)
+def test_every_public_module_says_what_it_is(path: Path) -> None:
+    if path.stem.startswith("_") and path.stem != "__init__":
+        pytest.skip("private module")
+    text = ast.get_docstring(ast.parse(path.read_text())) or ""
+    assert len(text.split()) >= 3, f"the docstring of {label(path)} says nothing: {text!r}"
+    assert path.stem != "utils"
+
+
+@pytest.mark.parametrize("path", SOURCES + TESTS + PAGES, ids=label)
+def test_nothing_is_left_to_do(path: Path) -> None:
+    if path == Path(__file__):
+        pytest.skip("names the words it looks for")
+    assert not re.search(r"\b(TODO|FIXME|XXX)\b", path.read_text())
+
+
+@pytest.mark.parametrize("path", [*PAGES, ROOT / ".ci" / "run"], ids=label)
+def test_make_commands_in_the_pages_exist(path: Path) -> None:
+    named = set(re.findall(r"^\s*(?:\$ )?make ([a-z]+)", path.read_text(), flags=re.MULTILINE))
+    named |= set(re.findall(r"`make ([a-z]+)", path.read_text()))
+    assert named <= make_targets()
+
+
+def test_readme_names_the_two_commands() -> None:
+    text = (ROOT / "README.md").read_text()
+    assert "    make demo\n    make test\n" in text
+    assert {"demo", "test", "check", "clean"} <= make_targets()
+
+
+def test_continuous_integration_runs_checks_and_then_tests() -> None:
+    script = ROOT / ".ci" / "run"
+    assert os.access(script, os.X_OK)
+    assert "set -euo pipefail" in script.read_text()
+    goals = re.findall(r"^(?:time )?make (?:-\S+ )*([a-z ]+?)(?:  #.*)?$", script.read_text(), flags=re.MULTILINE)
+    assert goals == ["check docs", "test"]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=label)
+def test_nospill_commands_in_the_pages_exist(path: Path) -> None:
+    named = re.findall(r"(?:`|\.venv/bin/)nospill ([a-z]+)", path.read_text())
+    known = {command.callback.__name__ for command in app.registered_commands if command.callback}
+    assert set(named) <= known
+
+
+@pytest.mark.parametrize("path", PAGES, ids=label)
+def test_links_between_the_pages_hold(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)", path.read_text()):
+        if "://" not in target:
+            assert (path.parent / target).exists(), target
+
+
+def test_readme_scenario_can_be_planned() -> None:
+    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
+    assert len(blocks) == 1
+    scene = scene_from_table(tomllib.loads(blocks[0]), name="tea")
+    assert [cargo.name for cargo in scene.cargo] == ["c1"]
+
+
+def test_readme_explains_every_constraint() -> None:
+    text = (ROOT / "README.md").read_text()
+    table = text[text.index("## Reading the certificate") : text.index("## What a plan folder holds")]
+    explained = {
+        name.strip() for first in re.findall(r"^\| ([^|]+) \|", table, re.MULTILINE) for name in first.split(",")
+    }
+    assert {constraint.name for constraint in CONSTRAINTS} <= explained
+
+
+def test_constraints_file_names_versions_and_no_index() -> None:
+    assert PINS
+    for line in PINS:
+        assert re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line), line
+    names = [canonical(line.split("==")[0]) for line in PINS]
+    assert len(names) == len(set(names))
+
+
+def wanted() -> Iterator[str]:
+    project = PROJECT["project"]
+    for requirements in (project["dependencies"], *project["optional-dependencies"].values()):
+        names = (canonical(re.split(r"[\[<>=!~; ]", requirement)[0]) for requirement in requirements)
+        yield from (name for name in names if name != "nospill")  # an extra that takes in others
+
+
+@pytest.mark.parametrize("name", sorted(set(wanted())))
+def test_every_direct_dependency_is_pinned(name: str) -> None:
+    assert name in {canonical(line.split("==")[0]) for line in PINS}
+
+
+def test_no_index_is_named_anywhere_in_the_set_up() -> None:
+    for name in ("Makefile", ".ci/run", "constraints.txt", "pyproject.toml"):
+        text = (ROOT / name).read_text()
+        assert not re.search(r"index-url|find-links|trusted-host|://", text), name
+
+
+def test_licence_is_the_one_declared() -> None:
+    assert PROJECT["project"]["license"] == "Apache-2.0"
+    text = (ROOT / "LICENSE").read_text()
+    assert "Apache License" in text
+    assert "Version 2.0, January 2004" in text
+    assert "END OF TERMS AND CONDITIONS" in text
+
+
+def test_changelog_has_the_version() -> None:
+    assert f"## {PROJECT['project']['version']}" in (ROOT / "CHANGELOG.md").read_text()

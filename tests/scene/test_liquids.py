@@ -1,0 +1,25 @@
+import dataclasses
+
+import pytest
+
+from nospill.scene.liquids import LIQUIDS
+
+
+def test_the_table_is_keyed_by_name_and_says_where_it_is_from():
+    assert {"water", "milk", "ethanol", "glycerol-50", "light-oil"} <= set(LIQUIDS)
+    for name, liquid in LIQUIDS.items():
+        assert liquid.name == name and liquid.source
+        assert 600 < liquid.density < 1500
+        assert 0.01 < liquid.surface_tension < 0.08
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            liquid.density = 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "dynamic_viscosity", "tolerance"),
+    # mPa s at 20 deg C, standard handbook values
+    [("water", 1.0016, 0.001), ("ethanol", 1.20, 0.01), ("glycerol-50", 6.0, 0.01), ("milk", 2.1, 0.1)],
+)
+def test_viscosity_times_density_is_the_handbook_value(name: str, dynamic_viscosity: float, tolerance: float):
+    liquid = LIQUIDS[name]
+    assert liquid.kinematic_viscosity * liquid.density * 1e3 == pytest.approx(dynamic_viscosity, rel=tolerance)

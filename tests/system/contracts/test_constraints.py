@@ -1,0 +1,196 @@
+"""What every constraint promises, checked for each row of the table and for scenes of every kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from nospill.core.frames import FrameMotion
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, Range, figures, smooth_rows
+from nospill.laws.parameters import constants
+from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.scenario import read_scenario
+from nospill.scene.scene import Scene
+
+SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-liquid-soft-end", "matrix-rigid", "mixed-tray")
+CASES = [
+    pytest.param(constraint, name, id=f"{constraint.name}-{name}") for constraint in CONSTRAINTS for name in SCENES
+]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A sample whose free quantities are one symbol of size 1, and how large they may be."""
+
+    scene: Scene
+    sample: Sample
+    inputs: ca.SX
+
+    def random(self, seed: int) -> np.ndarray:
+        return np.random.default_rng(seed).uniform(-1, 1, self.inputs.numel())
+
+
+@cache
+def probe(name: str, place: Place) -> Probe:
+    """States that break limits about as often as they keep them."""
+    scene = read_scenario(name)
+    structure, numbers = structure_of(scene), constants(numbers_of(scene))
+    count, joints = coordinate_count(structure), len(structure.joints)
+    if place in (Place.OBJECT, Place.END):
+        x = ca.SX.sym("x", 9 + 3 * count)
+        gravity = ca.vertcat(0, 0, 9.8)
+        motion = FrameMotion(x[:3] * 3, x[3:6] * 60, ca.vertcat(x[6:8] * 4, 12 * x[8]) + gravity)
+        if place is Place.END:
+            motion = FrameMotion(ca.SX.zeros(3), ca.SX.zeros(3), gravity)
+        sizes = (0.01, 0.3, 6.0) if place is Place.OBJECT else (3e-3, 0.07, 0.0)
+        q, qd, qdd = (x[9 + i * count : 9 + (i + 1) * count] * size for i, size in enumerate(sizes))
+        objects = sample_objects(structure, numbers, motion, split_states(structure, q, qd, qdd))
+        return Probe(scene, Sample(structure, numbers, objects=objects), x)
+    if place is Place.JOINT:
+        x = ca.SX.sym("x", 2 * joints)
+        middle = (numbers.joint_lower + numbers.joint_upper) / 2
+        half = (numbers.joint_upper - numbers.joint_lower) / 2
+        position = middle + 1.5 * half * x[:joints]
+        speed = 1.5 * numbers.joint_speed_limit * x[joints:]
+        return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed), x)
+    x = ca.SX.sym("x", 5)
+    return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=1500 * x[2:]), x)
+
+
+def budgets_of(constraint: Constraint, name: str) -> tuple[Probe, list[list[Budget]]]:
+    found = probe(name, constraint.place)
+    return found, [list(budgets) for budgets in constraint.budgets(found.sample)]
+
+
+def sure(function: ca.Function, *arguments) -> list[np.ndarray]:
+    return [np.asarray(out.full()) for out in function.call([ca.DM(argument) for argument in arguments])]
+
+
+@pytest.mark.parametrize("constraint", CONSTRAINTS, ids=lambda constraint: constraint.name)
+def test_words(constraint):
+    assert constraint.name == constraint.name.strip().lower()
+    assert constraint.unit and constraint.unit.strip() == constraint.unit
+    assert constraint.description.endswith(".") and len(constraint.description.split()) >= 4
+    assert constraint.description[0].isupper()
+    for text in (type(constraint).__doc__, type(constraint).subjects.__doc__, type(constraint).budgets.__doc__):
+        assert text and text.strip()
+    assert isinstance(constraint.place, Place)
+    # A relative constraint is a fraction of its budget.
+    assert not constraint.relative or constraint.unit == "1"
+
+
+def test_names_are_unique():
+    names = [constraint.name for constraint in CONSTRAINTS]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize(("constraint", "name"), CASES)
+def test_every_subject_has_budgets(constraint, name):
+    found, budgets = budgets_of(constraint, name)
+    subjects = constraint.subjects(found.scene)
+    assert len(budgets) == len(subjects) == len(set(subjects))
+    assert all(budgets)
+
+
+@pytest.mark.parametrize(("constraint", "name"), CASES)
+def test_smooth_rows_agree_with_the_printed_margin(constraint, name):
+    """Rows are inside their bounds exactly where the margin is not negative, if there is pressing force at all."""
+    found, subjects = budgets_of(constraint, name)
+    inside = outside = 0
+    for budgets in subjects:
+        for budget in budgets:
+            rows, lower, upper = smooth_rows(budget, ca.SX(0))
+            value, limit, margin = figures(budget, constraint.relative)
+            capacity = budget.capacity if isinstance(budget, Cone) else ca.SX(1)
+            function = ca.Function("f", [found.inputs], [rows, ca.vertcat(value, limit, margin, capacity)])
+            for seed in range(40):
+                row, (value_, limit_, margin_, capacity_) = sure(function, found.random(seed))
+                row = row.ravel()
+                kept = np.all(row >= lower) and np.all(row <= upper)
+                slack = np.min(np.minimum(row - lower, upper - row))
+                if capacity_ <= 0:
+                    assert margin_ < 0
+                elif abs(slack) > 1e-9:
+                    assert kept == (margin_ >= 0)
+                    inside, outside = inside + kept, outside + (not kept)
+                if isinstance(budget, Cone):
+                    assert margin_ == pytest.approx(limit_ - value_)
+                else:
+                    assert margin_ <= abs(value_ - limit_) + 1e-12
+    if subjects:
+        assert inside and outside, "the probe does not reach both sides of the limit"
+
+
+@pytest.mark.parametrize(("constraint", "name"), CASES)
+def test_a_reserve_keeps_something_back(constraint, name):
+    """Rows that hold with a reserve of 10 % leave at least that much of the budget."""
+    found, subjects = budgets_of(constraint, name)
+    for budgets in subjects:
+        for budget in budgets:
+            rows, lower, upper = smooth_rows(budget, ca.SX(0.1))
+            parts = _fraction_left(budget)
+            function = ca.Function("f", [found.inputs], [rows, parts])
+            for seed in range(20):
+                row, left = sure(function, found.random(seed) * 0.8)
+                kept = np.all(row.ravel() >= lower) and np.all(row.ravel() <= upper)
+                if not kept or left[0] <= 0:
+                    continue
+                assert left[1] >= 0.1 * left[0] - 1e-9
+
+
+def _fraction_left(budget: Budget) -> ca.SX:
+    """Capacity, and what of it is left."""
+    if isinstance(budget, Cone):
+        return ca.vertcat(budget.capacity, budget.capacity - ca.norm_2(budget.demand))
+    if budget.upper is None:
+        return ca.vertcat(budget.scale, budget.value - budget.lower)
+    half = (budget.upper - budget.lower) / 2
+    return ca.vertcat(half, half - ca.fabs(budget.value - (budget.upper + budget.lower) / 2))
+
+
+@pytest.mark.parametrize(("constraint", "name"), CASES)
+def test_rows_have_the_right_gradient_also_at_rest(constraint, name):
+    """Finite there and equal to central differences: no corner where motions begin and end."""
+    found, subjects = budgets_of(constraint, name)
+    rows = [smooth_rows(budget, ca.SX(0.001))[0] for budgets in subjects for budget in budgets]
+    if not rows:
+        return  # does not apply to this scene
+    stacked = ca.vertcat(*rows)
+    weights = ca.SX.sym("w", stacked.numel())
+    bend = ca.hessian(ca.dot(weights, stacked), found.inputs)[0]
+    slope = ca.Function("s", [found.inputs, weights], [stacked, ca.jacobian(stacked, found.inputs), bend])
+    ones = np.ones(stacked.numel())
+    for point in (np.zeros(found.inputs.numel()), found.random(3), 0.1 * found.random(4)):
+        values, jacobian, second = sure(slope, point, ones)
+        for part in (values, jacobian, second):
+            assert np.all(np.isfinite(part))
+        direction, step = found.random(5), 1e-6
+        ahead, behind = (sure(slope, point + sign * step * direction, ones) for sign in (1, -1))
+        scale = 1 + np.abs(second).max()
+        np.testing.assert_allclose((ahead[0] - behind[0]).ravel() / (2 * step), jacobian @ direction, atol=1e-6 * scale)
+        change = (ahead[1] - behind[1]).sum(axis=0) / (2 * step)
+        np.testing.assert_allclose(change, second @ direction, atol=1e-4 * scale)
+
+
+def test_without_pressing_force_there_is_no_budget():
+    """Also with nothing to hold: a cup that floats beside the tray does not stand on it."""
+    for constraint in CONSTRAINTS:
+        if not constraint.relative:
+            continue
+        for pressing in (-1.0, -1e-3, 0.0):
+            cone = Cone(ca.SX.zeros(2), ca.SX(0.4 * pressing), ca.SX(0.8))
+            value, limit, margin = (float(ca.evalf(part)) for part in figures(cone, constraint.relative))
+            assert margin <= 0 if pressing == 0.0 else margin < 0
+            assert value == pytest.approx(limit - margin)
+
+
+def test_a_range_reports_the_nearer_end():
+    for value, limit, margin in ((0.9, 1.0, 0.1), (-1.9, -2.0, 0.1), (1.2, 1.0, -0.2), (-2.5, -2.0, -0.5)):
+        budget = Range(ca.SX(value), ca.SX(-2.0), ca.SX(1.0), ca.SX(1.0))
+        assert [float(ca.evalf(part)) for part in figures(budget, False)] == pytest.approx([value, limit, margin])

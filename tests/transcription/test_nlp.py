@@ -1,0 +1,312 @@
+"""The assembled derivatives against automatic differentiation of the whole problem and against differences; rows left
+out, and the same functions compiled."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.scenario import read_scenario
+from nospill.transcription.nlp import _transcribe, transcribe
+from nospill.transcription.problem import Problem, build_problem
+from nospill.transcription.stage_functions import _stage_functions, stage_functions
+
+INTERVALS = 3
+SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
+RESERVES = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
+
+
+@cache
+def problem(name: str) -> Problem:
+    return build_problem(read_scenario(name), INTERVALS, nominal_duration=1.8, reserves=RESERVES)
+
+
+def random_point(found: Problem, seed: int) -> np.ndarray:
+    """Inside the path, with every variable of the size its scale promises."""
+    random = np.random.default_rng(seed)
+    layout = found.transcription.layout
+    table = random.uniform(-1, 1, (INTERVALS + 1, layout.size))
+    table[:, 0] = random.uniform(0.05, 0.95, INTERVALS + 1)
+    table[:, layout.interval] = random.uniform(0.8, 1.2, INTERVALS + 1)
+    return table.ravel()[: found.transcription.variables]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_jacobian_and_gradient_against_automatic_differentiation(name):
+    found = problem(name)
+    transcription, nlp = found.transcription, found.transcription.nlp
+    reference = ca.Function(
+        "reference",
+        [nlp["x"], nlp["p"]],
+        [nlp["f"], ca.gradient(nlp["f"], nlp["x"]), nlp["g"], ca.jacobian(nlp["g"], nlp["x"])],
+    )
+    for seed in range(2):
+        point = random_point(found, seed)
+        cost, gradient, values, jacobian = reference(point, found.parameters)
+        ours_values, ours_jacobian = transcription.jac_g(point, found.parameters)
+        ours_cost, ours_gradient = transcription.grad_f(point, found.parameters)
+        assert float(ours_cost) == pytest.approx(float(cost), rel=1e-14)
+        np.testing.assert_allclose(ours_gradient.full(), gradient.full(), atol=1e-12)
+        np.testing.assert_array_equal(ours_values.full(), values.full())
+        _same(ours_jacobian.full(), jacobian.full())
+        assert ours_values.numel() == len(transcription.lower) == len(transcription.upper)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_hessian_against_automatic_differentiation(name):
+    found = problem(name)
+    nlp = found.transcription.nlp
+    multipliers, weight = ca.MX.sym("l", nlp["g"].numel()), ca.MX.sym("f")
+    lagrangian = weight * nlp["f"] + ca.dot(multipliers, nlp["g"])
+    reference = ca.Function(
+        "reference", [nlp["x"], nlp["p"], weight, multipliers], [ca.triu(ca.hessian(lagrangian, nlp["x"])[0])]
+    )
+    random = np.random.default_rng(1)
+    for seed in range(2):
+        arguments = random_point(found, seed), found.parameters, 0.7, random.normal(size=nlp["g"].numel())
+        ours = found.transcription.hess_lag(*arguments)
+        assert ours.sparsity().is_triu()
+        _same(ours.full(), reference(*arguments).full())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_derivatives_against_finite_differences(name):
+    found = problem(name)
+    transcription, p = found.transcription, found.parameters
+    random = np.random.default_rng(2)
+    point, direction = random_point(found, 3), random.normal(size=found.transcription.variables)
+    multipliers = random.normal(size=len(transcription.lower))
+
+    def slopes(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        jacobian = transcription.jac_g(at, p)[1].full()
+        return jacobian, jacobian.T @ multipliers + transcription.grad_f(at, p)[1].full().ravel()
+
+    step = 1e-6
+    ahead, behind = (transcription.constraint_function(point + sign * step * direction, p).full() for sign in (1, -1))
+    jacobian = slopes(point)[0]
+    change = (ahead - behind).ravel() / (2 * step)
+    np.testing.assert_allclose(jacobian @ direction, change, atol=1e-6 * np.abs(change).max())
+    half = transcription.hess_lag(point, p, 1.0, multipliers).full()
+    hessian = half + half.T - np.diag(np.diag(half))
+    bend = (slopes(point + step * direction)[1] - slopes(point - step * direction)[1]) / (2 * step)
+    np.testing.assert_allclose(hessian @ direction, bend, atol=1e-6 * np.abs(bend).max())
+
+
+def _same(ours: np.ndarray, reference: np.ndarray) -> None:
+    np.testing.assert_allclose(ours, reference, rtol=1e-9, atol=1e-11 * np.abs(reference).max())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_blocks_cover_the_rows_once_and_name_every_constraint(name):
+    found = problem(name)
+    transcription, scene = found.transcription, found.scene
+    used = [row for block in transcription.blocks for row in range(block.first, block.first + block.count)]
+    assert len(set(used)) == len(used)
+    assert max(used) < transcription.height
+    # What no block names are equalities: gaps, kinematics, equations of motion.
+    equal = transcription.lower[: transcription.height] == transcription.upper[: transcription.height]
+    assert sorted(set(range(transcription.height)) - set(used)) == np.flatnonzero(equal).tolist()
+    named = {
+        (block.constraint, block.subject) for block in (*transcription.blocks, *transcription.stage.shape.end_blocks)
+    }
+    expected = {
+        (constraint.name, index) for constraint in CONSTRAINTS for index in range(len(constraint.subjects(scene)))
+    }
+    assert named == expected
+    assert named <= set(transcription.stage.reserve_keys)
+
+
+def test_one_transcription_serves_every_scene_of_the_structure():
+    found = problem("matrix-liquid")
+    other = read_scenario("matrix-liquid-soft-end")
+    assert build_problem(other, INTERVALS, nominal_duration=2.0, reserves={}).transcription is not found.transcription
+    again = build_problem(found.scene, INTERVALS, nominal_duration=2.5, reserves={})
+    assert again.transcription is found.transcription
+    assert not np.array_equal(again.parameters, found.parameters)
+    assert len(again.parameters) == len(found.parameters)
+
+
+@pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
+def test_rows_left_out_change_nothing_else(name):
+    """The kept rows, their derivatives and the cost are those of the whole problem."""
+    whole = problem(name)
+    kept = frozenset({("slip", 0), ("slosh height", 1), ("joint speed", 2), ("tip", 0), ("tilt", 1)})
+    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, reserves=RESERVES, kept=kept)
+    full, less = whole.transcription, part.transcription
+    assert {(block.constraint, block.subject) for block in less.blocks} == kept & {
+        (block.constraint, block.subject) for block in full.blocks
+    }
+    chosen = [*range(full.stage.shape.fixed)]
+    for block in full.blocks:
+        if (block.constraint, block.subject) in kept:
+            chosen += _rows(block)
+    stages = [stage * full.height + row for stage in range(INTERVALS) for row in chosen]
+    rows = np.array([*stages, *range(INTERVALS * full.height, len(full.lower))])
+    np.testing.assert_array_equal(less.lower, full.lower[rows])
+    np.testing.assert_array_equal(less.upper, full.upper[rows])
+    point = random_point(whole, 6)
+    values, jacobian = full.jac_g(point, whole.parameters)
+    values_, jacobian_ = less.jac_g(point, part.parameters)
+    np.testing.assert_array_equal(values_.full(), values.full()[rows])
+    np.testing.assert_array_equal(jacobian_.full(), jacobian.full()[rows])
+    multipliers = np.zeros(len(full.lower))
+    multipliers[rows] = np.random.default_rng(1).normal(size=len(rows))
+    np.testing.assert_allclose(
+        less.hess_lag(point, part.parameters, 1.0, multipliers[rows]).full(),
+        full.hess_lag(point, whole.parameters, 1.0, multipliers).full(),
+        atol=1e-12,
+    )
+
+
+@pytest.mark.slow
+def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
+    """Machine code against CasADi's virtual machine, and no entry of the cache without its shape."""
+    if shutil.which(os.environ.get("CC", "cc")) is None:
+        pytest.skip("no C compiler")
+    scene = read_scenario("matrix-rigid")
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    plain = stage_functions(structure, numbers)
+    assert not plain.compiled
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    _stage_functions.cache_clear()
+    try:
+        fast = stage_functions(structure, numbers)
+    finally:
+        _stage_functions.cache_clear()
+    assert fast.compiled
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so", ".sum"]
+    random = np.random.default_rng(1)
+    for name in ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures"):
+        ours, theirs = getattr(fast, name), getattr(plain, name)
+        inputs = [0.5 + 0.1 * random.random(theirs.size1_in(index)) for index in range(theirs.n_in())]
+        inputs[1] = transcribe(structure, numbers, 3).parameters(numbers, np.ones(plain.layout.size), {})
+        for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
+            np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
+    for field in dataclasses.fields(plain.shape):
+        pair = getattr(fast.shape, field.name), getattr(plain.shape, field.name)
+        if field.name.endswith(("jacobian", "hessian")):
+            assert all(np.array_equal(one, other) for one, other in zip(*pair, strict=True))
+        else:
+            assert np.array_equal(*pair) if isinstance(pair[0], np.ndarray) else pair[0] == pair[1]
+
+
+@pytest.mark.parametrize("threads", ["2", "3"])
+def test_threads_change_no_bit(threads, monkeypatch):
+    """Stages shared out to threads, evenly and not, against one after the other."""
+    found = problem("matrix-liquid-tilt")
+    plain = found.transcription
+    monkeypatch.setenv("NOSPILL_THREADS", threads)
+    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None)
+    point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
+    assert plain.height == shared.height  # the problem keeps every row, too
+    for name, inputs in (
+        ("constraint_function", [point, found.parameters]),
+        ("jac_g", [point, found.parameters]),
+        ("grad_f", [point, found.parameters]),
+        ("hess_lag", [point, found.parameters, 0.7, multipliers]),
+    ):
+        for one, other in zip(getattr(shared, name).call(inputs), getattr(plain, name).call(inputs), strict=True):
+            np.testing.assert_array_equal(one.full(), other.full())
+
+
+@pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
+def test_reserves_tighten_the_rows_they_name_and_no_other(name):
+    found = problem(name)
+    transcription = found.transcription
+    bare = build_problem(found.scene, INTERVALS, nominal_duration=1.8, reserves={})
+    point = random_point(found, 5)
+    with_reserve = transcription.constraint_function(point, found.parameters).full().ravel()
+    without = transcription.constraint_function(point, bare.parameters).full().ravel()
+    changed = np.flatnonzero(with_reserve[: transcription.height] != without[: transcription.height])
+    named = {
+        row
+        for block in transcription.blocks
+        if (block.constraint, block.subject) in RESERVES
+        for row in range(block.first, block.first + block.count)
+    }
+    assert set(changed.tolist()) <= named
+    assert {block.constraint for block in transcription.blocks for row in changed if row in _rows(block)} == {
+        "slip",
+        "joint speed",
+        "slosh height",
+    }
+
+
+def _rows(block) -> range:
+    return range(block.first, block.first + block.count)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_encode_and_decode(name):
+    found = problem(name)
+    point = random_point(found, 7)
+    layout = found.transcription.layout
+    # The interval length is copied from stage to stage; decode reads the first.
+    stages = found.decode(point)
+    np.testing.assert_allclose(found.encode(stages), point, rtol=1e-15)
+    assert stages.intervals == INTERVALS
+    assert stages.interval == pytest.approx(point[layout.interval] * 1.8 / INTERVALS)
+    assert stages.duration == pytest.approx(stages.interval * INTERVALS)
+    assert np.all(stages.table[-1, layout.states :] == 0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bounds_say_rest_at_both_ends(name):
+    found = problem(name)
+    lower, upper = (found.decode(bound).table for bound in (found.lower, found.upper))
+    layout, scene = found.transcription.layout, found.scene
+    for bound in (lower, upper):
+        assert bound[0, 0] == 0.0 and bound[-1, 0] == 1.0
+        np.testing.assert_array_equal(bound[[0, -1], 1 : layout.interval], 0.0)
+        np.testing.assert_array_equal(bound[0, layout.displacement], 0.0)
+        np.testing.assert_array_equal(bound[0, layout.velocity], 0.0)
+    fixed = lower[-1] == upper[-1]
+    assert bool(np.all(fixed[layout.displacement])) == (scene.motion.end != "residual" or layout.coordinates == 0)
+    assert bool(np.all(fixed[layout.velocity])) == (scene.motion.end == "still" or layout.coordinates == 0)
+    assert np.all(lower[:-1, layout.joint_position] == -np.inf)
+    assert np.all(lower[1:-1, 1] == 0.0), "the tray never runs back"
+
+
+def leaf_names(record: object, prefix: str = "") -> list[str]:
+    """Names of the entries of `flatten`, in its order."""
+    if isinstance(record, tuple):
+        return [name for index, item in enumerate(record) for name in leaf_names(item, f"{prefix}[{index}]")]
+    if dataclasses.is_dataclass(record):
+        fields = dataclasses.fields(record)
+        return [name for field in fields for name in leaf_names(getattr(record, field.name), f"{prefix}.{field.name}")]
+    return [f"{prefix}.{index}" for index in range(np.asarray(record).size)]
+
+
+def test_every_number_has_an_effect_on_a_tilting_tray():
+    """Except what the structure leaves out: the second radius of a disc, the liquid of a solid, the end of the path."""
+    found = problem("mixed-tray")
+    names = leaf_names(found.numbers)
+    effect = np.zeros(len(names), dtype=bool)
+    for seed in range(4):
+        point = random_point(found, seed)
+
+        def values(parameters: np.ndarray, point: np.ndarray = point) -> np.ndarray:
+            rows = found.transcription.constraint_function(point, parameters).full().ravel()
+            return np.append(rows, float(found.transcription.grad_f(point, parameters)[0]))
+
+        base = values(found.parameters)
+        for index in range(len(names)):
+            changed = found.parameters.copy()
+            changed[index] = 1.01 * changed[index] + 1e-3
+            effect[index] |= not np.array_equal(values(changed), base)
+    silent = {name for name, live in zip(names, effect, strict=True) if not live and "path_coefficients" not in name}
+    solid = {f".objects[3].{name}" for name in ("liquid_height.0", "max_slosh_height.0")}
+    solid |= {f".objects[3].static_correction.{axis}" for axis in range(2)}
+    discs = {f".objects[{index}].footprint.1" for index in (0, 1, 3)}
+    unset = ("joint_acceleration_limit", "joint_jerk_limit", "joint_torque_limit", "load_", "self_motion")
+    unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}
+    assert silent == solid | discs | unlimited | {".path_breaks.7"}
