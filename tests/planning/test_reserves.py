@@ -9,7 +9,7 @@ import pytest
 
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.planning.reserves import FIRST_RESERVES, falls_short, first_reserve, further_reserve, range_reserves
+from nospill.planning.reserves import falls_short, first_reserve, further_reserve, range_reserves
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 
@@ -18,9 +18,9 @@ def row(constraint: str, limit: float, margin: float, unit: str = "1") -> Row:
     return Row(constraint, "c1", unit, limit, limit - margin, margin, 0.5, margin >= 0.0)
 
 
-def test_reserves_are_of_constraints_that_exist() -> None:
-    assert set(FIRST_RESERVES) <= {constraint.name for constraint in CONSTRAINTS}
-    assert first_reserve("slip") > first_reserve("joint speed") > 0.0
+def test_what_is_kept_back_at_first_is_the_constraint_s_own() -> None:
+    assert all(first_reserve(constraint.name) == constraint.backoff > 0.0 for constraint in CONSTRAINTS)
+    assert first_reserve("slip") > first_reserve("joint speed")
 
 
 @pytest.mark.parametrize(

@@ -8,28 +8,26 @@ from typing import Any
 
 import numpy as np
 
+from nospill.laws.constraints import BY_NAME
 from nospill.scene.tolerances import spread_name
 
 APPROACH = "approach "
 """What the constraints of the rows about the approach begin with."""
 
-_LEAST_SIZE = {"joint position": np.pi, "lift": 1.0, "apparent gravity": 1.0}
-"""By constraint, what a margin is measured by at least where the limit's distance from zero says nothing: half a turn
-of a joint, one weight, one gravity."""
-
 
 def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:
     """Use of a limit, 1 - margin/size: 1 at the limit, more where it is broken.
 
-    The size is that of the limit itself. A joint's zero may lie anywhere in its range, so the size is half a turn at
-    least; a limit of zero counts as one of its unit (lift: one weight). A margin that is no number is infinite use.
+    The size is that of the limit itself, and at least `Constraint.least_size` (half a turn of a joint, one weight, one
+    gravity); a limit of zero counts as one of its unit. A margin that is no number is infinite use.
 
     Args:
         constraint: its name.
         limit: (m,) or one number, in the constraint's unit.
         margin: likewise.
     """
-    size = np.maximum(np.abs(limit), _LEAST_SIZE.get(constraint.removeprefix(APPROACH), 0.0))
+    known = BY_NAME.get(constraint.removeprefix(APPROACH))
+    size = np.maximum(np.abs(limit), 0.0 if known is None else known.least_size)
     use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
     return np.where(np.isnan(use), np.inf, use)
 

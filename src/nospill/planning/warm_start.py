@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
+from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.transcription.guess import slowed
 from nospill.transcription.problem import Problem, Reserves
 from nospill.transcription.solvers import row_slack
 from nospill.transcription.stages import Stages
-
-RESTART_RESERVES = {"slip": 8e-3, "twist": 5e-3, "tip": 6e-3, "slosh height": 2.3e-3}
-"""Least fraction of a budget that is kept from the optimiser where planning goes on from an earlier answer.
-
-One more round of tightening would take longer than all the rest; what is kept back beyond the usual first reserves
-costs less than a tenth of a percent of the duration.
-"""
 
 _SLOWEST = 1.5
 _BISECTIONS = 6
@@ -22,9 +16,9 @@ _BROKEN_HEIGHT = 0.05
 
 
 def with_restart_reserves(reserves: Reserves) -> Reserves:
-    """The reserves with at least those of `RESTART_RESERVES`; one below zero, which takes a row away, stays."""
+    """The reserves with at least each constraint's `restart_backoff`; one below zero, which takes a row away, stays."""
     return {
-        key: max(value, RESTART_RESERVES.get(key[0], 0.0)) if value >= 0.0 else value for key, value in reserves.items()
+        key: max(value, BY_NAME[key[0]].restart_backoff) if value >= 0.0 else value for key, value in reserves.items()
     }
 
 

@@ -1,5 +1,8 @@
 """The constraints, as one visible table: a new one is a file here and a line below."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
 from nospill.laws.constraints.jerk import PathJerk, TiltJerk
@@ -35,3 +38,6 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     TiltJerk(),
 )
 """Every constraint, in the order of the certificate."""
+
+BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in CONSTRAINTS})
+"""The same by name, as rows and reasons carry it."""

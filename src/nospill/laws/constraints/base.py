@@ -1,11 +1,14 @@
-"""What a constraint is: a name, a unit, subjects and budgets. Everything that walks the constraints reads only this."""
+"""What a constraint is: name, unit, role, subjects and budgets, and the figures that planning and judging need of it.
+
+Everything that walks the constraints reads only this; no other room has a table by the names of constraints.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -26,6 +29,78 @@ class Place(Enum):
     """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
     END = "end"
     """objects at the end of the motion, the tray at rest and level."""
+
+
+class Role(Enum):
+    """What a constraint protects."""
+
+    LIQUID = "liquid"
+    """The liquid in its cup."""
+    CONTACT = "contact"
+    """The object in its place on the tray."""
+    JOINT = "joint"
+    """A joint of the arm."""
+    TRAY = "tray"
+    """The motion of the tray: its tilt, and the smoothness of path parameter and tilt."""
+
+
+class RowId(NamedTuple):
+    """A row of the problem or of the certificate: one constraint on one subject.
+
+    Attributes:
+        constraint: its name.
+        subject_index: its place in what `Constraint.subjects` gives for the scene.
+    """
+
+    constraint: str
+    subject_index: int
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectKey:
+    """A limit in the entry of an object (or of the tray, where it stands for all objects).
+
+    Attributes:
+        key: in `[[cargo]]`.
+    """
+
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class JointKey:
+    """A limit of every joint, in `[robot.limits]`.
+
+    Attributes:
+        key: there.
+        attribute: of the robot, (n,) in SI units.
+        dimension: as in `core.units`.
+        falls_with_load: whether a lighter cargo helps as a higher limit does.
+    """
+
+    key: str
+    attribute: str
+    dimension: str
+    falls_with_load: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MotionKey:
+    """A limit among the rules of the motion, in `[motion]`.
+
+    Attributes:
+        key: there, and the attribute of the rules, SI units.
+        dimension: as in `core.units`.
+        largest: value that the scenario allows, SI units.
+    """
+
+    key: str
+    dimension: str
+    largest: float
+
+
+LimitKey = ObjectKey | JointKey | MotionKey
+"""Where the scenario has the limit of a constraint, so that a diagnosis can relax it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,21 +166,45 @@ def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
 class Constraint(ABC):
     """One constraint family.
 
-    Class attributes:
-        name: as in the certificate. unit: of the printed figures ("1" for a fraction). symbol: for formulas and plots.
-        place: see `Place`. relative: print cones as a fraction of their capacity.
+    Attributes:
+        name: as in the certificate.
+        unit: of the printed figures ("1" for a fraction).
+        role: what it protects.
+        place: where along the motion it is imposed.
         description: one sentence for the documentation.
+        relative: whether cones are printed as a fraction of their capacity.
+        backoff: fraction of every budget that is kept from the optimiser at first. It is what the limit typically
+            exceeds between grid points, and where the spline through the samples rounds the corners of the jerk,
+            measured on the examples: enough for most motions to be certified at once, little enough to cost less than a
+            thousandth of the duration.
+        restart_backoff: least fraction that is kept back where planning goes on from an earlier answer. One more round
+            of tightening would take longer than all the rest; what is kept back beyond `backoff` costs less than a
+            tenth of a percent of the duration.
+        judge_resolution: fraction of the limit that a plan has to leave: what a grid four times finer than the judge's
+            may find between its instants, most where accelerations with corners decide. Measured on some hundred
+            random scenarios.
+        integration_error: what it has to leave besides, in the constraint's unit, where the judge integrates.
+        least_size: what a margin is measured by at least, in the constraint's unit, where the limit's distance from
+            zero says nothing.
+        limit_key: where the scenario has the limit; None where no key relaxes this constraint alone.
     """
 
     name: ClassVar[str]
     unit: ClassVar[str]
+    role: ClassVar[Role]
     place: ClassVar[Place]
     description: ClassVar[str]
     relative: ClassVar[bool] = False
+    backoff: ClassVar[float] = 1e-3
+    restart_backoff: ClassVar[float] = 0.0
+    judge_resolution: ClassVar[float] = 0.0
+    integration_error: ClassVar[float] = 0.0
+    least_size: ClassVar[float] = 0.0
+    limit_key: ClassVar[LimitKey | None] = None
 
     @abstractmethod
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Who it speaks of, in the order of `budgets`; empty where it does not apply."""
+        """What it applies to, in the order of `budgets`; empty where it does not apply."""
 
     @abstractmethod
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:

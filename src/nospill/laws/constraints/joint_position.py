@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+import math
+
+from nospill.laws.constraints.base import Budget, Constraint, Place, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -12,8 +14,10 @@ class JointPosition(Constraint):
 
     name = "joint position"
     unit = "rad"
+    role = Role.JOINT
     place = Place.JOINT
     description = "Joint angle inside the robot's limits."
+    least_size = math.pi  # half a turn: a joint's zero may lie anywhere in its range
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every joint."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -12,8 +12,10 @@ class JointSpeed(Constraint):
 
     name = "joint speed"
     unit = "rad/s"
+    role = Role.JOINT
     place = Place.JOINT
     description = "Joint speed inside the robot's limits."
+    limit_key = JointKey("speed", "max_speed", "angular_speed")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every joint."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
 from nospill.laws.sample import Sample
 from nospill.robots.kinematics.dynamics import Load, torque_expression
 from nospill.scene.scene import Scene
@@ -16,8 +16,10 @@ class JointTorque(Constraint):
 
     name = "joint torque"
     unit = "N m"
+    role = Role.JOINT
     place = Place.JOINT
     description = "Joint torque of the rigid arm with its load inside the limits, where inertias and limits are known."
+    limit_key = JointKey("torque", "max_torque", "torque", falls_with_load=True)
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every joint, where the robot's torques are limited and can be computed."""

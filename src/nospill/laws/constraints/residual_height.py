@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range, liquid_names
+from nospill.laws.constraints.base import Budget, Constraint, MotionKey, Place, Range, Role, liquid_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.laws.slosh.residual import residual_bound
 from nospill.scene.scene import Scene
@@ -27,8 +27,12 @@ class ResidualHeight(Constraint):
 
     name = "residual height"
     unit = "m"
+    role = Role.LIQUID
     place = Place.END
     description = "Bound on the surface height at any time after the motion has ended."
+    judge_resolution = 2e-4
+    integration_error = 2e-7
+    limit_key = MotionKey("residual_fraction", "ratio", largest=1.0)
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object with liquid."""
@@ -60,10 +64,13 @@ class EndDisplacement(Constraint):
 
     name = "still at the end"
     unit = "m"
+    role = Role.LIQUID
     place = Place.END
     description = (
         "Height of each mode at the end, where its displacement (for `still`, its velocity too) is to be zero."
     )
+    judge_resolution = 2e-4
+    integration_error = 2e-7
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object with liquid, unless only the residual is bounded."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -29,12 +29,17 @@ class Slip(Constraint):
 
     name = "slip"
     unit = "1"
+    role = Role.CONTACT
     place = Place.OBJECT
     relative = True
     description = (
         "Tangential contact force (at full fidelity with the moment about the centre of pressure) against planned "
         "friction times pressing force."
     )
+    backoff = 4.5e-3
+    restart_backoff = 8e-3
+    judge_resolution = 1.5e-3
+    limit_key = ObjectKey("friction")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object."""

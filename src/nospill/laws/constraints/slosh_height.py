@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, liquid_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, liquid_names
 from nospill.laws.sample import Sample
 from nospill.laws.slosh.height import crest_demands
 from nospill.scene.scene import Scene
@@ -13,8 +13,14 @@ class SloshHeight(Constraint):
 
     name = "slosh height"
     unit = "m"
+    role = Role.LIQUID
     place = Place.OBJECT
     description = "Highest point of the liquid's surface at the wall above its rest level."
+    backoff = 1.5e-3
+    restart_backoff = 2.3e-3
+    judge_resolution = 2e-4
+    integration_error = 2e-7
+    limit_key = ObjectKey("max_slosh_height")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object with liquid."""

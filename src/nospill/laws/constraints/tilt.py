@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range
+import math
+
+from nospill.laws.constraints.base import Budget, Constraint, MotionKey, Place, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -12,8 +14,10 @@ class Tilt(Constraint):
 
     name = "tilt"
     unit = "rad"
+    role = Role.TRAY
     place = Place.CONTROL
     description = "Each of the tray's two tilt angles against max_tilt."
+    limit_key = MotionKey("max_tilt", "angle", largest=math.radians(59.9))
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Both tilt angles, where free."""

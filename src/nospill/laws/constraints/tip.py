@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -17,12 +17,17 @@ class Tip(Constraint):
 
     name = "tip"
     unit = "1"
+    role = Role.CONTACT
     place = Place.OBJECT
     relative = True
     description = (
         "Distance of the centre of pressure from the middle of the footprint, as a fraction of the footprint less its "
         "reserve."
     )
+    backoff = 4e-3
+    restart_backoff = 6e-3
+    judge_resolution = 1e-3
+    limit_key = ObjectKey("centre_of_mass")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object."""

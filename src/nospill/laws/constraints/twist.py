@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -12,9 +12,14 @@ class Twist(Constraint):
 
     name = "twist"
     unit = "1"
+    role = Role.CONTACT
     place = Place.OBJECT
     relative = True
     description = "Moment about the object's vertical axis against what friction gives under uniform pressure."
+    backoff = 3e-3
+    restart_backoff = 5e-3
+    judge_resolution = 1.5e-3
+    limit_key = ObjectKey("friction")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Every object."""
