@@ -78,7 +78,7 @@ def test_the_flange_carries_all_of_them() -> None:
     scene = tray_of(GRID)
     run = hull_run(scene, None, frozenset())
     assert isinstance(run, HullRun) and len(run.scene.cargo) == 4
-    got, wanted = flange_load(run.scene), flange_load(scene)
+    got, wanted = flange_load(run.scene, run.payload), flange_load(scene)
     for part in ("mass", "first_moment", "inertia"):
         np.testing.assert_array_equal(getattr(got, part), getattr(wanted, part))
 

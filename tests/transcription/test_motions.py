@@ -109,7 +109,7 @@ def test_smooth_start_is_a_motion_from_rest_to_rest(tilting, start):
 def test_smooth_start_of_a_level_tray_meets_the_kinematic_equations():
     scene = read_scenario("matrix-liquid")
     stages = smooth_start(scene, joint_path_of(scene), 60)
-    problem = build_problem(scene, 60, nominal_duration=stages.duration, reserves={})
+    problem = build_problem(scene, 60, nominal_duration=stages.duration, backoff={})
     transcription = problem.transcription
     values = transcription.constraint_function(problem.encode(stages), problem.parameters).full().ravel()
     table = values[: 60 * transcription.height].reshape(60, -1)

@@ -21,12 +21,12 @@ from nospill.transcription.stage_functions import _stage_functions, stage_functi
 
 INTERVALS = 3
 SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
-RESERVES = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
+BACKOFF = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
 
 
 @cache
 def problem(name: str) -> Problem:
-    return build_problem(read_scenario(name), INTERVALS, nominal_duration=1.8, reserves=RESERVES)
+    return build_problem(read_scenario(name), INTERVALS, nominal_duration=1.8, backoff=BACKOFF)
 
 
 def random_point(found: Problem, seed: int) -> np.ndarray:
@@ -114,21 +114,19 @@ def test_blocks_cover_the_rows_once_and_name_every_constraint(name):
     # What no block names are equalities: gaps, kinematics, equations of motion.
     equal = transcription.lower[: transcription.height] == transcription.upper[: transcription.height]
     assert sorted(set(range(transcription.height)) - set(used)) == np.flatnonzero(equal).tolist()
-    named = {
-        (block.constraint, block.subject) for block in (*transcription.blocks, *transcription.stage.shape.end_blocks)
-    }
+    named = {(block.constraint, block.subject) for block in (*transcription.blocks, *transcription.end_blocks)}
     expected = {
         (constraint.name, index) for constraint in CONSTRAINTS for index in range(len(constraint.subjects(scene)))
     }
     assert named == expected
-    assert named <= set(transcription.stage.reserve_keys)
+    assert named <= set(transcription.stage.backoff_keys)
 
 
 def test_one_transcription_serves_every_scene_of_the_structure():
     found = problem("matrix-liquid")
     other = read_scenario("matrix-liquid-soft-end")
-    assert build_problem(other, INTERVALS, nominal_duration=2.0, reserves={}).transcription is not found.transcription
-    again = build_problem(found.scene, INTERVALS, nominal_duration=2.5, reserves={})
+    assert build_problem(other, INTERVALS, nominal_duration=2.0, backoff={}).transcription is not found.transcription
+    again = build_problem(found.scene, INTERVALS, nominal_duration=2.5, backoff={})
     assert again.transcription is found.transcription
     assert not np.array_equal(again.parameters, found.parameters)
     assert len(again.parameters) == len(found.parameters)
@@ -136,20 +134,24 @@ def test_one_transcription_serves_every_scene_of_the_structure():
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
 def test_rows_left_out_change_nothing_else(name):
-    """The kept rows, their derivatives and the cost are those of the whole problem."""
+    """The active rows, their derivatives and the cost are those of the whole problem."""
     whole = problem(name)
-    kept = frozenset({("slip", 0), ("slosh height", 1), ("joint speed", 2), ("tip", 0), ("tilt", 1)})
-    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, reserves=RESERVES, kept=kept)
+    last = whole.transcription.end_blocks[-1]
+    active = frozenset({("slip", 0), ("slosh height", 1), ("joint speed", 2), ("tip", 0), ("tilt", 1)})
+    active |= {(last.constraint, last.subject)}
+    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, backoff=BACKOFF, active=active)
     full, less = whole.transcription, part.transcription
-    assert {(block.constraint, block.subject) for block in less.blocks} == kept & {
+    assert {(block.constraint, block.subject) for block in less.blocks} == active & {
         (block.constraint, block.subject) for block in full.blocks
     }
     chosen = [*range(full.stage.shape.fixed)]
     for block in full.blocks:
-        if (block.constraint, block.subject) in kept:
+        if (block.constraint, block.subject) in active:
             chosen += _rows(block)
     stages = [stage * full.height + row for stage in range(INTERVALS) for row in chosen]
-    rows = np.array([*stages, *range(INTERVALS * full.height, len(full.lower))])
+    end = [INTERVALS * full.height + row for row in _rows(last)]
+    assert len(less.end_blocks) == 1 < len(full.end_blocks)
+    rows = np.array([*stages, *end])
     np.testing.assert_array_equal(less.lower, full.lower[rows])
     np.testing.assert_array_equal(less.upper, full.upper[rows])
     point = random_point(whole, 6)
@@ -219,18 +221,18 @@ def test_threads_change_no_bit(threads, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
-def test_reserves_tighten_the_rows_they_name_and_no_other(name):
+def test_backoff_tightens_the_rows_they_name_and_no_other(name):
     found = problem(name)
     transcription = found.transcription
-    bare = build_problem(found.scene, INTERVALS, nominal_duration=1.8, reserves={})
+    bare = build_problem(found.scene, INTERVALS, nominal_duration=1.8, backoff={})
     point = random_point(found, 5)
-    with_reserve = transcription.constraint_function(point, found.parameters).full().ravel()
+    tightened = transcription.constraint_function(point, found.parameters).full().ravel()
     without = transcription.constraint_function(point, bare.parameters).full().ravel()
-    changed = np.flatnonzero(with_reserve[: transcription.height] != without[: transcription.height])
+    changed = np.flatnonzero(tightened[: transcription.height] != without[: transcription.height])
     named = {
         row
         for block in transcription.blocks
-        if (block.constraint, block.subject) in RESERVES
+        if (block.constraint, block.subject) in BACKOFF
         for row in range(block.first, block.first + block.count)
     }
     assert set(changed.tolist()) <= named

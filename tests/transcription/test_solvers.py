@@ -34,7 +34,7 @@ class Task:
     def problem(self, solver: str = "ipopt") -> Problem:
         planning = dataclasses.replace(self.scene.planning, solver=solver)
         scene = dataclasses.replace(self.scene, planning=planning)
-        return build_problem(scene, INTERVALS, nominal_duration=1.5, reserves={})
+        return build_problem(scene, INTERVALS, nominal_duration=1.5, backoff={})
 
     def solve(self, solver: str, options: SolveOptions = PATIENT, warm: Solution | None = None) -> Solution:
         return solve(self.problem(solver), self.start, solver=solver, options=options, warm=warm)
@@ -105,7 +105,7 @@ def test_from_its_own_answer_a_few_steps_are_enough(task: Task) -> None:
         task.problem(),
         first.stages,
         solver="ipopt",
-        options=dataclasses.replace(PATIENT, barrier_start=1e-6, room=1e-6),
+        options=dataclasses.replace(PATIENT, barrier_start=1e-6, bound_push=1e-6),
         warm=first,
     )
     assert again.converged and again.iterations < first.iterations / 2

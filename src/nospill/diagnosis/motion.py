@@ -219,7 +219,7 @@ def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
         return _no_time_to_solve(trials, last)
     _require_regular(trials)
     slow = max(limit, SLOW)
-    judged = slow_motion(with_time(scene, slow), trials.joint_path)
+    judged = slow_motion(with_time(scene, slow), trials.joint_path, trials.run.payload)
     if judged is not None and not judged[0].ok:
         worst = judged[0].worst
         changes = _smooth_enough(trials, worst, slow)
@@ -261,7 +261,7 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
     scene, share = trials.run.scene, worst.use * SPARE - 1.0
     for lever in levers_of(scene, worst.constraint, worst.subject, {}):
         if share <= lever.most:
-            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path)
+            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path, trials.run.payload)
             if judged is not None and judged[0].ok:
                 return [lever.change(share)]
     return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]

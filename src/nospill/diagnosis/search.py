@@ -14,9 +14,11 @@ from typing import Protocol
 import numpy as np
 
 from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.guess import USUAL_START, Start
-from nospill.transcription.problem import Problem, Reserves
+from nospill.transcription.nlp import Backoff
+from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
 
@@ -43,13 +45,16 @@ class Searcher(Protocol):
     """What trying a changed task takes; a `planning_run.PlanningRun` is one.
 
     Attributes:
-        scene: the task. reserves: fraction of each budget kept back; a negative one widens it.
+        scene: the task.
+        payload: what the flange carries, where that is not the cargo of the scene.
+        reserves: fraction of each budget that is kept from the optimiser.
     """
 
     scene: Scene
+    payload: tuple[Cargo, ...] | None
 
     @property
-    def reserves(self) -> Reserves:
+    def reserves(self) -> Backoff:
         """Of every row."""
         ...
 
@@ -184,7 +189,7 @@ def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
     inside, end = np.split(effect, [transcription.intervals * transcription.height])
     inside = inside.reshape(-1, transcription.height)
     pulls: dict[tuple[str, int], Pull] = {}
-    for blocks, effects in ((transcription.blocks, inside), (transcription.stage.shape.end_blocks, end[None, :])):
+    for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
         for block in blocks:
             key = (block.constraint, block.subject)
             per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)

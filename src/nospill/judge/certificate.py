@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -25,6 +25,7 @@ from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes, heaviest, lightest
 
@@ -68,25 +69,41 @@ def certify(
 
 
 def judge(
-    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+    payload: Sequence[Cargo] | None = None,
 ) -> Judgement:
-    """`certify` with its evidence; the same arguments and errors."""
+    """`certify` with its evidence; the same arguments and errors.
+
+    `payload` is what the flange carries, where that is not the cargo of the scene.
+    """
     require_fit(trajectory, scene)
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)
-    traces = constraint_traces(held, scene, played)
+    traces = constraint_traces(held, scene, played, payload=payload)
     corners = corner_rows(held, scene, motion=motion, rate=rate, played=played)
     rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
     return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played, corners)
 
 
 def constraint_traces(
-    trajectory: Trajectory, scene: Scene, played: Replay, *, places: Collection[Place] = tuple(Place)
+    trajectory: Trajectory,
+    scene: Scene,
+    played: Replay,
+    *,
+    places: Collection[Place] = tuple(Place),
+    payload: Sequence[Cargo] | None = None,
 ) -> tuple[Trace, ...]:
-    """Every constraint of some places and its subjects over time, each on the grid it is judged on."""
+    """Every constraint of some places and its subjects over time, each on the grid it is judged on.
+
+    `payload` is what the flange carries, where that is not the cargo of the scene.
+    """
     structure, numbers = structure_of(scene), numbers_of(scene)
-    parameters = flat_numbers(scene)
+    parameters = flat_numbers(scene, payload)
     traces = []
     for place, (t, columns) in _inputs(trajectory, played).items():
         constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
@@ -130,7 +147,7 @@ def corner_rows(
                 rows.append(replace(worst_row(trace), variant=corner.texts[trace.subject]))
     if rows and played is not None:
         for text, load in (("the heaviest load", heaviest(scene)), ("the lightest load", lightest(scene))):
-            loaded = constraint_traces(trajectory, replace(scene, cargo=load), played, places=(Place.JOINT,))
+            loaded = constraint_traces(trajectory, scene, played, places=(Place.JOINT,), payload=load)
             rows += [
                 replace(worst_row(trace), variant=text) for trace in loaded if trace.constraint == JointTorque.name
             ]

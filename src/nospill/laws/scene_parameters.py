@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -18,12 +19,13 @@ from nospill.scene.scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Known:
-    """A scene as a key: the same object, since scenes cannot be hashed by what they hold and never change."""
+    """A scene and its payload as a key: the same objects, since they cannot be hashed by what they hold, nor change."""
 
     scene: Scene
+    payload: Sequence[Cargo] | None = None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Known) and other.scene is self.scene
+        return isinstance(other, _Known) and other.scene is self.scene and other.payload is self.payload
 
     def __hash__(self) -> int:
         return id(self.scene)
@@ -68,19 +70,22 @@ def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
-def numbers_of(scene: Scene) -> SceneNumbers:
-    """The numbers of a scene; those of the last few scenes are kept."""
-    return _numbers(_Known(scene))
+def numbers_of(scene: Scene, payload: Sequence[Cargo] | None = None) -> SceneNumbers:
+    """The numbers of a scene; those of the last few scenes are cached.
+
+    `payload` is what the flange carries, where that is not the cargo of the scene.
+    """
+    return _numbers(_Known(scene, payload))
 
 
-def flat_numbers(scene: Scene) -> np.ndarray:
-    """The same as one vector, see `numbers.flatten`; not to be changed."""
-    return _flat(_Known(scene))
+def flat_numbers(scene: Scene, payload: Sequence[Cargo] | None = None) -> np.ndarray:
+    """The same as one vector, see `parameters.flatten`; read-only."""
+    return _flat(_Known(scene, payload))
 
 
 @lru_cache(maxsize=8)
 def _flat(known: _Known) -> np.ndarray:
-    flat = flatten(numbers_of(known.scene))
+    flat = flatten(_numbers(known))
     flat.setflags(write=False)
     return flat
 
@@ -92,7 +97,7 @@ def _numbers(known: _Known) -> SceneNumbers:
         name: np.zeros(len(scene.robot.joints)) if limit is None else limit
         for name, limit in _further_limits(scene).items()
     }
-    load = flange_load(scene)
+    load = flange_load(scene, known.payload)
     return SceneNumbers(
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
@@ -119,14 +124,17 @@ def _numbers(known: _Known) -> SceneNumbers:
     )
 
 
-def flange_load(scene: Scene) -> Load:
-    """What the flange carries as one rigid body, flange axes: tray as an even plate, liquids at rest."""
+def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:
+    """What the flange carries as one rigid body, flange axes: tray as an even plate, liquids at rest.
+
+    On the tray stands `payload`, the cargo of the scene where there is none.
+    """
     tray = scene.tray
     turn = rotation_of((0.0, 0.0, tray.yaw_on_flange))
     x, y = tray.size
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
     load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
-    for cargo in scene.cargo if scene.carried is None else scene.carried:
+    for cargo in scene.cargo if payload is None else payload:
         own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
         centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
         load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)

@@ -37,11 +37,13 @@ def corner_run(scene: Scene, progress: Progress | None, ignored: frozenset[str])
     """A run for a scene with tolerances."""
     families = scene_variants(scene)
     stated = tuple(family[0] for family in families)
-    return CornerRun(stated_scene(scene), progress, ignored, whole=scene, families=families, chosen=stated)
+    return CornerRun(
+        stated_scene(scene), progress, ignored, whole=scene, payload=heaviest(scene), families=families, chosen=stated
+    )
 
 
 def stated_scene(scene: Scene) -> Scene:
-    """The scene at its stated numbers, certain, with the least friction and the heaviest load on the flange.
+    """The scene at its stated numbers, certain, with the least friction.
 
     Friction is lowered by the reserve, so that whoever reads the scene still finds the coefficient as stated.
     """
@@ -52,7 +54,7 @@ def stated_scene(scene: Scene) -> Scene:
         least = 0.0 if item.tolerance is None else item.tolerance.friction
         reserve = 1.0 - (1.0 - item.friction_reserve) * (1.0 - least)
         cargo.append(replace(item, friction_reserve=reserve, tolerance=None))
-    return replace(scene, cargo=tuple(cargo), carried=heaviest(scene))
+    return replace(scene, cargo=tuple(cargo))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -71,7 +73,10 @@ class CornerRun(GrowingRun[Key]):
 
     def trial(self, scene: Scene) -> PlanningRun:
         """A run of its own on a scene at its stated numbers; what it learns does not come back."""
-        return PlanningRun.trial(self, stated_scene(scene))
+        other = PlanningRun.trial(self, stated_scene(scene))
+        if is_uncertain(scene):
+            other.payload = heaviest(scene)
+        return other
 
     def restart(self, earlier: Plan, memory: Memory | None) -> Solution | None:
         """Solve from an earlier plan with the variants that come near a limit in it; None where that fails."""

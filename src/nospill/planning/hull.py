@@ -36,7 +36,7 @@ def hull_run(scene: Scene, progress: Progress | None, ignored: frozenset[str]) -
     chosen = outer_objects(scene)
     if len(chosen) == len(scene.cargo):
         return PlanningRun(scene, progress, ignored)
-    return HullRun(replace(scene, cargo=chosen, carried=scene.cargo), progress, ignored, whole=scene)
+    return HullRun(replace(scene, cargo=chosen), progress, ignored, whole=scene, payload=scene.cargo)
 
 
 def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
@@ -74,9 +74,11 @@ class HullRun(GrowingRun[str]):
 
     def trial(self, scene: Scene) -> PlanningRun:
         """A run of its own on the outer objects of a scene; what it learns does not come back."""
-        if scene.carried is None:
-            scene = replace(scene, cargo=outer_objects(scene), carried=scene.cargo)
-        return PlanningRun.trial(self, scene)
+        if {cargo.name for cargo in scene.cargo} <= {cargo.name for cargo in self.scene.cargo}:
+            return PlanningRun.trial(self, scene)
+        other = PlanningRun.trial(self, replace(scene, cargo=outer_objects(scene)))
+        other.payload = scene.cargo
+        return other
 
     def missing(self, judgement: Judgement) -> set[str]:
         """The objects that fail and are not in the problem, but what is slight."""

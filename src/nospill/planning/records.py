@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from nospill.laws.parameters import Structure
-from nospill.transcription.problem import Reserves
+from nospill.transcription.nlp import Backoff
 from nospill.transcription.solvers import Solution
 
 
@@ -33,7 +33,7 @@ class Memory:
     structure: Structure
     solution: Solution
     kept: frozenset[tuple[str, int]]
-    reserves: Reserves
+    reserves: Backoff
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Place
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.planning.reserves import first_reserve, further_reserve
 from nospill.scene.scene import Scene
-from nospill.transcription.problem import Reserves
 
-_UNBOUNDED = -1e3
-"""A budget a thousand times as large leaves rows at the end, which always stand in the problem, without effect."""
+_AT_THE_END = frozenset(constraint.name for constraint in CONSTRAINTS if constraint.place is Place.END)
 _NEAR = 0.3
 """Rows with this part of their limit left come near it."""
 
@@ -36,7 +35,7 @@ class Rows:
     subjects: dict[str, tuple[str, ...]]
     ignored: frozenset[str]
     left_out: frozenset[str]
-    reserves: Reserves
+    reserves: dict[Key, float]
     kept: set[Key]
 
     @classmethod
@@ -44,7 +43,6 @@ class Rows:
         """All rows of a scene but those of ignored constraints take part, each with its first reserve."""
         subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
         reserves = {(name, index): first_reserve(name) for name, own in subjects.items() for index in range(len(own))}
-        reserves |= {key: _UNBOUNDED for key in reserves if key[0] in ignored}
         # On a level tray the path alone says where six joints are, and `joint_paths` has looked at that.
         given = not scene.motion.tilt_free and len(scene.robot.joints) == 6
         left_out = ignored | {JointPosition.name} if given else ignored
@@ -56,6 +54,11 @@ class Rows:
     def all(self) -> set[Key]:
         """Every row that may take part."""
         return {key for key in self.reserves if key[0] not in self.left_out}
+
+    @property
+    def active(self) -> frozenset[Key]:
+        """The rows of the problem: those that are kept, and all on the final state, which cost nothing."""
+        return frozenset(self.kept | {key for key in self.all if key[0] in _AT_THE_END})
 
     def keep_all(self) -> None:
         """Let all of them take part."""

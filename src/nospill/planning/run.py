@@ -29,6 +29,7 @@ from nospill.planning.warm_start import is_broken, slow_enough, with_restart_res
 from nospill.plans.plan import Plan, PlanningReport, Starts
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import clearance, determinants, keeps_branch
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples, with_joints_solved
 from nospill.transcription.guess import (
@@ -41,21 +42,17 @@ from nospill.transcription.guess import (
     smooth_start,
 )
 from nospill.transcription.layout import layout_of
-from nospill.transcription.problem import Problem, Reserves, build_problem
+from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
 
 _ROUNDS = 8
 _COARSEST = 25
-_COARSE_SWING = 2.5
-_FINE_SWING = 0.7
+_COARSE_SWING, _FINE_SWING = 2.5, 0.7
 REFINE_BARRIERS = (1e-5, 1e-4, 0.1)
-_TIGHTEN_BARRIER = 1e-6
-_AGAIN_BARRIER = 1e-6
-_NO_ROOM = 1e-6
-_ROOM_IF_BROKEN = 0.05
-_BROKEN_ITERATIONS = 50
-_TIGHTEN_ITERATIONS = 40
+_TIGHTEN_BARRIER = _AGAIN_BARRIER = 1e-6
+_NO_ROOM, _ROOM_IF_BROKEN = 1e-6, 0.05
+_BROKEN_ITERATIONS, _TIGHTEN_ITERATIONS = 50, 40
 REFINE_ITERATIONS = 100
 _NEAR_AT_START = 0.75
 _LEAST_TIME = 10.0
@@ -66,7 +63,8 @@ _TIME_IS_UP = "; the time planning.max_plan_time was up"
 class PlanningRun:
     """One call of `plan`: its clock, counters and the steps of the story.
 
-    Where it `forks`, a copy of this process searches from the second start, beside the first.
+    Where it `forks`, a copy of this process searches from the second start, beside the first. The flange carries
+    `payload`, the cargo of the scene where that is None.
     """
 
     scene: Scene
@@ -84,6 +82,7 @@ class PlanningRun:
     crossed: JointPath | None = None
     asked: Scene | None = None
     forks: bool = False
+    payload: tuple[Cargo, ...] | None = None
     last_export: tuple[Stages, Trajectory] | None = None
     rows: Rows = field(init=False)
 
@@ -100,7 +99,7 @@ class PlanningRun:
         return self._time_left < 0.0
 
     @property
-    def reserves(self) -> Reserves:
+    def reserves(self) -> dict[tuple[str, int], float]:
         """Part of every budget that is kept from the optimiser."""
         return self.rows.reserves
 
@@ -132,7 +131,7 @@ class PlanningRun:
     ) -> Solution:
         """Solve on the start's grid, with the rows that are kept; a first barrier alone says that the start is good."""
         options = self.scene.planning
-        problem = self._problem(start, self.rows.kept)
+        problem = self.problem(start)
         with self.phase("solve"):
             solution = solve(
                 problem,
@@ -142,9 +141,9 @@ class PlanningRun:
                     max_iterations=iterations or options.max_iterations,
                     max_time=min(options.max_solve_time, max(self._time_left, _LEAST_TIME)),
                     barrier_start=barrier,
-                    room=_NO_ROOM if room is None and barrier is not None else room,
-                    by_error=by_error,
-                    roughly=roughly,
+                    bound_push=_NO_ROOM if room is None and barrier is not None else room,
+                    kkt_error_globalization=by_error,
+                    loose_tolerances=roughly,
                     progress=self._iteration if self.progress is not None else None,
                 ),
                 warm=warm,
@@ -155,9 +154,9 @@ class PlanningRun:
 
     def problem(self, motion: Stages) -> Problem:
         """The problem with the rows that are kept, about a motion."""
-        return self._problem(motion, self.rows.kept)
+        return self._problem(motion, self.rows.active)
 
-    def _problem(self, start: Stages, kept: Collection[tuple[str, int]]) -> Problem:
+    def _problem(self, start: Stages, active: Collection[tuple[str, int]]) -> Problem:
         scene = self.scene
         if EndDisplacement.name in self.ignored:
             # Its equalities are bounds of the variables, which only another end condition takes away.
@@ -167,8 +166,10 @@ class PlanningRun:
                 scene,
                 start.intervals,
                 nominal_duration=start.duration,
-                reserves=self.reserves,
-                kept=frozenset(kept),
+                backoff=self.reserves,
+                active=frozenset(active),
+                payload=self.payload,
+                exact_rest=self.payload is None or len(scene.cargo) <= len(self.payload),
                 self_motion=start.self_motion,
                 least_determinant=self.least_determinant if self.regular else None,
             )
@@ -218,7 +219,7 @@ class PlanningRun:
 
     def trial(self, scene: Scene) -> PlanningRun:
         """A run of its own on a scene, which reports to the same place; what it learns does not come back."""
-        other = PlanningRun(scene, self.progress, self.ignored)
+        other = PlanningRun(scene, self.progress, self.ignored, payload=self.payload)
         other.regular, other.rows.kept = self.regular, set()
         return other
 
@@ -358,7 +359,7 @@ class PlanningRun:
     def _is_hopeless(self, joint_path: JointPath) -> bool:
         from nospill import diagnosis  # loaded where something is wrong
 
-        return diagnosis.is_hopeless(self.scene, joint_path)
+        return diagnosis.is_hopeless(self.scene, joint_path, self.payload)
 
     def _overlooked(self, joint_path: JointPath, last: Solution | None) -> Solution:
         from nospill import diagnosis

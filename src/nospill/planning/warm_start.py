@@ -5,7 +5,8 @@ from __future__ import annotations
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.transcription.guess import slowed
-from nospill.transcription.problem import Problem, Reserves
+from nospill.transcription.nlp import Backoff
+from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import row_slack
 from nospill.transcription.stages import Stages
 
@@ -15,11 +16,9 @@ _BROKEN = 0.2
 _BROKEN_HEIGHT = 0.05
 
 
-def with_restart_reserves(reserves: Reserves) -> Reserves:
-    """The reserves with at least each constraint's `restart_backoff`; one below zero, which takes a row away, stays."""
-    return {
-        key: max(value, BY_NAME[key[0]].restart_backoff) if value >= 0.0 else value for key, value in reserves.items()
-    }
+def with_restart_reserves(reserves: Backoff) -> dict[tuple[str, int], float]:
+    """The reserves with at least each constraint's `restart_backoff`."""
+    return {key: max(value, BY_NAME[key[0]].restart_backoff) for key, value in reserves.items()}
 
 
 def is_broken(problem: Problem, motion: Stages) -> bool:

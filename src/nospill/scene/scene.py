@@ -92,8 +92,6 @@ class Scene:
         approach: how the arm gets to the start, or None where that is not asked for.
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
-        carried: one set of the objects, where `cargo` holds several variants of each: what the flange carries. None
-            where that is the cargo itself.
     """
 
     name: str
@@ -110,4 +108,3 @@ class Scene:
     source: dict[str, object] = field(repr=False)
     approach: ApproachRules | None = None
     start_near: np.ndarray | None = None
-    carried: tuple[Cargo, ...] | None = None

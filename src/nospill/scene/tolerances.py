@@ -259,6 +259,8 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
 def spread(scene: Scene, chosen: tuple[Variant, ...] | None = None) -> Scene:
     """The scene whose cargo are variants, for the optimiser: a cup with three fills is three cups to it.
 
+    The flange carries one set of the objects only: `heaviest` is the payload that goes with it.
+
     Args:
         scene: with tolerances.
         chosen: which variants; all of them when left out.
@@ -266,7 +268,7 @@ def spread(scene: Scene, chosen: tuple[Variant, ...] | None = None) -> Scene:
     if chosen is None:
         chosen = tuple(variant for family in scene_variants(scene) for variant in family)
     cargo = tuple(replace(variant.cargo, name=spread_name(variant.name, variant.text)) for variant in chosen)
-    return replace(scene, cargo=cargo, carried=heaviest(scene))
+    return replace(scene, cargo=cargo)
 
 
 def spread_name(name: str, text: str) -> str:

@@ -1,12 +1,12 @@
 """The whole problem from the functions of one stage, mapped over the stages and placed by a fixed permutation.
 
 Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities
-and the kept rows; then the rows on x_N. Nothing of the size of the whole problem is ever differentiated.
+and the active rows; then the active rows on x_N. Nothing of the size of the whole problem is ever differentiated.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -22,8 +22,11 @@ from nospill.transcription.stage_functions import StageFunctions, Triplets, stag
 
 MX = ca.MX
 
-Kept = frozenset[tuple[str, int]]
-"""(constraint, subject) pairs whose rows take part."""
+Backoff = Mapping[tuple[str, int], float]
+"""(constraint, subject index) -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
+
+Active = frozenset[tuple[str, int]]
+"""(constraint, subject index) pairs whose rows take part, those on the final state as well."""
 
 _MOST_THREADS = 4
 """Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
@@ -37,7 +40,8 @@ class Transcription:
         stage: the functions it is built from.
         intervals: N.
         lower, upper: bounds of all constraints, shape (m,).
-        blocks: of the kept rows of a stage, first row counted from the stage's start.
+        blocks: of the active rows of a stage, first row counted from the stage's start.
+        end_blocks: of the active rows on the final state, first row counted from the first of them.
         height: constraints per stage.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
         jac_g, grad_f, hess_lag: exact derivatives in its signatures.
@@ -49,6 +53,7 @@ class Transcription:
     lower: np.ndarray
     upper: np.ndarray
     blocks: tuple[Block, ...]
+    end_blocks: tuple[Block, ...]
     height: int
     nlp: dict[str, MX]
     jac_g: Any
@@ -66,12 +71,10 @@ class Transcription:
         """Number of variables."""
         return self.intervals * self.layout.size + self.layout.states
 
-    def parameters(
-        self, numbers: SceneNumbers, scales: np.ndarray, reserves: dict[tuple[str, int], float]
-    ) -> np.ndarray:
-        """The parameter vector: numbers, scales of a stage, reserves, number of intervals."""
-        kept_back = [reserves.get(key, 0.0) for key in self.stage.reserve_keys]
-        return np.concatenate([flatten(numbers), scales, kept_back, [self.intervals]])
+    def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: Backoff) -> np.ndarray:
+        """The parameter vector: numbers, scales of a stage, back-off of every row, number of intervals."""
+        fractions = [backoff.get(key, 0.0) for key in self.stage.backoff_keys]
+        return np.concatenate([flatten(numbers), scales, fractions, [self.intervals]])
 
 
 def transcribe(
@@ -79,7 +82,7 @@ def transcribe(
     numbers: SceneNumbers,
     intervals: int,
     *,
-    kept: Kept | None = None,
+    active: Active | None = None,
     derivable: bool = False,
 ) -> Transcription:
     """The transcription of a structure; `numbers` only shows the shapes.
@@ -88,16 +91,17 @@ def transcribe(
         structure: what there is.
         numbers: of any scene of that structure.
         intervals: N.
-        kept: which rows take part; None for all. The judge looks at all of them in any case.
+        active: which rows take part; None for all. The judge looks at all of them in any case.
         derivable: from functions that CasADi can derive itself, for a solver that does not take ours.
     """
-    return _transcribe(stage_functions(structure, numbers, derivable=derivable), intervals, kept)
+    return _transcribe(stage_functions(structure, numbers, derivable=derivable), intervals, active)
 
 
 @lru_cache(maxsize=32)
-def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Transcription:
+def _transcribe(stage: StageFunctions, intervals: int, active: Active | None) -> Transcription:
     shape, layout = stage.shape, stage.layout
-    rows, blocks = _kept_rows(stage, kept)
+    rows, blocks = _active_rows(shape.blocks, active, shape.fixed)
+    end_rows, end_blocks = _active_rows(shape.end_blocks, active, 0)
     zeros = np.zeros(shape.fixed)
     chosen = rows[shape.fixed :] - shape.fixed
     lower = np.concatenate([zeros, shape.lower[chosen]])
@@ -105,7 +109,7 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
 
     values, slopes, costs, curvatures = _over_stages(stage, intervals)
     size, states, height = layout.size, layout.states, len(rows)
-    total, end_height = intervals * size + states, len(shape.end_lower)
+    total, end_height = intervals * size + states, len(end_rows)
     w = MX.sym("w", total)
     p = MX.sym("p", stage.values.size1_in(1))
     stages, final = ca.reshape(w[: intervals * size], size, intervals), w[intervals * size :]
@@ -114,15 +118,17 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
     def gather(mapped: MX) -> MX:
         picked = mapped[rows.tolist(), :]
         gaps = ca.vertcat(following + picked[:states, :], picked[states:, :])
-        return ca.vertcat(ca.vec(gaps), stage.end_values(final, p))
+        return ca.vertcat(ca.vec(gaps), stage.end_values(final, p)[end_rows.tolist()])
 
     stage_costs, stage_values = values(stages, p)
     nlp = {"x": w, "p": p, "f": ca.sum2(stage_costs), "g": gather(stage_values)}
 
     slope_values, slope_nonzeros = slopes(stages, p)
-    entries, sparsity, order = _jacobian_places(stage, rows, intervals)
+    entries, end_entries, sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
     nonzeros = ca.vertcat(
-        ca.vec(slope_nonzeros[entries.tolist(), :]), MX.ones(intervals * states), stage.end_slopes(final, p)
+        ca.vec(slope_nonzeros[entries.tolist(), :]),
+        MX.ones(intervals * states),
+        stage.end_slopes(final, p)[end_entries.tolist()],
     )
     jac_g = ca.Function(
         "nlp_jac_g", [w, p], [gather(slope_values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
@@ -134,14 +140,12 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
 
     multipliers, weight = MX.sym("lam_g", intervals * height + end_height), MX.sym("lam_f")
     split = ca.reshape(multipliers[: intervals * height], height, intervals)
-    # Rows that are left out have no multiplier: they read the zero row appended below.
-    source = np.full(shape.height, height)
-    source[rows] = np.arange(height)
-    spread = ca.vertcat(split, MX.zeros(1, intervals))[source.tolist(), :]
+    spread = _for_all_rows(split, rows, shape.height)
+    end_spread = _for_all_rows(multipliers[intervals * height :], end_rows, len(shape.end_lower))
     sparsity, order = _hessian_places(stage, intervals)
     nonzeros = ca.vertcat(
         ca.vec(curvatures(stages, p, weight, spread)),
-        stage.end_curvatures(final, p, multipliers[intervals * height :]),
+        stage.end_curvatures(final, p, end_spread),
     )
     hess_lag = ca.Function(
         "nlp_hess_l",
@@ -153,9 +157,10 @@ def _transcribe(stage: StageFunctions, intervals: int, kept: Kept | None) -> Tra
     return Transcription(
         stage=stage,
         intervals=intervals,
-        lower=np.concatenate([np.tile(lower, intervals), shape.end_lower]),
-        upper=np.concatenate([np.tile(upper, intervals), shape.end_upper]),
+        lower=np.concatenate([np.tile(lower, intervals), shape.end_lower[end_rows]]),
+        upper=np.concatenate([np.tile(upper, intervals), shape.end_upper[end_rows]]),
         blocks=blocks,
+        end_blocks=end_blocks,
         height=height,
         nlp=nlp,
         jac_g=jac_g,
@@ -176,14 +181,23 @@ def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, 
     return values, slopes, costs, over_columns(stage.curvatures, intervals, [1, 2], threads=threads)
 
 
-def _kept_rows(stage: StageFunctions, kept: Kept | None) -> tuple[np.ndarray, tuple[Block, ...]]:
-    """Indices of the constraints of a stage that take part, and the kept blocks at their new places."""
-    rows, blocks = list(range(stage.shape.fixed)), []
-    for block in stage.shape.blocks:
-        if kept is None or (block.constraint, block.subject) in kept:
+def _active_rows(
+    all_blocks: tuple[Block, ...], active: Active | None, fixed: int
+) -> tuple[np.ndarray, tuple[Block, ...]]:
+    """Indices of the rows that take part, the first `fixed` always, and the active blocks at their new places."""
+    rows, blocks = list(range(fixed)), []
+    for block in all_blocks:
+        if active is None or (block.constraint, block.subject) in active:
             blocks.append(Block(block.constraint, block.subject, len(rows), block.count, block.repetition))
             rows += range(block.first, block.first + block.count)
     return np.array(rows, dtype=int), tuple(blocks)
+
+
+def _for_all_rows(multipliers: MX, rows: np.ndarray, count: int) -> MX:
+    """Multipliers of `count` rows, one column a stage; those of rows that are left out read an appended zero."""
+    source = np.full(count, len(rows))
+    source[rows] = np.arange(len(rows))
+    return ca.vertcat(multipliers, MX.zeros(1, multipliers.size2()))[source.tolist(), :]
 
 
 def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tuple[ca.Sparsity, list[int]]:
@@ -194,25 +208,30 @@ def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tup
 
 
 def _jacobian_places(
-    stage: StageFunctions, kept: np.ndarray, intervals: int
-) -> tuple[np.ndarray, ca.Sparsity, list[int]]:
-    """Entries of a stage's Jacobian that take part, sparsity of the whole, and the order of its nonzeros."""
-    layout, shape, height = stage.layout, stage.shape, len(kept)
-    place = np.full(shape.height, -1)
-    place[kept] = np.arange(height)
-    rows, columns = shape.jacobian
-    entries = np.flatnonzero(place[rows] >= 0)
-    rows, columns = place[rows[entries]], columns[entries]
+    stage: StageFunctions, active: np.ndarray, end_active: np.ndarray, intervals: int
+) -> tuple[np.ndarray, np.ndarray, ca.Sparsity, list[int]]:
+    """Entries of a stage's and of the end's Jacobian that take part, sparsity of the whole, order of its nonzeros."""
+    layout, shape, height = stage.layout, stage.shape, len(active)
+    entries, rows, columns = _active_entries(shape.jacobian, active, shape.height)
+    end_entries, end_rows, end_columns = _active_entries(shape.end_jacobian, end_active, len(shape.end_lower))
     index, state = np.arange(intervals)[:, None], np.arange(layout.states)
-    end_rows, end_columns = shape.end_jacobian
     all_rows = [(index * height + rows).ravel(), (index * height + state).ravel(), intervals * height + end_rows]
     all_columns = [
         (index * layout.size + columns).ravel(),
         ((index + 1) * layout.size + state).ravel(),
         intervals * layout.size + end_columns,
     ]
-    whole = (intervals * height + len(shape.end_lower), intervals * layout.size + layout.states)
-    return entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
+    whole = (intervals * height + len(end_active), intervals * layout.size + layout.states)
+    return entries, end_entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
+
+
+def _active_entries(triplets: Triplets, active: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which nonzeros of a matrix of `count` rows stand in active ones, with their new rows and their columns."""
+    place = np.full(count, -1)
+    place[active] = np.arange(len(active))
+    rows, columns = triplets
+    entries = np.flatnonzero(place[rows] >= 0)
+    return entries, place[rows[entries]], columns[entries]
 
 
 @lru_cache(maxsize=32)

@@ -5,6 +5,7 @@ Parameters, scales, bounds, and the way in and out of its variables.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,9 +13,10 @@ import numpy as np
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.kinematics.regularity import determinants
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout
-from nospill.transcription.nlp import Kept, Transcription, transcribe
+from nospill.transcription.nlp import Active, Backoff, Transcription, transcribe
 from nospill.transcription.stages import Stages
 
 _SHORTEST = 0.05
@@ -28,9 +30,6 @@ _SELF_MOTION_JERK = 1000.0
 
 DERIVING_SOLVERS = ("fatrop",)
 """Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
-
-Reserves = dict[tuple[str, int], float]
-"""(constraint, subject index) -> fraction of the budget kept back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +82,10 @@ def build_problem(
     intervals: int,
     *,
     nominal_duration: float,
-    reserves: Reserves,
-    kept: Kept | None = None,
+    backoff: Backoff,
+    active: Active | None = None,
+    payload: Sequence[Cargo] | None = None,
+    exact_rest: bool = True,
     self_motion: np.ndarray | None = None,
     least_determinant: float | None = None,
 ) -> Problem:
@@ -94,20 +95,25 @@ def build_problem(
         scene: the task.
         intervals: N.
         nominal_duration: expected end time, s, for the scales only.
-        reserves: fraction of each budget kept back from the optimiser.
-        kept: which (constraint, subject) rows take part; None for all.
+        backoff: fraction of each budget kept from the optimiser.
+        active: which (constraint, subject) rows take part, on the final state as elsewhere; None for all.
+        payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;
+            None where it is the cargo itself.
+        exact_rest: whether liquids that end at rest do so exactly, by bounds of the variables. Several variants of one
+            object do not come to rest at one instant: without the bounds, the rows on the final state hold them as near
+            to it as the judge demands.
         self_motion: of a seven-joint arm, as in `Stages`.
         least_determinant: with its sign, what the determinant of the Jacobian stays beyond; None leaves it free.
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
-    numbers = numbers_of(scene)
+    numbers = numbers_of(scene, payload)
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
     transcription = transcribe(
-        structure, numbers, intervals, kept=kept, derivable=scene.planning.solver in DERIVING_SOLVERS
+        structure, numbers, intervals, active=active, derivable=scene.planning.solver in DERIVING_SOLVERS
     )
     scales = _scales(scene, transcription.layout, nominal_duration, intervals)
-    lower, upper = _bounds(scene, transcription.layout, scales, intervals)
+    lower, upper = _bounds(scene, transcription.layout, scales, intervals, exact_rest=exact_rest)
     if least_determinant is not None:
         size = transcription.layout.size
         scales[size - 1] = least_determinant
@@ -117,7 +123,7 @@ def build_problem(
         structure=structure,
         numbers=numbers,
         transcription=transcription,
-        parameters=transcription.parameters(numbers, scales, reserves),
+        parameters=transcription.parameters(numbers, scales, backoff),
         scales=scales,
         lower=lower,
         upper=upper,
@@ -156,7 +162,9 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     return scales
 
 
-def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) -> tuple[np.ndarray, np.ndarray]:
+def _bounds(
+    scene: Scene, layout: Layout, scales: np.ndarray, intervals: int, *, exact_rest: bool
+) -> tuple[np.ndarray, np.ndarray]:
     lower = np.full((intervals + 1, layout.size), -np.inf)
     upper = np.full((intervals + 1, layout.size), np.inf)
     lower[:, 1] = 0.0
@@ -164,7 +172,7 @@ def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) ->
     upper[:, layout.interval] = scene.motion.max_duration / intervals
     ends = (lower[0], upper[0], lower[-1], upper[-1])
     if layout.redundant:
-        # No constraint of the table speaks of this jerk: it only keeps the self-motion smooth.
+        # No constraint of the table limits this jerk: the bound only keeps the self-motion smooth.
         own = layout.jerks.stop - 1
         lower[:, own], upper[:, own] = -_SELF_MOTION_JERK, _SELF_MOTION_JERK
     for row in ends:
@@ -177,12 +185,10 @@ def _bounds(scene: Scene, layout: Layout, scales: np.ndarray, intervals: int) ->
         row[0] = 1.0
     for row in ends[:2]:
         row[layout.displacement] = row[layout.velocity] = 0.0
-    # Several variants of one object do not come to rest at one instant: their rows hold them as near as the judge asks.
-    exact = scene.carried is None or len(scene.cargo) <= len(scene.carried)
     for row in ends[2:]:
-        if exact and scene.motion.end in ("still", "published"):
+        if exact_rest and scene.motion.end in ("still", "published"):
             row[layout.displacement] = 0.0
-        if exact and scene.motion.end == "still":
+        if exact_rest and scene.motion.end == "still":
             row[layout.velocity] = 0.0
     size = intervals * layout.size + layout.states
     return (lower / scales).ravel()[:size], (upper / scales).ravel()[:size]

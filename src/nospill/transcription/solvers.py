@@ -28,24 +28,24 @@ class SolveOptions:
 
     Attributes:
         max_iterations, max_time: of the solver; time in s.
-        by_error: steps of the free barrier strategy count by the error of the optimality conditions, not by a filter of
-            cost and violation.
-        roughly: end where the conditions of an optimum are met to three digits instead of six, and solve linear systems
-            as roughly. From a start near the optimum it saves every seventh step and costs the motion at most 3 parts
-            in 10,000 of its duration.
+        kkt_error_globalization: steps of the free barrier strategy are accepted by the error of the optimality
+            conditions, not by a filter of cost and violation.
+        loose_tolerances: end where the conditions of an optimum are met to three digits instead of six, and solve
+            linear systems as loosely. From a start near the optimum it saves every seventh step and costs the motion at
+            most 3 parts in 10,000 of its duration.
         barrier_start: first barrier parameter, small where the start is nearly optimal; it then goes down step by step.
             None: adapted from iteration to iteration.
-        room: scaled distance that the start is moved off its bounds, small where the start is nearly optimal; a start
-            that breaks some of them needs more, or each step ends at the next bound. None leaves it to the solver.
+        bound_push: scaled distance that the start is moved off its bounds, small where the start is nearly optimal; a
+            start that breaks some of them needs more, or each step ends at the next bound. None: left to the solver.
         progress: called at every iteration.
     """
 
     max_iterations: int
     max_time: float
-    by_error: bool = False
-    roughly: bool = False
+    kkt_error_globalization: bool = False
+    loose_tolerances: bool = False
     barrier_start: float | None = None
-    room: float | None = None
+    bound_push: float | None = None
     progress: Progress | None = None
 
 
@@ -87,24 +87,28 @@ def _ipopt_options(options: SolveOptions) -> dict[str, Any]:
         "ipopt.acceptable_constr_viol_tol": 1e-6,
         # The free barrier strategy needs a third of the iterations of the monotone one on these problems.
         "ipopt.mu_strategy": "adaptive",
-        "ipopt.adaptive_mu_globalization": "kkt-error" if options.by_error else "obj-constr-filter",
+        "ipopt.adaptive_mu_globalization": "kkt-error" if options.kkt_error_globalization else "obj-constr-filter",
         # Quasi-dense minimum degree: of the orderings in MUMPS the quickest on these chains, most so with many cups.
         "ipopt.mumps_pivot_order": 6,
         # The problem is scaled; doing it again takes a tenth of each factorisation and changes no iteration.
         "ipopt.mumps_permuting_scaling": 0,
         "ipopt.mumps_scaling": 0,
     }
-    if options.roughly:
+    if options.loose_tolerances:
         # the bound on complementarity keeps the barrier as low as otherwise
         settings |= {"ipopt.tol": 1e-3, "ipopt.constr_viol_tol": 1e-6, "ipopt.compl_inf_tol": 2e-6}
         settings |= {"ipopt.min_refinement_steps": 0, "ipopt.residual_ratio_max": 1e-6}
     if options.barrier_start is not None:
         settings |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": options.barrier_start}
-    if options.room is not None:
+    if options.bound_push is not None:
         settings["ipopt.warm_start_init_point"] = "yes"
-        settings |= {f"ipopt.warm_start_{what}_push": options.room for what in ("bound", "slack_bound", "mult_bound")}
+        settings |= {
+            f"ipopt.warm_start_{what}_push": options.bound_push for what in ("bound", "slack_bound", "mult_bound")
+        }
         # between two bounds, as part of their distance; IPOPT's own is a thousandth
-        settings |= {f"ipopt.warm_start_{what}_frac": max(options.room, 1e-3) for what in ("bound", "slack_bound")}
+        settings |= {
+            f"ipopt.warm_start_{what}_frac": max(options.bound_push, 1e-3) for what in ("bound", "slack_bound")
+        }
     return settings
 
 
@@ -255,7 +259,7 @@ def _slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]
     stages, end = np.split(distance, [transcription.intervals * transcription.height])
     least = np.min(stages.reshape(-1, transcription.height), axis=0)
     slack: dict[tuple[str, int], float] = {}
-    for blocks, distances in ((transcription.blocks, least), (transcription.stage.shape.end_blocks, end)):
+    for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
         for block in blocks:
             key = (block.constraint, block.subject)
             own = float(np.min(distances[block.first : block.first + block.count]))

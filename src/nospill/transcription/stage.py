@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -38,8 +39,8 @@ class Block:
 class RowCollector:
     """Gathers smooth rows and remembers which constraint and subject each belongs to."""
 
-    def __init__(self, reserves: dict[tuple[str, int], SX]) -> None:
-        self._reserves = reserves
+    def __init__(self, backoff: Mapping[tuple[str, int], SX]) -> None:
+        self._backoff = backoff
         self.values: list[SX] = []
         self.lower: list[np.ndarray] = []
         self.upper: list[np.ndarray] = []
@@ -54,7 +55,7 @@ class RowCollector:
             for subject, budgets in enumerate(constraint.budgets(sample)):
                 first = self._count
                 for budget in budgets:
-                    value, lower, upper = smooth_rows(budget, self._reserves[constraint.name, subject])
+                    value, lower, upper = smooth_rows(budget, self._backoff[constraint.name, subject])
                     self.values.append(value)
                     self.lower.append(lower)
                     self.upper.append(upper)
@@ -93,7 +94,7 @@ def stage_expressions(
     stage: SX,
     *,
     scales: SX,
-    reserves: dict[tuple[str, int], SX],
+    backoff: Mapping[tuple[str, int], SX],
     intervals: SX,
 ) -> StageExpressions:
     """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
@@ -107,7 +108,7 @@ def stage_expressions(
     ends = _moved(chains, jerks, interval)
     following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
 
-    collector = RowCollector(reserves)
+    collector = RowCollector(backoff)
     start = tray_state(structure, numbers, chains).lifted(layers)
     equalities = [joint_equalities(structure, numbers, stage, layout, chains, start)]
     tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
@@ -181,13 +182,13 @@ def terminal_rows(
     layout: Layout,
     numbers: SceneNumbers,
     state: SX,
-    reserves: dict[tuple[str, int], SX],
+    backoff: Mapping[tuple[str, int], SX],
 ) -> RowCollector:
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
     zero = SX.zeros(3)
     rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
     slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))
     objects = sample_objects(structure, numbers, rest, slosh)
-    collector = RowCollector(reserves)
+    collector = RowCollector(backoff)
     collector.add(Sample(structure, numbers, objects=objects), (Place.END,))
     return collector

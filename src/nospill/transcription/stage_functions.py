@@ -53,7 +53,7 @@ class StageFunctions:
     """A stage's functions of its scaled vector z, the final state's x, and the parameters p.
 
     Attributes:
-        layout, shape: sizes and places. reserve_keys: (constraint, subject) of every entry of the reserve vector.
+        layout, shape: sizes and places. backoff_keys: (constraint, subject) of every entry of the back-off vector.
         values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) ->
             cost, gradient.
         curvatures: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the Lagrangian's Hessian.
@@ -63,7 +63,7 @@ class StageFunctions:
 
     layout: Layout
     shape: StageShape
-    reserve_keys: tuple[tuple[str, int], ...]
+    backoff_keys: tuple[tuple[str, int], ...]
     values: Any
     slopes: Any
     costs: Any
@@ -74,15 +74,15 @@ class StageFunctions:
     compiled: bool
 
 
-def reserve_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
+def backoff_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
     """Every (constraint, subject) the structure can have, in a fixed order."""
     counts = max(len(structure.objects), len(structure.joints), 3)
     return tuple((constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
 
 
 def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, int]:
-    """Lengths of the parts of the parameter vector: numbers, scales of a stage, reserves, number of intervals."""
-    return numbers, layout_of(structure).size, len(reserve_keys(structure)), 1
+    """Lengths of the parts of the parameter vector: numbers, scales of a stage, back-off, number of intervals."""
+    return numbers, layout_of(structure).size, len(backoff_keys(structure)), 1
 
 
 def stage_functions(structure: Structure, numbers: SceneNumbers, *, derivable: bool = False) -> StageFunctions:
@@ -100,7 +100,7 @@ def _stage_functions(structure: Structure, shapes: Shapes, derivable: bool) -> S
         made, data, is_compiled = *_build(structure, shapes), False
     else:
         made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure, shapes))
-    return StageFunctions(layout_of(structure), _shape(data), reserve_keys(structure), **made, compiled=is_compiled)
+    return StageFunctions(layout_of(structure), _shape(data), backoff_keys(structure), **made, compiled=is_compiled)
 
 
 def _shape(data: dict[str, Any]) -> StageShape:
@@ -115,19 +115,19 @@ def _shape(data: dict[str, Any]) -> StageShape:
 
 
 def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[str, Any]]:
-    layout, keys = layout_of(structure), reserve_keys(structure)
+    layout, keys = layout_of(structure), backoff_keys(structure)
     sizes = parameter_sizes(structure, shapes.size)
     parameters = SX.sym("p", sum(sizes))
-    flat, scales, kept_back, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
+    flat, scales, fractions, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
     numbers = symbolic(shapes.record, flat)
-    reserves = {key: kept_back[index] for index, key in enumerate(keys)}
+    backoff = {key: fractions[index] for index, key in enumerate(keys)}
 
     z, x = SX.sym("z", layout.size), SX.sym("x", layout.states)
-    stage = stage_expressions(structure, layout, numbers, z * scales, scales=scales, reserves=reserves, intervals=count)
+    stage = stage_expressions(structure, layout, numbers, z * scales, scales=scales, backoff=backoff, intervals=count)
     gap = -stage.following / scales[: layout.states]
     constraints = ca.vertcat(gap, stage.equalities, stage.rows)
     fixed = gap.numel() + stage.equalities.numel()
-    end = terminal_rows(structure, layout, numbers, x * scales[: layout.states], reserves)
+    end = terminal_rows(structure, layout, numbers, x * scales[: layout.states], backoff)
     end_rows, end_lower, end_upper = end.stacked()
 
     multipliers, end_multipliers, weight = SX.sym("l", constraints.numel()), SX.sym("m", end_rows.numel()), SX.sym("f")
