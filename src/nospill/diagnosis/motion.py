@@ -6,6 +6,7 @@ What is suggested was found by solving the changed task, not by extrapolation.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from nospill.diagnosis.changes import advice
 from nospill.diagnosis.levers import Lever, levers_of
 from nospill.diagnosis.options import Option, smaller_turn
 from nospill.diagnosis.reach import helpful_changes
-from nospill.diagnosis.search import SLOW, WITHIN, Found, Searcher, Trials, first_share
+from nospill.diagnosis.search import SLOW, WITHIN, Answer, Found, Searcher, Trials, first_share, is_possible
 from nospill.diagnosis.slow import path_place, require_possible_at_rest, slow_motion, timeless, with_time
 from nospill.diagnosis.widening import SPARE, is_helped, least_share, wide_enough
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
@@ -44,7 +45,7 @@ _MILDER: dict[EndCondition, tuple[EndCondition, ...]] = {
 }
 
 
-def last_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
+def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> Answer:
     """The motion that a search has overlooked: it is found where the time is left open, and needs no more than allowed.
 
     Args:
@@ -61,7 +62,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> 
         raise _no_time_to_plan(run.scene, last)
     found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:
-        return found.solution
+        return found.answer
     if found is not None:
         raise _too_slow(trials, found)
     raise _never(trials, last)
@@ -175,7 +176,7 @@ def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
     for end in _MILDER[scene.motion.end] if slowest is not None else ():
         if trials.over:
             break
-        trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.solution.stages)
+        trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.stages)
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             text = f'end "{end}" instead of "{scene.motion.end}"'
             return [(_SWITCH, Change(f"{_STILL} of {slowest}", "motion.end", end, text))]
@@ -212,14 +213,14 @@ def _is_fast_enough(trials: Trials, option: Option, amount: float) -> bool:
 # --- at no speed, or not found -------------------------------------------------------------------------------------
 
 
-def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
+def _never(trials: Trials, last: Answer | None) -> NoSolutionError:
     """The error where not even with the time left open a motion was found."""
     scene, limit = trials.run.scene, trials.limit
-    if last is not None and last.solve_time_s >= 0.99 * scene.planning.max_solve_time:
-        return _no_time_to_solve(trials, last)
+    if last is not None and last.solution.solve_time_s >= 0.99 * scene.planning.max_solve_time:
+        return _no_time_to_solve(trials, last.solution)
     _require_regular(trials)
     slow = max(limit, SLOW)
-    judged = slow_motion(with_time(scene, slow), trials.joint_path, trials.run.payload)
+    judged = slow_motion(with_time(scene, slow), trials.joint_path)
     if judged is not None and not judged[0].ok:
         worst = judged[0].worst
         changes = _smooth_enough(trials, worst, slow)
@@ -229,10 +230,12 @@ def _never(trials: Trials, last: Solution | None) -> NoSolutionError:
             f"even in a smooth motion of {0.95 * slow:.3g} s. " + advice(changes, "Relax that limit."),
             Reason(MOTION, worst.constraint, worst.subject, at_s, worst.use - 1.0, changes=tuple(changes)),
         )
-    status = "no start was solved" if last is None else f"{last.status} after {last.iterations} iterations"
+    status = "no start was solved"
+    if last is not None:
+        status = f"{last.solution.status} after {last.solution.iterations} iterations"
     return NoSolutionError(
         f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
-        f'the end condition "{scene.motion.end}" may be out of reach{_nearest(scene, last)}. '
+        f'the end condition "{scene.motion.end}" may be out of reach{_nearest(last)}. '
         "Try another end condition, more starts or more intervals.",
         Reason(NOT_CONVERGED, "planning", "solver"),
     )
@@ -248,7 +251,7 @@ def _require_regular(trials: Trials) -> None:
         return
     at_s = float(joint_path.s[int(np.argmin(np.abs(values)))])
     reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
-    changes = helpful_changes(scene, reason, trials.run.is_possible)
+    changes = helpful_changes(scene, reason, partial(is_possible, trials.run))
     raise NoSolutionError(
         f"No motion found: robot {scene.robot.name!r} passes a singularity near s = {at_s:.2f} of the path, where it "
         "would have to stop or to turn joints in no time. " + advice(changes, "Move the path or change its yaw there."),
@@ -261,15 +264,15 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
     scene, share = trials.run.scene, worst.use * SPARE - 1.0
     for lever in levers_of(scene, worst.constraint, worst.subject, {}):
         if share <= lever.most:
-            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path, trials.run.payload)
+            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path)
             if judged is not None and judged[0].ok:
                 return [lever.change(share)]
     return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]
 
 
-def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
+def _no_time_to_plan(scene: Scene, last: Answer | None) -> NoSolutionError:
     """The error for a search that was ended; says what its last attempt breaks most."""
-    nearest = _nearest(scene, last)
+    nearest = _nearest(last)
     further = "Give it more time, relax that limit or take another end condition." if nearest else "Give it more time."
     return NoSolutionError(
         f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",
@@ -277,14 +280,13 @@ def _no_time_to_plan(scene: Scene, last: Solution | None) -> NoSolutionError:
     )
 
 
-def _nearest(scene: Scene, last: Solution | None) -> str:
+def _nearest(last: Answer | None) -> str:
     """What the last attempt breaks most, as the end of a sentence; nothing where there was none."""
     if last is None or not last.slack:
         return ""
-    name, index = min(last.slack, key=lambda key: last.slack[key])
-    subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
-    does = "breaks" if last.slack[name, index] < 0.0 else "is no motion yet and comes nearest to"
-    return f"; the last one tried {does} the limit on {name} of {subjects[name][index]}"
+    (name, subject), least = min(last.slack.items(), key=lambda entry: entry[1])
+    does = "breaks" if least < 0.0 else "is no motion yet and comes nearest to"
+    return f"; the last one tried {does} the limit on {name} of {subject}"
 
 
 def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:

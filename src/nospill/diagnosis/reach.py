@@ -5,11 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from nospill.diagnosis.changes import advice, with_change
 from nospill.diagnosis.options import Option, Task, families
+from nospill.diagnosis.search import Searcher, is_possible
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
@@ -47,18 +49,18 @@ class _Clock:
         return time.process_time() - self.began > 2.0 * BUDGET
 
 
-def advised(scene: Scene, error: ScenarioError, confirm: Confirm) -> ScenarioError:
+def advised(scene: Scene, error: ScenarioError, search: Searcher) -> ScenarioError:
     """The error of an arm that cannot follow its path, with the smallest single changes that were found to help.
 
     Args:
         scene: the task.
         error: as `joint_paths` or `settled_base` raised it; without a reason about the robot it comes back as it is.
-        confirm: whether a motion is found for a changed task.
+        search: what tries whether a motion is found for a changed task.
     """
     reason = error.reason
     if reason is None or reason.kind != ROBOT:
         return error
-    changes = helpful_changes(scene, reason, confirm)
+    changes = helpful_changes(scene, reason, partial(is_possible, search))
     text = str(error) if not changes else f"{error}. {advice(changes, '')}"
     return ScenarioError(text, replace(reason, changes=changes))
 

@@ -13,10 +13,13 @@ from typing import Protocol
 
 import numpy as np
 
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import JointPath
-from nospill.scene.cargo import Cargo
+from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
 from nospill.transcription.guess import USUAL_START, Start
+from nospill.transcription.layout import layout_of
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
@@ -41,46 +44,70 @@ WITHIN = 0.98
 """Part of the time allowed that a changed task should need: what the fine grid and the judge take on top."""
 
 
-class Searcher(Protocol):
-    """What trying a changed task takes; a `planning_run.PlanningRun` is one.
-
-    Attributes:
-        scene: the task.
-        payload: what the flange carries, where that is not the cargo of the scene.
-        reserves: fraction of each budget that is kept from the optimiser.
-    """
-
-    scene: Scene
-    payload: tuple[Cargo, ...] | None
+class Answer(Protocol):
+    """A motion on a grid, as a planner returns it."""
 
     @property
-    def reserves(self) -> Backoff:
-        """Of every row."""
+    def solution(self) -> Solution:
+        """What the solver returned."""
+        ...
+
+    @property
+    def slack(self) -> dict[tuple[str, str], float]:
+        """What part of its budget every row leaves, by constraint and subject."""
+        ...
+
+    @property
+    def backoff(self) -> Backoff:
+        """Fraction of every budget that was kept from the optimiser."""
+        ...
+
+    def problem(self) -> Problem:
+        """The problem that it answers."""
+        ...
+
+
+class Trial(Protocol):
+    """A changed scene along one joint path.
+
+    Attributes:
+        scene: the objects of the problem at their stated numbers, with the least friction.
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """Of the problem."""
+        ...
+
+    def start(self, start: Start) -> Stages:
+        """A smooth starting motion."""
+        ...
+
+    def solve(self, start: Stages, *, iterations: int) -> Answer:
+        """The answer from a starting motion."""
+        ...
+
+
+class Searcher(Protocol):
+    """A failed search, and how it tries a changed scene.
+
+    Attributes:
+        scene: what was searched for.
+        out_of_time: whether the time of the search is up; a trial has a time of its own.
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """The task."""
         ...
 
     @property
     def out_of_time(self) -> bool:
-        """Whether the time to look for a motion is up; a trial has a time of its own."""
+        """Whether no more time is left."""
         ...
 
-    def trial(self, scene: Scene) -> Searcher:
-        """A searcher of its own for a scene."""
-        ...
-
-    def start(self, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
-        """A smooth starting motion."""
-        ...
-
-    def solve_near(self, start: Stages, *, iterations: int) -> Solution:
-        """Solve from a start."""
-        ...
-
-    def is_possible(self, scene: Scene, joint_path: JointPath) -> bool:
-        """Whether a motion of a scene is found at once."""
-        ...
-
-    def problem(self, motion: Stages) -> Problem:
-        """The problem that was solved last, about a motion."""
+    def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
+        """A changed scene along a joint path."""
         ...
 
 
@@ -101,13 +128,18 @@ class Pull:
 class Found:
     """A fastest motion of a task with the time left open, and what holds it back."""
 
-    solution: Solution
+    answer: Answer
     pulls: dict[tuple[str, int], Pull]
+
+    @property
+    def stages(self) -> Stages:
+        """The motion."""
+        return self.answer.solution.stages
 
     @property
     def duration(self) -> float:
         """Of the motion, s."""
-        return self.solution.stages.duration
+        return self.stages.duration
 
 
 @dataclass(slots=True)
@@ -152,30 +184,31 @@ class Trials:
         """
         if longest is None:
             longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
-        trial = self.run.trial(replace(scene, motion=replace(scene.motion, max_duration=longest)))
+        scene = replace(scene, motion=replace(scene.motion, max_duration=longest))
+        trial = self.run.trial(scene, joint_path or self.joint_path)
         kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)
-        starts = [trial.start(joint_path or self.joint_path, kind) for kind in kinds]
+        starts = [trial.start(kind) for kind in kinds]
         best: Found | None = None
         for tried, start in enumerate(([near] if near is not None else []) + starts):
             if best is not None and tried >= len(_STARTS):
                 break
             if start.intervals > _MOST_INTERVALS or self.over:
                 break
-            solution = trial.solve_near(start, iterations=_PATIENCE)
-            if usable(solution) and (best is None or solution.stages.duration < best.duration):
-                best = Found(solution, _pulls(trial, solution))
+            answer = trial.solve(start, iterations=_PATIENCE)
+            if usable(answer.solution) and (best is None or answer.solution.stages.duration < best.duration):
+                best = Found(answer, _pulls(scene, trial, answer))
             if best is not None and (enough is None or best.duration <= enough):
                 break
         return best
 
 
-def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
-    """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's reserve."""
-    stages = solution.stages
-    problem = trial.problem(stages)
+def _pulls(scene: Scene, trial: Trial, answer: Answer) -> dict[tuple[str, int], Pull]:
+    """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's back-off."""
+    solution, stages = answer.solution, answer.solution.stages
+    problem = answer.problem()
     transcription = problem.transcription
     variables = problem.encode(stages)
-    stepped = {key: trial.reserves.get(key, 0.0) + _STEP for key in trial.reserves}
+    stepped = {key: value + _STEP for key, value in answer.backoff.items()}
     values = [
         np.asarray(transcription.constraint_function(variables, parameters)).ravel()
         for parameters in (
@@ -189,15 +222,26 @@ def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
     inside, end = np.split(effect, [transcription.intervals * transcription.height])
     inside = inside.reshape(-1, transcription.height)
     pulls: dict[tuple[str, int], Pull] = {}
+    names = {item.name: (item.subjects(trial.scene), item.subjects(scene)) for item in CONSTRAINTS}
     for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
         for block in blocks:
-            key = (block.constraint, block.subject)
+            own, all_subjects = names[block.constraint]  # a problem may hold some of the objects
+            key = (block.constraint, all_subjects.index(own[block.subject]))
             per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
             at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
             before = pulls.get(key, Pull(0.0, at_s))
             total = float(per_stage.sum())
             pulls[key] = Pull(before.elasticity + total, at_s if total > before.elasticity else before.at_s)
     return pulls
+
+
+def is_possible(search: Searcher, scene: Scene, joint_path: JointPath) -> bool:
+    """Whether a motion of a changed scene is found at once, on which the arm keeps its branch."""
+    found = Trials(search, joint_path).fastest(scene)
+    if found is None or found.duration > WITHIN * scene.motion.max_duration:
+        return False
+    joints = found.stages.table[:-1, layout_of(structure_of(scene)).joint_position]
+    return keeps_branch(determinants(scene.robot, joints, found.stages.self_motion))
 
 
 def first_share(duration: float, limit: float, elasticity: float) -> float:

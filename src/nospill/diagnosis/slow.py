@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +12,10 @@ from nospill.diagnosis.widening import wide_enough
 from nospill.errors import REST, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import describe
 from nospill.robots.joint_paths.search import JointPath
-from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples
 from nospill.transcription.guess import Start, smooth_start
@@ -28,21 +26,21 @@ _STANDING = 1e5
 """s; in a motion of this length nothing moves to speak of."""
 
 
-def is_hopeless(scene: Scene, joint_path: JointPath, payload: Sequence[Cargo] | None = None) -> bool:
-    """Whether even the slowest smooth motion breaks a limit several times over; `payload` as in `judge`."""
-    judged = slow_motion(scene, joint_path, payload)
+def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
+    """Whether even the slowest smooth motion breaks a limit several times over."""
+    judged = slow_motion(scene, joint_path)
     return judged is not None and judged[0].worst.worst_margin < -abs(judged[0].worst.limit)
 
 
 def require_possible_at_rest(trials: Trials) -> None:
     """Raise NoSolutionError if a limit is broken somewhere on the path even by standing there with a level tray."""
     scene, joint_path = trials.run.scene, trials.joint_path
-    payload = trials.run.payload
-    key = _broken_at_rest(scene, joint_path, payload)
+    certain = trials.run.trial(scene, joint_path).scene
+    key = _broken_at_rest(certain, joint_path)
     if key is None:
         return
-    judged = slow_motion(with_time(scene, max(trials.limit, SLOW)), joint_path, payload)
-    subject = next(item.subjects(scene) for item in CONSTRAINTS if item.name == key[0])[key[1]]
+    judged = slow_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
+    subject = BY_NAME[key[0]].subjects(certain)[key[1]]
     rows = () if judged is None else judged[0].rows
     row = next((row for row in rows if (row.constraint, row.subject) == (key[0], subject)), None)
     use = 1.1 if row is None else max(row.use, 1.0)
@@ -57,7 +55,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     )
 
 
-def _broken_at_rest(scene: Scene, joint_path: JointPath, payload: Sequence[Cargo] | None) -> tuple[str, int] | None:
+def _broken_at_rest(scene: Scene, joint_path: JointPath) -> tuple[str, int] | None:
     """The row that standing along the path with a level tray breaks most; None where it keeps all."""
     still = smooth_start(with_time(scene, _STANDING), joint_path, 50, Start(stretch=1e9))
     problem = build_problem(
@@ -65,7 +63,6 @@ def _broken_at_rest(scene: Scene, joint_path: JointPath, payload: Sequence[Cargo
         still.intervals,
         nominal_duration=still.duration,
         backoff={},
-        payload=payload,
         self_motion=still.self_motion,
     )
     slack = {key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key[0] != "tilt"}
@@ -77,16 +74,14 @@ def with_time(scene: Scene, max_duration: float) -> Scene:
     return replace(scene, motion=replace(scene.motion, max_duration=max_duration))
 
 
-def slow_motion(
-    scene: Scene, joint_path: JointPath, payload: Sequence[Cargo] | None = None
-) -> tuple[Certificate, Trajectory] | None:
+def slow_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:
     """What the judge says of the slowest smooth motion, and that motion.
 
     None if the arm cannot follow it between the nodes or its liquids cannot be integrated.
     """
     try:
         trajectory = export_samples(scene, smooth_start(scene, joint_path, 100, Start(stretch=1e6)))
-        verdict = judge(trajectory, scene, payload=payload).certificate
+        verdict = judge(trajectory, scene).certificate
     except ModelError:
         return None
     names = {constraint.name for constraint in CONSTRAINTS}

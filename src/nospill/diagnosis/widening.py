@@ -71,7 +71,7 @@ def _next_share(points: list[tuple[float, float]], wanted: float) -> float:
 def _with_lever(
     trials: Trials, lever: Lever, share: float, near: Found | None, longest: float | None = None
 ) -> Found | None:
-    stages = None if near is None else near.solution.stages
+    stages = None if near is None else near.stages
     return trials.fastest(lever.scene(share), near=stages, longest=longest)
 
 

@@ -74,17 +74,13 @@ def judge(
     *,
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
-    payload: Sequence[Cargo] | None = None,
 ) -> Judgement:
-    """`certify` with its evidence; the same arguments and errors.
-
-    `payload` is what the flange carries, where that is not the cargo of the scene.
-    """
+    """`certify` with its evidence; the same arguments and errors."""
     require_fit(trajectory, scene)
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)
-    traces = constraint_traces(held, scene, played, payload=payload)
+    traces = constraint_traces(held, scene, played)
     corners = corner_rows(held, scene, motion=motion, rate=rate, played=played)
     rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
     return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played, corners)

@@ -1,23 +1,33 @@
-"""The story of a plan: a path for the joints, the fastest motion along it, the judge's verdict."""
+"""From a scene to a plan: a path for the joints, the fastest motion along it, its certificate.
+
+joint path -> search from several starts on a coarse grid -> mesh refinement -> certificate
+^-- constraint generation and tightening --'
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
 
+from nospill import diagnosis
 from nospill.errors import ScenarioError
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.base_yaw import base_yaw_text, has_free_base, settled_base
-from nospill.planning.corners import corner_run
-from nospill.planning.hull import hull_run
-from nospill.planning.run import Memory, PlanningRun, Progress
-from nospill.planning.run import PlanningProgress as PlanningProgress
+from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log, Progress, alike
+from nospill.planning.log import PlanningProgress as PlanningProgress
+from nospill.planning.refinement import certified_by_refinement
+from nospill.planning.search import found_motion
+from nospill.planning.task import Task
+from nospill.planning.trial import Searcher
+from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_possible, starts_alike, with_approach
-from nospill.plans.plan import Plan, motion_maxima
-from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import is_uncertain
+
+_TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 def plan(
@@ -26,108 +36,118 @@ def plan(
     warm: Plan | None = None,
     ignore: Collection[str] = (),
     progress: Progress | None = None,
-    fork: bool = False,
 ) -> Plan:
-    """Find the fastest motion of a scene that the judge certifies.
+    """Find the fastest motion of a scene and certify it.
 
     Args:
         scene: the task.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
-        ignore: names of constraints the optimiser leaves out, to see what they cost. The judge leaves out none.
+        ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
+            none.
         progress: called with where planning stands.
-        fork: search from the second start in a forked copy of this process, at the same time: the same answer, an
-            eighth sooner for the command on two cores. On Linux only, and only where no other thread of the process is
-            inside CasADi or holds what a copy needs: for programs of which you own all threads, as the command line.
 
     Returns:
-        The plan. If the judge still objects after the last tightening, the plan says so: status "uncertified".
+        The plan; its status is "uncertified" if a row still fails after the last tightening.
 
     Raises:
         ScenarioError: the robot cannot follow the path, or `ignore` names no constraint.
         NoSolutionError: no start led to a motion, or no approach to it; names what is in the way.
-        MissingExtraError: an approach is asked for, and ruckig is not installed.
+        MissingExtraError: the scene has an approach, and ruckig is not installed.
     """
-    return _planned(scene, warm=warm, memory=None, ignore=ignore, progress=progress, fork=fork)[0]
+    return _planned(scene, warm=warm, last=None, ignore=ignore, progress=progress)[0]
 
 
 def _planned(
-    scene: Scene,
-    *,
-    warm: Plan | None,
-    memory: Memory | None,
-    ignore: Collection[str],
-    progress: Progress | None,
-    fork: bool = False,
-) -> tuple[Plan, Memory]:
-    """`plan`, with what the next one may start from."""
-    unknown = set(ignore) - {constraint.name for constraint in CONSTRAINTS}
+    scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: Progress | None
+) -> tuple[Plan, Candidate]:
+    """`plan`, with the candidate that the next one may start from."""
+    unknown = set(ignore) - set(BY_NAME)
     if unknown:
-        known = ", ".join(constraint.name for constraint in CONSTRAINTS)
-        raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {known}')
+        raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {", ".join(BY_NAME)}')
     require_possible(scene)
-    run = (corner_run if is_uncertain(scene) else hull_run)(scene, progress, frozenset(ignore))
-    run.forks = fork
+    log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:
-        with run.phase("base yaw"):
-            try:
-                scene = settled_base(scene)
-            except ScenarioError as error:
-                raise _advised(scene, error, run) from None
-            run.settle(scene)
-    # a plan on a branch chosen for another start of the arm is no place to go on from
-    solution = run.restart(warm, memory) if warm is not None and starts_alike(warm.scene, scene) else None
-    if solution is None:
-        with run.phase("kinematics"):
-            try:
-                paths = joint_paths(
-                    scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-                )
-            except ScenarioError as error:
-                raise _advised(scene, error, run) from None
-            joint_path = preferred_path(paths, scene.robot, scene.start_near)
-        solution = run.find(joint_path)
-    trajectory, judgement, solution = run.tighten(solution)
+        scene = _with_base(scene, ignore, log)
+    task = Task.of(scene, ignore)
+    candidate = None
+    if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
+        candidate = restarted(task, warm, last, log)
+    if candidate is None:
+        candidate = found_motion(task, _joint_path(task, log), log)
+    judged = certified_by_refinement(candidate, log)
     found = Plan(
         scene=scene,
-        trajectory=trajectory,
-        certificate=judgement.certificate,
-        maxima=motion_maxima(judgement, scene),
-        report=run.report(solution),
-        judgement=judgement,
+        trajectory=judged.trajectory,
+        certificate=judged.judgement.certificate,
+        maxima=motion_maxima(judged.judgement, scene),
+        report=_report(log, judged.candidate),
+        judgement=judged.judgement,
     )
     if scene.approach is not None:
-        with run.phase("approach"):
+        with log.phase("approach"):
             found = with_approach(found)
-    chosen = {"branch": branch_in_words(trajectory.joint_position[0])}
-    if base_is_free:
-        chosen["base_yaw"] = base_yaw_text(scene)
-    return replace(found, report=replace(run.report(solution), **chosen)), run.memory(solution)
+    report = replace(
+        _report(log, judged.candidate),
+        branch=branch_in_words(judged.trajectory.joint_position[0]),
+        base_yaw=base_yaw_text(scene) if base_is_free else None,
+    )
+    return replace(found, report=report), judged.candidate
 
 
-def _advised(scene: Scene, error: ScenarioError, run: PlanningRun) -> ScenarioError:
-    from nospill.diagnosis import advised  # loaded where something is wrong
+def _with_base(scene: Scene, ignore: Collection[str], log: Log) -> Scene:
+    """The scene with a base yaw in place of "free"."""
+    with log.phase("base yaw"):
+        try:
+            return settled_base(scene)
+        except ScenarioError as error:
+            raise diagnosis.advised(scene, error, Searcher(Task.of(scene, ignore), log)) from None
 
-    return advised(scene, error, run.is_possible)
+
+def _joint_path(task: Task, log: Log) -> JointPath:
+    """The joint path along which the motion is searched."""
+    scene = task.scene
+    with log.phase("kinematics"):
+        try:
+            paths = joint_paths(
+                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+            )
+        except ScenarioError as error:
+            raise diagnosis.advised(scene, error, Searcher(task, log)) from None
+        return preferred_path(paths, scene.robot, scene.start_near)
+
+
+def _report(log: Log, candidate: Candidate) -> PlanningReport:
+    """What planning cost."""
+    return PlanningReport(
+        plan_time=log.elapsed,
+        solve_time=log.solve_time,
+        iterations=log.iterations,
+        rounds=log.rounds,
+        starts=Starts(log.tried, len(log.durations), alike(log.durations), tuple(log.durations)),
+        phases=dict(log.phases),
+        solver_status=candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
+        backoff=candidate.active.raised(),
+    )
 
 
 class Planner:
     """Plans scene after scene, each from the answer before where the structure is the same.
 
     Not thread-safe: one per thread.
-    Compiled functions are shared by all planners of a process anyway; what a planner keeps is the last plan.
+    Compiled functions are shared by all planners of a process; what a planner keeps is the last plan.
     """
 
     def __init__(self, last: Plan | None = None) -> None:
         """Start with nothing, or with an earlier plan (for example `load_plan(folder)`)."""
         self.last = last
-        self._memory: Memory | None = None
+        self._candidate: Candidate | None = None
 
     def plan(self, scene: Scene, *, progress: Progress | None = None) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
-        self.last, self._memory = _planned(
-            scene, warm=self.last if similar else None, memory=self._memory, ignore=(), progress=progress
+        self.last, self._candidate = _planned(
+            scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
         return self.last

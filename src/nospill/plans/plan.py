@@ -47,7 +47,7 @@ SUMMARY_KEYS = (
     "residual_slosh_height_m",
     "certificate",
     "rounds",
-    "reserves",
+    "backoff",
     "phases_s",
     "solver_status",
     "branch",
@@ -101,7 +101,7 @@ class PlanningReport:
     Attributes:
         plan_time, solve_time: s. phases: s, by name.
         iterations: of all solves. rounds: of tightening. solver_status: the solver's last word.
-        reserves: fraction of the budget kept from the optimiser, by "constraint | subject"; those the judge asked for.
+        backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
         branch: the start configuration in words. base_yaw: which one was taken if the scenario left it free, or None.
     """
 
@@ -112,7 +112,7 @@ class PlanningReport:
     starts: Starts
     phases: dict[str, float]
     solver_status: str
-    reserves: dict[str, float]
+    backoff: dict[str, float]
     branch: str = ""
     base_yaw: str | None = None
 
@@ -177,7 +177,7 @@ class Plan:
                 "worst_margin": worst.worst_margin,
             },
             "rounds": report.rounds,
-            "reserves": report.reserves,
+            "backoff": report.backoff,
             "phases_s": report.phases,
             "solver_status": report.solver_status,
             "branch": report.branch,
@@ -345,7 +345,7 @@ def load_plan(folder: str | Path) -> Plan:
                 solve_time=summary["solve_time_s"],
                 iterations=summary["iterations"],
                 rounds=summary["rounds"],
-                reserves=summary["reserves"],
+                backoff=summary["backoff"],
                 starts=Starts(starts["tried"], starts["converged"], starts["agreed"], tuple(starts["durations"])),
                 phases=summary["phases_s"],
                 solver_status=summary["solver_status"],

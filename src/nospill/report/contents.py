@@ -172,7 +172,7 @@ def _planning(plan: Plan) -> TextTable:
         ("base yaw, left free", report.base_yaw or ""),
         ("iterations", str(report.iterations)),
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),
-        *((f"reserve, {name}", f"{100 * share:.2f} % kept back") for name, share in report.reserves.items()),
+        *((f"back-off, {name}", f"{100 * share:.2f} % kept back") for name, share in report.backoff.items()),
         ("solver", report.solver_status),
     ]
     return TextTable("How it was planned", (), tuple((name, text) for name, text in rows if text))

@@ -223,12 +223,8 @@ def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
     return int(np.ceil(fastest * duration / swing))
 
 
-def starting_motions(scene: Scene, *, further: int) -> Iterator[Start]:
-    """The starting motions: three fixed ones (even, early, late), then random ones from the scene's seed.
-
-    As many as the scenario asks for, and `further` ones for when all of those fail.
-    """
-    count = scene.planning.starts + further
+def starting_motions(scene: Scene, count: int) -> Iterator[Start]:
+    """Starting motions: three fixed ones (even, early, late), then random ones from the scene's seed."""
     yield from _FIXED_STARTS
     random = np.random.default_rng(scene.planning.seed)
     for _ in range(count - len(_FIXED_STARTS)):

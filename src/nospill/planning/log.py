@@ -1,0 +1,100 @@
+"""Clock, counters and progress of one call of the planner: the only thing in it that changes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from nospill.transcription.solvers import Solution
+
+_ALIKE = 5e-3
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningProgress:
+    """Where planning stands.
+
+    Attributes:
+        phase: its name.
+        iteration: of the solver, while it runs.
+        duration_s: current end time, s, while the solver runs.
+        violation: largest scaled violation, while the solver runs.
+    """
+
+    phase: str
+    iteration: int | None = None
+    duration_s: float | None = None
+    violation: float | None = None
+
+
+Progress = Callable[[PlanningProgress], None]
+
+
+@dataclass(slots=True)
+class Log:
+    """What one call of the planner has spent.
+
+    Attributes:
+        progress: called with where planning stands.
+        max_time: for the whole call, s.
+        began: time of the clock at its start, s.
+        phases: time by phase, s.
+        solve_time: of all solves, s.
+        iterations: of all solves.
+        rounds: of tightening and constraint generation.
+        tried: number of starts solved.
+        durations: end time of each start that converged, s.
+    """
+
+    progress: Progress | None
+    max_time: float
+    began: float = field(default_factory=time.perf_counter)
+    phases: dict[str, float] = field(default_factory=dict)
+    solve_time: float = 0.0
+    iterations: int = 0
+    rounds: int = 0
+    tried: int = 0
+    durations: list[float] = field(default_factory=list)
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the call began, s."""
+        return time.perf_counter() - self.began
+
+    @property
+    def time_left(self) -> float:
+        """Rest of the time for the search, s; negative when it is up."""
+        return self.max_time - self.elapsed
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time for the search is up."""
+        return self.time_left < 0.0
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Account the time spent inside to a phase."""
+        if self.progress is not None:
+            self.progress(PlanningProgress(name))
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.phases[name] = self.phases.get(name, 0.0) + time.perf_counter() - start
+
+    def iteration(self, iteration: int, duration: float, violation: float) -> None:
+        """Pass an iteration of the solver on."""
+        if self.progress is not None:
+            self.progress(PlanningProgress("solve", iteration, duration, violation))
+
+    def add(self, solution: Solution) -> None:
+        """Count the effort of a solve."""
+        self.solve_time += solution.solve_time_s
+        self.iterations += solution.iterations
+
+
+def alike(durations: Sequence[float]) -> int:
+    """Number of durations within 0.5 % of the shortest."""
+    return sum(duration <= min(durations) * (1 + _ALIKE) for duration in durations)

@@ -1,0 +1,56 @@
+"""Which objects a problem begins with: those at the corners of like ones.
+
+The motion of the tray at a point is linear in the point's place, a liquid responds to it nearly linearly, and every
+limit of an object is a cone or a convex height. So what holds for like objects holds nearly to the last digit for one
+in the convex hull of their places: of a tray of 32 like cups four matter. The certificate is about all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.laws.parameters import flatten
+from nospill.laws.scene_parameters import object_numbers
+from nospill.planning.task import Member, Task
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
+
+_DIGITS = 12
+
+
+def first_members(task: Task) -> frozenset[Member]:
+    """The stated variants of the outer objects."""
+    outer = {cargo.name for cargo in outer_objects(task.scene)}
+    return frozenset((family[0].name, family[0].text) for family in task.families if family[0].name in outer)
+
+
+def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
+    """The objects of a scene but those in the convex hull of others just like them, tolerances included."""
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for index, cargo in enumerate(scene.cargo):
+        numbers = replace(object_numbers(cargo, scene), position=np.zeros(3))
+        key = tuple(float(f"{value:.{_DIGITS}g}") for value in flatten(numbers))
+        groups.setdefault((*key, len(numbers.oscillators), cargo.tolerance), []).append(index)
+    outer: set[int] = set()
+    for members in groups.values():
+        places = np.array([scene.cargo[index].position for index in members])
+        outer |= {members[vertex] for vertex in _vertices(places)}
+    return tuple(cargo for index, cargo in enumerate(scene.cargo) if index in outer)
+
+
+def _vertices(places: np.ndarray) -> Iterable[int]:
+    """Indices of the corners of the convex hull of places (m, 2)."""
+    lowest, highest = places.min(axis=0), places.max(axis=0)
+    if len(places) < 3 or np.all((places == lowest) | (places == highest)):  # all at corners of one rectangle
+        return range(len(places))
+    from scipy.spatial import ConvexHull, QhullError  # slow to load
+
+    try:
+        return (int(vertex) for vertex in ConvexHull(places).vertices)
+    except QhullError:  # all on one line: its ends
+        spread = places - places.mean(axis=0)
+        along = spread @ np.linalg.svd(spread)[2][0]
+        return {int(np.argmin(along)), int(np.argmax(along))}

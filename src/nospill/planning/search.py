@@ -1,0 +1,85 @@
+"""Several starts on a coarse grid: the best answer, or the reason why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from nospill import diagnosis
+from nospill.errors import NoSolutionError
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
+from nospill.planning.log import Log
+from nospill.planning.refinement import to_fine_grid
+from nospill.planning.starts import SECOND_ITERATIONS, agreed, attempts
+from nospill.planning.task import Task, passages, starting_motion
+from nospill.planning.trial import Searcher
+from nospill.robots.joint_paths.search import JointPath
+from nospill.transcription.guess import estimate_duration
+from nospill.transcription.solvers import usable
+
+_LONG = 0.79
+"""Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""
+
+
+def found_motion(task: Task, joint_path: JointPath, log: Log) -> Candidate:
+    """The best motion on the fine grid, on a way past the singularities on which the arm keeps its branch.
+
+    Raises:
+        NoSolutionError: there is none; names the constraint in the way.
+    """
+    *first, last = (replace(task, passage=passage) for passage in passages(task.scene, joint_path))
+    for way in first:
+        try:
+            coarse = search(way, joint_path, log)
+        except NoSolutionError:
+            if not way.passage.brief:
+                raise
+            continue
+        if coarse.keeps_branch or way.passage.brief:
+            fine = to_fine_grid(coarse, log)
+            if fine.is_playable:
+                return fine
+    return to_fine_grid(search(last, joint_path, log), log)
+
+
+def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
+    """Solve from several starts on the coarse grid; the best answer.
+
+    Raises:
+        NoSolutionError: there is none; where the search is brief, without much of a reason.
+    """
+    scene, brief = task.searched_scene, task.passage.brief
+    searcher = Searcher(task, log)
+    log.durations.clear()
+    hopeless = estimate_duration(scene, joint_path) >= _LONG * scene.motion.max_duration
+    if hopeless and diagnosis.is_hopeless(scene, joint_path):
+        return searcher.last_resort(joint_path, None)
+    active = ActiveSet.of(task, joint_path.q).with_rows(())
+    best: Candidate | None = None
+    last: Candidate | None = None
+    for tried, attempt in enumerate(attempts(scene, brief=brief)):
+        if (tried >= scene.planning.starts and best is not None) or (tried and log.out_of_time):
+            break
+        motion = starting_motion(active.scene, joint_path, attempt.start)
+        rows = active.possible if attempt.all_rows else active.rows
+        active = with_near_rows(task, active.with_rows(rows), motion)
+        options = {
+            "max_iterations": attempt.iterations if best is None else SECOND_ITERATIONS,
+            "kkt_error_globalization": attempt.kkt_error_globalization,
+        }
+        last = solved_lazily(task, active, motion, log, options)
+        active = last.active
+        log.tried += 1
+        if usable(last.solution):
+            log.durations.append(last.stages.duration)
+            if best is None or last.solution.objective < best.solution.objective:
+                best = last
+        elif best is None and diagnosis.is_hopeless(scene, joint_path):
+            break
+        if agreed(scene, log.durations):
+            break
+    if best is not None:
+        return best
+    if brief:
+        raise NoSolutionError("No motion found at once.")
+    return searcher.last_resort(joint_path, last)

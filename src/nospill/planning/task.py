@@ -1,0 +1,130 @@
+"""What a search is for: the scene, what of it may be in the problem, and how the arm passes its singularities."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.laws.constraints.residual_height import EndDisplacement
+from nospill.laws.scene_parameters import structure_of
+from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.regularity import clearance, determinants, keeps_branch
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import Variant, heaviest, is_uncertain, scene_variants, spread_name
+from nospill.transcription.guess import USUAL_START, Start, estimate_duration, resolving_intervals, smooth_start
+from nospill.transcription.layout import layout_of
+from nospill.transcription.stages import Stages
+
+_COARSEST = 25
+_COARSE_SWING = 2.5
+
+Member = tuple[str, str]
+"""Name of an object and text of its variant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How the arm passes the singularities of its path.
+
+    Each instant of a problem sees its own joints only: a motion can hop between branches, or run through a singularity,
+    between two of them. Most motions do neither, so the rows against it are left out at first.
+
+    Attributes:
+        determinant: what the determinant of the Jacobian stays beyond, sign included; None leaves it free.
+        along: joint path that leads through a singularity and that the joints follow there; None where there is none.
+        level: whether the tray stays level though it may tilt: a tilting one would need endless joint speed there.
+        brief: whether only the starts that the scenario requests are tried.
+    """
+
+    determinant: float | None = None
+    along: JointPath | None = None
+    level: bool = False
+    brief: bool = False
+
+
+def passages(scene: Scene, joint_path: JointPath) -> tuple[Passage, ...]:
+    """Ways to pass the singularities along a joint path, in the order in which they are tried."""
+    motion = starting_motion(scene, joint_path)
+    values = stage_determinants(scene, motion)
+    if motion.self_motion is not None or keeps_branch(values):  # a seventh joint passes by itself
+        return Passage(), Passage(determinant=clearance(values))
+    through = Passage(along=joint_path, level=scene.motion.tilt_free)
+    if not scene.motion.tilt_free or not keeps_branch(values[[0, -1]]):
+        return (through,)
+    # a tilting tray passes beside a singularity if it does not end behind it
+    return Passage(), Passage(determinant=clearance(values[[0, -1]]), brief=True), through
+
+
+def stage_determinants(scene: Scene, stages: Stages) -> np.ndarray:
+    """Determinant of the Jacobian at the nodes but the last, shape (N,)."""
+    layout = layout_of(structure_of(scene))
+    return determinants(scene.robot, stages.table[:-1, layout.joint_position], stages.self_motion)
+
+
+def starting_motion(scene: Scene, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
+    """A smooth motion along the path on the coarse grid."""
+    fewest = resolving_intervals(scene, estimate_duration(scene, joint_path), _COARSE_SWING)
+    return smooth_start(scene, joint_path, max(_COARSEST, scene.planning.intervals // 4, fewest), start)
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A scene to be planned.
+
+    Attributes:
+        scene: as requested, which the certificate is about.
+        families: of each object its variants, the stated one first; one alone where its numbers are certain.
+        payload: what the flange carries: the objects, each as heavy as its tolerance allows.
+        ignored: names of constraints that the problem leaves out.
+        passage: how the arm passes its singularities.
+    """
+
+    scene: Scene
+    families: tuple[tuple[Variant, ...], ...]
+    payload: tuple[Cargo, ...]
+    ignored: frozenset[str] = frozenset()
+    passage: Passage = Passage()
+
+    @classmethod
+    def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
+        """The task of a scene, its singularities not looked at yet."""
+        if is_uncertain(scene):
+            return cls(scene, scene_variants(scene), heaviest(scene), frozenset(ignored))
+        families = tuple((Variant(cargo.name, "", cargo),) for cargo in scene.cargo)
+        return cls(scene, families, scene.cargo, frozenset(ignored))
+
+    def names(self) -> dict[Member, str]:
+        """What every variant is called in a problem and in messages; the stated one has the name of its object."""
+        return {
+            (variant.name, variant.text): variant.name
+            if variant is family[0]
+            else spread_name(variant.name, variant.text)
+            for family in self.families
+            for variant in family
+        }
+
+    @property
+    def searched_scene(self) -> Scene:
+        """The scene with a level tray where only that passes the singularities."""
+        scene = self.scene
+        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
+
+    def problem_scene(self, members: Collection[Member]) -> Scene:
+        """The scene of a problem with some variants of some objects, certain and in the order of the families."""
+        names = self.names()
+        chosen = [
+            (names[item.name, item.text], item.cargo)
+            for family in self.families
+            for item in family
+            if (item.name, item.text) in members
+        ]
+        cargo = [own if own.name == name else replace(own, name=name) for name, own in chosen]
+        scene = self.searched_scene
+        if EndDisplacement.name in self.ignored:
+            # Its equalities are bounds of the variables, which only another end condition takes away.
+            scene = replace(scene, motion=replace(scene.motion, end="residual"))
+        same = len(cargo) == len(scene.cargo) and all(a is b for a, b in zip(cargo, scene.cargo, strict=True))
+        return scene if same else replace(scene, cargo=tuple(cargo))
