@@ -18,7 +18,6 @@ from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import Place, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.planning.backoff import falls_short, first_backoff, further_backoff, range_backoff
-from nospill.planning.members import first_members
 from nospill.planning.task import Member, Task
 from nospill.scene.scene import Scene
 
@@ -65,7 +64,7 @@ class ActiveSet:
             q: (m, n) rad, joint positions along the path.
             members: those in the problem; the stated variants of the outer objects when left out.
         """
-        members = first_members(task) if members is None else members
+        members = task.first_members if members is None else members
         scene = task.problem_scene(members)
         rows = [(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
         left_out = set(task.ignored)

@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 from nospill.errors import ModelError
+from nospill.judge.tracks import liquid_tracks
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet, Key
 from nospill.planning.log import Log
-from nospill.planning.task import Task, stage_determinants
+from nospill.planning.task import Task
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
+from nospill.scene.tolerances import corner_scenes
 from nospill.transcription.answer import export_samples, with_joints_solved
+from nospill.transcription.guess import from_trajectory
 from nospill.transcription.nlp import Backoff
+from nospill.transcription.passages import stage_determinants
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
@@ -97,6 +102,18 @@ def exported(candidate: Candidate) -> Trajectory:
     return export_samples(candidate.active.scene, stages)
 
 
+def recorded(candidate: Candidate) -> Trajectory:
+    """The samples of a motion with the stated liquids of the whole scene, which is what a plan records.
+
+    Raises:
+        ModelError: the joints cannot follow, or the liquids cannot be integrated.
+    """
+    trajectory, scene = exported(candidate), candidate.task.scene
+    if [item.name for item in candidate.active.scene.cargo] == [item.name for item in scene.cargo]:
+        return trajectory
+    return replace(trajectory, slosh=liquid_tracks(trajectory, scene, {item.name: item.name for item in scene.cargo}))
+
+
 def problem_about(task: Task, active: ActiveSet, motion: Stages) -> Problem:
     """The problem of the active set on a motion's grid."""
     ids = active.row_ids()
@@ -126,7 +143,7 @@ def solved(
     active: ActiveSet,
     start: Stages,
     log: Log,
-    options: Options = {},
+    options: Options = MappingProxyType({}),
     warm: Solution | None = None,
 ) -> Candidate:
     """Solve on the grid of a start.
@@ -179,3 +196,13 @@ def solved_lazily(task: Task, active: ActiveSet, start: Stages, log: Log, option
             return replace(candidate, solution=found)
         active, start = active.with_rows(active.rows | broken), candidate.stages
         options = {**options, "barrier_start": BARRIERS[1], "bound_push": NO_PUSH}
+
+
+def started_from(task: Task, active: ActiveSet, trajectory: Trajectory, intervals: int) -> Stages:
+    """A motion of the whole scene as a start for the members of a problem."""
+    names = task.names()
+    found = dict(trajectory.slosh)
+    for corner in corner_scenes(task.scene):
+        wanted = {name: names[name, text] for name, text in corner.texts.items() if (name, text) in active.members}
+        found |= liquid_tracks(trajectory, corner.scene, wanted) if wanted else {}
+    return from_trajectory(active.scene, replace(trajectory, slosh=found), intervals)

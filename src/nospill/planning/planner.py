@@ -13,7 +13,6 @@ from nospill import diagnosis
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, Progress, alike
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -25,6 +24,7 @@ from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_possible, starts_alike, with_approach
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
+from nospill.scenario.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.scene.scene import Scene
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"

@@ -10,16 +10,16 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet, Key
-from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, solved
+from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, recorded, solved, started_from
 from nospill.planning.log import Log
-from nospill.planning.task import Task, stage_determinants
-from nospill.planning.tracks import recorded, started_from
+from nospill.planning.task import Task
 from nospill.plans.plan import describe
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import with_joints_solved
 from nospill.transcription.guess import resample, resolving_intervals
 from nospill.transcription.layout import layout_of
+from nospill.transcription.passages import stage_determinants
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
 

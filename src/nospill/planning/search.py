@@ -11,10 +11,11 @@ from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
 from nospill.planning.starts import SECOND_ITERATIONS, agreed, attempts
-from nospill.planning.task import Task, passages, starting_motion
+from nospill.planning.task import Task, starting_motion
 from nospill.planning.trial import Searcher
 from nospill.robots.joint_paths.search import JointPath
 from nospill.transcription.guess import estimate_duration
+from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
 
 _LONG = 0.79
@@ -27,7 +28,10 @@ def found_motion(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
-    *first, last = (replace(task, passage=passage) for passage in passages(task.scene, joint_path))
+    *first, last = (
+        replace(task, passage=passage)
+        for passage in passages(task.scene, joint_path, starting_motion(task.scene, joint_path))
+    )
     for way in first:
         try:
             coarse = search(way, joint_path, log)

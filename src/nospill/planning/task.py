@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.laws.scene_parameters import structure_of
+from nospill.laws.like_objects import outer_objects
 from nospill.robots.joint_paths.search import JointPath
-from nospill.robots.kinematics.regularity import clearance, determinants, keeps_branch
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import Variant, heaviest, is_uncertain, scene_variants, spread_name
 from nospill.transcription.guess import USUAL_START, Start, estimate_duration, resolving_intervals, smooth_start
-from nospill.transcription.layout import layout_of
+from nospill.transcription.passages import NOT_BOUNDED, Passage
 from nospill.transcription.stages import Stages
 
 _COARSEST = 25
@@ -23,45 +20,6 @@ _COARSE_SWING = 2.5
 
 Member = tuple[str, str]
 """Name of an object and text of its variant."""
-
-
-@dataclass(frozen=True, slots=True)
-class Passage:
-    """How the arm passes the singularities of its path.
-
-    Each instant of a problem sees its own joints only: a motion can hop between branches, or run through a singularity,
-    between two of them. Most motions do neither, so the rows against it are left out at first.
-
-    Attributes:
-        determinant: what the determinant of the Jacobian stays beyond, sign included; None leaves it free.
-        along: joint path that leads through a singularity and that the joints follow there; None where there is none.
-        level: whether the tray stays level though it may tilt: a tilting one would need endless joint speed there.
-        brief: whether only the starts that the scenario requests are tried.
-    """
-
-    determinant: float | None = None
-    along: JointPath | None = None
-    level: bool = False
-    brief: bool = False
-
-
-def passages(scene: Scene, joint_path: JointPath) -> tuple[Passage, ...]:
-    """Ways to pass the singularities along a joint path, in the order in which they are tried."""
-    motion = starting_motion(scene, joint_path)
-    values = stage_determinants(scene, motion)
-    if motion.self_motion is not None or keeps_branch(values):  # a seventh joint passes by itself
-        return Passage(), Passage(determinant=clearance(values))
-    through = Passage(along=joint_path, level=scene.motion.tilt_free)
-    if not scene.motion.tilt_free or not keeps_branch(values[[0, -1]]):
-        return (through,)
-    # a tilting tray passes beside a singularity if it does not end behind it
-    return Passage(), Passage(determinant=clearance(values[[0, -1]]), brief=True), through
-
-
-def stage_determinants(scene: Scene, stages: Stages) -> np.ndarray:
-    """Determinant of the Jacobian at the nodes but the last, shape (N,)."""
-    layout = layout_of(structure_of(scene))
-    return determinants(scene.robot, stages.table[:-1, layout.joint_position], stages.self_motion)
 
 
 def starting_motion(scene: Scene, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
@@ -86,7 +44,7 @@ class Task:
     families: tuple[tuple[Variant, ...], ...]
     payload: tuple[Cargo, ...]
     ignored: frozenset[str] = frozenset()
-    passage: Passage = Passage()
+    passage: Passage = NOT_BOUNDED
 
     @classmethod
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
@@ -105,6 +63,12 @@ class Task:
             for family in self.families
             for variant in family
         }
+
+    @property
+    def first_members(self) -> frozenset[Member]:
+        """What a problem begins with: the stated variants of the outer ones of like objects."""
+        outer = {cargo.name for cargo in outer_objects(self.scene)}
+        return frozenset((first.name, first.text) for first, *_ in self.families if first.name in outer)
 
     @property
     def searched_scene(self) -> Scene:

@@ -8,10 +8,11 @@ from nospill import diagnosis
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.log import Log
-from nospill.planning.task import Task, passages, starting_motion
+from nospill.planning.task import Task, starting_motion
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.guess import Start
+from nospill.transcription.passages import passages
 from nospill.transcription.stages import Stages
 
 
@@ -59,7 +60,7 @@ class Searcher:
     def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
         """A changed scene along a joint path; nothing that is learnt of it comes back to the search."""
         task = Task.of(scene, self.task.ignored)
-        ways = passages(scene, joint_path)
+        ways = passages(scene, joint_path, starting_motion(scene, joint_path))
         way = ways[min(1, len(ways) - 1)] if self.task.passage.determinant is not None else ways[0]
         task = replace(task, passage=way)
         return Trial(task, ActiveSet.of(task, joint_path.q).with_rows(()), joint_path, self.log)

@@ -7,11 +7,10 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet, Key
-from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
+from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved, started_from
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, has_converged
 from nospill.planning.task import Task
-from nospill.planning.tracks import started_from
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.guess import slowed

@@ -1,4 +1,4 @@
-"""Which objects a problem begins with: those at the corners of like ones.
+"""Like objects: what holds for those at the corners holds for those between them.
 
 The motion of the tray at a point is linear in the point's place, a liquid responds to it nearly linearly, and every
 limit of an object is a cone or a convex height. So what holds for like objects holds nearly to the last digit for one
@@ -14,17 +14,10 @@ import numpy as np
 
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import object_numbers
-from nospill.planning.task import Member, Task
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 
 _DIGITS = 12
-
-
-def first_members(task: Task) -> frozenset[Member]:
-    """The stated variants of the outer objects."""
-    outer = {cargo.name for cargo in outer_objects(task.scene)}
-    return frozenset((family[0].name, family[0].text) for family in task.families if family[0].name in outer)
 
 
 def outer_objects(scene: Scene) -> tuple[Cargo, ...]:

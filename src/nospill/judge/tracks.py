@@ -1,0 +1,35 @@
+"""Liquids along a motion as samples, whatever liquids the motion was planned for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from nospill.judge.certificate import constraint_traces
+from nospill.judge.replay import replay
+from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.scene_parameters import structure_of
+from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.scene.scene import Scene
+
+
+def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]) -> dict[str, SloshTrack]:
+    """The liquids of a scene along a motion, integrated as for its certificate, at the samples.
+
+    Args:
+        trajectory: the motion; its own liquids are not read.
+        scene: whose liquids.
+        names: object -> what its track is called; others are left out.
+    """
+    played = replay(trajectory, scene)
+    every = round(played.rate / trajectory.rate)
+    traces = constraint_traces(trajectory, scene, played, places=(Place.OBJECT,))
+    heights = {trace.subject: trace.value[::every] for trace in traces if trace.constraint == SloshHeight.name}
+    found, first = {}, 0
+    for cargo, item in zip(scene.cargo, structure_of(scene).objects, strict=True):
+        own = slice(first, first + item.coordinates)
+        first = own.stop
+        if item.oscillators and cargo.name in names:
+            parts = (played.slosh_displacement[::every, own], played.slosh_velocity[::every, own])
+            found[names[cargo.name]] = SloshTrack(*parts, heights[cargo.name])
+    return found
