@@ -16,7 +16,8 @@ from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
 from nospill.transcription.guess import smooth_start
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve, violation
+from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve
+from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 
 INTERVALS = 20
