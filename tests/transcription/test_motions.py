@@ -112,7 +112,7 @@ def test_smooth_start_of_a_level_tray_meets_the_kinematic_equations():
     problem = build_problem(scene, 60, nominal_duration=stages.duration, backoff={})
     transcription = problem.transcription
     values = transcription.constraint_function(problem.encode(stages), problem.parameters).full().ravel()
-    table = values[: 60 * transcription.height].reshape(60, -1)
+    table = values[: 60 * transcription.rows_per_stage].reshape(60, -1)
     states = transcription.layout.states
     kinematic = table[:, states : states + 12]
     assert np.abs(kinematic).max() < 2e-3

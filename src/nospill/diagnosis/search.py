@@ -186,8 +186,8 @@ def _pulls(trial: Searcher, solution: Solution) -> dict[tuple[str, int], Pull]:
     if len(solution.multipliers) != len(values[0]):
         return {}
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
-    inside, end = np.split(effect, [transcription.intervals * transcription.height])
-    inside = inside.reshape(-1, transcription.height)
+    inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
+    inside = inside.reshape(-1, transcription.rows_per_stage)
     pulls: dict[tuple[str, int], Pull] = {}
     for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
         for block in blocks:

@@ -19,8 +19,8 @@ def fatrop_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
     """
     transcription = problem.transcription
     layout, count = transcription.layout, transcription.intervals
-    rows = transcription.height - layout.states
-    end_rows = len(transcription.lower) - count * transcription.height
+    rows = transcription.rows_per_stage - layout.states
+    end_rows = len(transcription.lower) - count * transcription.rows_per_stage
     return {
         "fatrop.print_level": 0,
         "fatrop.max_iter": options.max_iterations,

@@ -65,8 +65,8 @@ def least_slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], f
     """`Solution.slack` from the values (m,) of the constraints."""
     transcription = problem.transcription
     distance = np.minimum(values - transcription.lower, transcription.upper - values)
-    stages, end = np.split(distance, [transcription.intervals * transcription.height])
-    least = np.min(stages.reshape(-1, transcription.height), axis=0)
+    stages, end = np.split(distance, [transcription.intervals * transcription.rows_per_stage])
+    least = np.min(stages.reshape(-1, transcription.rows_per_stage), axis=0)
     slack: dict[tuple[str, int], float] = {}
     for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
         for block in blocks:
