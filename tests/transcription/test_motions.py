@@ -13,10 +13,11 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.transcription.answer import with_joints_solved
 from nospill.transcription.collocation import advance_chain, interior
-from nospill.transcription.guess import Start, estimate_duration, quintic, resample, smooth_start
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.problem import build_problem
+from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
+from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
 
 STARTS = [
     Start(),

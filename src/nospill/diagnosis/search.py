@@ -16,11 +16,11 @@ import numpy as np
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import USUAL_START, Start
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import USUAL_START, Start
 
 _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""

@@ -25,8 +25,8 @@ from nospill.planning.run import REFINE_BARRIERS, REFINE_ITERATIONS, PlanningRun
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import from_trajectory
 from nospill.transcription.solvers import Solution, usable
+from nospill.transcription.trajectory_start import from_trajectory
 
 _GROWTHS = 12
 

@@ -32,19 +32,13 @@ from nospill.robots.kinematics.regularity import clearance, determinants, keeps_
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples, with_joints_solved
-from nospill.transcription.guess import (
-    USUAL_START,
-    Start,
-    estimate_duration,
-    from_trajectory,
-    resample,
-    resolving_intervals,
-    smooth_start,
-)
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import Problem, build_problem
+from nospill.transcription.resampling import resample, resolving_intervals
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import USUAL_START, Start, estimate_duration, smooth_start
+from nospill.transcription.trajectory_start import from_trajectory
 
 _ROUNDS = 8
 _COARSEST = 25

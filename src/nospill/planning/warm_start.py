@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.transcription.guess import slowed
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import row_slack
 from nospill.transcription.stages import Stages
+from nospill.transcription.time_scaling import slowed
 
 _SLOWEST = 1.5
 _BISECTIONS = 6
