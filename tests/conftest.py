@@ -24,8 +24,8 @@ from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import Start, smooth_start
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.

@@ -33,8 +33,8 @@ from nospill.plans.plan import Plan, describe
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import Start
 from nospill.transcription.solvers import Solution
+from nospill.transcription.starting_motions import Start
 from nospill.verify import verify
 
 FINE_RATE = 8000.0

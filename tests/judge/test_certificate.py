@@ -18,7 +18,7 @@ from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.starting_motions import Start, smooth_start
 
 RECORD_ROWS = {
     "path position",

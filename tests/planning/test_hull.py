@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nospill.planning.hull import HullRun, hull_run, outer_objects
+from nospill.planning.run import PlanningRun
 
 from nospill.laws.scene_parameters import flange_load
-from nospill.planning.hull import HullRun, hull_run, outer_objects
 from nospill.planning.planner import plan
-from nospill.planning.run import PlanningRun
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene

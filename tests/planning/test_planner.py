@@ -10,22 +10,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nospill.planning.reserves import first_reserve
 
 from nospill.errors import NoSolutionError
 from nospill.judge.certificate import certify
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import Planner, PlanningProgress, plan
-from nospill.planning.reserves import first_reserve
 from nospill.plans.plan import Plan, load_plan
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import Start, smooth_start
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import SolveOptions, solve
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import Start, smooth_start
 
 pytestmark = pytest.mark.slow
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nospill.planning.reserves import falls_short, first_reserve, further_reserve, range_reserves
 
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.planning.reserves import falls_short, first_reserve, further_reserve, range_reserves
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-
-from nospill.judge.verdict import Row
 from nospill.planning.reserves import first_reserve
 from nospill.planning.rows import Rows
+
+from nospill.judge.verdict import Row
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 

@@ -8,7 +8,7 @@ import pytest
 
 from nospill.planning.starts import agreed, alike, attempts
 from nospill.scenario import read_scenario
-from nospill.transcription.guess import USUAL_START
+from nospill.transcription.starting_motions import USUAL_START
 
 
 @pytest.mark.parametrize("count", [1, 3, 6])

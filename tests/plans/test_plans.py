@@ -28,7 +28,7 @@ from nospill.plans.plan import (
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.starting_motions import Start, smooth_start
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:

@@ -13,7 +13,7 @@ from nospill.report import Report, make_report
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.starting_motions import Start, smooth_start
 
 HOSTILE = "<script>alert('1')</script> & \"50 %\" $x$ <img src=http://example.org/a.png> \u6c34"
 

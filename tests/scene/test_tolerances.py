@@ -31,7 +31,7 @@ from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes, heaviest, scene_variants, spread, variants
 from nospill.studio.draft import Draft
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
+from nospill.transcription.starting_motions import Start, smooth_start
 
 ROBUST = "matrix-liquid-tilt-robust"
 EVERYTHING = {"friction": 0.1, "liquid_height": 2e-3, "damping": [0.5, 2.0], "position": 1e-3, "mass": 0.05}

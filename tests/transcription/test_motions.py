@@ -13,10 +13,11 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.transcription.answer import with_joints_solved
 from nospill.transcription.collocation import advance_chain, interior
-from nospill.transcription.guess import Start, estimate_duration, quintic, resample, smooth_start
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.problem import build_problem
+from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
+from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
 
 STARTS = [
     Start(),
@@ -112,7 +113,7 @@ def test_smooth_start_of_a_level_tray_meets_the_kinematic_equations():
     problem = build_problem(scene, 60, nominal_duration=stages.duration, backoff={})
     transcription = problem.transcription
     values = transcription.constraint_function(problem.encode(stages), problem.parameters).full().ravel()
-    table = values[: 60 * transcription.height].reshape(60, -1)
+    table = values[: 60 * transcription.rows_per_stage].reshape(60, -1)
     states = transcription.layout.states
     kinematic = table[:, states : states + 12]
     assert np.abs(kinematic).max() < 2e-3

@@ -23,6 +23,16 @@ INTERVALS = 3
 SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
 BACKOFF = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
 
+FUNCTIONS = (
+    "constraints",
+    "constraint_jacobian",
+    "cost_gradient",
+    "lagrangian_hessian",
+    "end_constraints",
+    "end_constraint_jacobian",
+    "end_lagrangian_hessian",
+)
+
 
 @cache
 def problem(name: str) -> Problem:
@@ -110,10 +120,10 @@ def test_blocks_cover_the_rows_once_and_name_every_constraint(name):
     transcription, scene = found.transcription, found.scene
     used = [row for block in transcription.blocks for row in range(block.first, block.first + block.count)]
     assert len(set(used)) == len(used)
-    assert max(used) < transcription.height
+    assert max(used) < transcription.rows_per_stage
     # What no block names are equalities: gaps, kinematics, equations of motion.
-    equal = transcription.lower[: transcription.height] == transcription.upper[: transcription.height]
-    assert sorted(set(range(transcription.height)) - set(used)) == np.flatnonzero(equal).tolist()
+    equal = transcription.lower[: transcription.rows_per_stage] == transcription.upper[: transcription.rows_per_stage]
+    assert sorted(set(range(transcription.rows_per_stage)) - set(used)) == np.flatnonzero(equal).tolist()
     named = {(block.constraint, block.subject) for block in (*transcription.blocks, *transcription.end_blocks)}
     expected = {
         (constraint.name, index) for constraint in CONSTRAINTS for index in range(len(constraint.subjects(scene)))
@@ -144,12 +154,12 @@ def test_rows_left_out_change_nothing_else(name):
     assert {(block.constraint, block.subject) for block in less.blocks} == active & {
         (block.constraint, block.subject) for block in full.blocks
     }
-    chosen = [*range(full.stage.shape.fixed)]
+    chosen = [*range(full.stage.sizes.fixed)]
     for block in full.blocks:
         if (block.constraint, block.subject) in active:
             chosen += _rows(block)
-    stages = [stage * full.height + row for stage in range(INTERVALS) for row in chosen]
-    end = [INTERVALS * full.height + row for row in _rows(last)]
+    stages = [stage * full.rows_per_stage + row for stage in range(INTERVALS) for row in chosen]
+    end = [INTERVALS * full.rows_per_stage + row for row in _rows(last)]
     assert len(less.end_blocks) == 1 < len(full.end_blocks)
     rows = np.array([*stages, *end])
     np.testing.assert_array_equal(less.lower, full.lower[rows])
@@ -170,7 +180,7 @@ def test_rows_left_out_change_nothing_else(name):
 
 @pytest.mark.slow
 def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
-    """Machine code against CasADi's virtual machine, and no entry of the cache without its shape."""
+    """Machine code against CasADi's virtual machine, and no entry of the cache without its sizes."""
     if shutil.which(os.environ.get("CC", "cc")) is None:
         pytest.skip("no C compiler")
     scene = read_scenario("matrix-rigid")
@@ -187,14 +197,14 @@ def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
     assert fast.compiled
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so", ".sum"]
     random = np.random.default_rng(1)
-    for name in ("values", "slopes", "costs", "curvatures", "end_values", "end_slopes", "end_curvatures"):
+    for name in FUNCTIONS:
         ours, theirs = getattr(fast, name), getattr(plain, name)
         inputs = [0.5 + 0.1 * random.random(theirs.size1_in(index)) for index in range(theirs.n_in())]
         inputs[1] = transcribe(structure, numbers, 3).parameters(numbers, np.ones(plain.layout.size), {})
         for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
             np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
-    for field in dataclasses.fields(plain.shape):
-        pair = getattr(fast.shape, field.name), getattr(plain.shape, field.name)
+    for field in dataclasses.fields(plain.sizes):
+        pair = getattr(fast.sizes, field.name), getattr(plain.sizes, field.name)
         if field.name.endswith(("jacobian", "hessian")):
             assert all(np.array_equal(one, other) for one, other in zip(*pair, strict=True))
         else:
@@ -209,7 +219,7 @@ def test_threads_change_no_bit(threads, monkeypatch):
     monkeypatch.setenv("NOSPILL_THREADS", threads)
     shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None)
     point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
-    assert plain.height == shared.height  # the problem keeps every row, too
+    assert plain.rows_per_stage == shared.rows_per_stage  # the problem keeps every row, too
     for name, inputs in (
         ("constraint_function", [point, found.parameters]),
         ("jac_g", [point, found.parameters]),
@@ -228,7 +238,7 @@ def test_backoff_tightens_the_rows_they_name_and_no_other(name):
     point = random_point(found, 5)
     tightened = transcription.constraint_function(point, found.parameters).full().ravel()
     without = transcription.constraint_function(point, bare.parameters).full().ravel()
-    changed = np.flatnonzero(tightened[: transcription.height] != without[: transcription.height])
+    changed = np.flatnonzero(tightened[: transcription.rows_per_stage] != without[: transcription.rows_per_stage])
     named = {
         row
         for block in transcription.blocks

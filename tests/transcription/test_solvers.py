@@ -14,10 +14,11 @@ from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import smooth_start
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve, violation
+from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve
+from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import smooth_start
 
 INTERVALS = 20
 PATIENT = SolveOptions(max_iterations=300, max_time=60.0)

@@ -18,12 +18,12 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import USUAL_START, Start
 from nospill.transcription.layout import layout_of
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import USUAL_START, Start
 
 _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""
@@ -219,8 +219,8 @@ def _pulls(scene: Scene, trial: Trial, answer: Answer) -> dict[tuple[str, int], 
     if len(solution.multipliers) != len(values[0]):
         return {}
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
-    inside, end = np.split(effect, [transcription.intervals * transcription.height])
-    inside = inside.reshape(-1, transcription.height)
+    inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
+    inside = inside.reshape(-1, transcription.rows_per_stage)
     pulls: dict[tuple[str, int], Pull] = {}
     names = {item.name: (item.subjects(trial.scene), item.subjects(scene)) for item in CONSTRAINTS}
     for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):

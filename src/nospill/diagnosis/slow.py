@@ -18,9 +18,9 @@ from nospill.plans.plan import describe
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples
-from nospill.transcription.guess import Start, smooth_start
 from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import row_slack
+from nospill.transcription.starting_motions import Start, smooth_start
 
 _STANDING = 1e5
 """s; in a motion of this length nothing moves to speak of."""

@@ -18,12 +18,12 @@ from nospill.planning.task import Task
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.tolerances import corner_scenes
 from nospill.transcription.answer import export_samples, with_joints_solved
-from nospill.transcription.guess import from_trajectory
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.trajectory_start import from_trajectory
 
 Options = Mapping[str, Any]
 """Fields of `SolveOptions` that differ from those of the scene."""

@@ -17,9 +17,9 @@ from nospill.plans.plan import describe
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import with_joints_solved
-from nospill.transcription.guess import resample, resolving_intervals
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
+from nospill.transcription.resampling import resample, resolving_intervals
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
 

@@ -14,9 +14,9 @@ from nospill.planning.starts import SECOND_ITERATIONS, agreed, attempts
 from nospill.planning.task import Task, starting_motion
 from nospill.planning.trial import Searcher
 from nospill.robots.joint_paths.search import JointPath
-from nospill.transcription.guess import estimate_duration
 from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
+from nospill.transcription.starting_motions import estimate_duration
 
 _LONG = 0.79
 """Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import Start, starting_motions
+from nospill.transcription.starting_motions import Start, starting_motions
 
 COARSE_ITERATIONS = 150
 SECOND_ITERATIONS = 60

@@ -11,9 +11,10 @@ from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import Variant, heaviest, is_uncertain, scene_variants, spread_name
-from nospill.transcription.guess import USUAL_START, Start, estimate_duration, resolving_intervals, smooth_start
 from nospill.transcription.passages import NOT_BOUNDED, Passage
+from nospill.transcription.resampling import resolving_intervals
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import USUAL_START, Start, estimate_duration, smooth_start
 
 _COARSEST = 25
 _COARSE_SWING = 2.5

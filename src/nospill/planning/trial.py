@@ -11,9 +11,9 @@ from nospill.planning.log import Log
 from nospill.planning.task import Task, starting_motion
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
-from nospill.transcription.guess import Start
 from nospill.transcription.passages import passages
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import Start
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet, Key
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved, started_from
@@ -13,18 +12,13 @@ from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, has_c
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
-from nospill.transcription.guess import slowed
-from nospill.transcription.problem import Problem
-from nospill.transcription.solvers import Solution, row_slack
+from nospill.transcription.solvers import Solution
 from nospill.transcription.stages import Stages
+from nospill.transcription.time_scaling import is_broken, slow_enough
 
 _WARM_BARRIER = 1e-6
 _PUSH_IF_BROKEN = 0.05
 _BROKEN_ITERATIONS = 50
-_BROKEN = 0.2
-_BROKEN_HEIGHT = 0.05
-_SLOWEST = 1.5
-_BISECTIONS = 6
 
 
 def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
@@ -89,36 +83,3 @@ def _recorded_backoff(earlier: Plan) -> dict[Key, float]:
         constraint, _, subject = label.partition(" | ")
         found[constraint, subject] = value
     return found
-
-
-def is_broken(problem: Problem, motion: Stages) -> bool:
-    """Whether a motion breaks rows of a problem so far that the multipliers of its own problem are no help.
-
-    The height of a liquid follows from all of the motion before, the rest from the instant: it is harder to mend.
-    """
-    slack = row_slack(problem, motion)
-    return any(value < -(_BROKEN_HEIGHT if key[0] == SloshHeight.name else _BROKEN) for key, value in slack.items())
-
-
-def slow_enough(problem: Problem, motion: Stages) -> Stages:
-    """The motion slowed down as little as keeps the rows of the problem; itself if slowing down does not help.
-
-    From a motion that breaks many rows, the first dozen steps of an interior point method each end at the next bound.
-
-    Args:
-        problem: whose rows; how it is scaled does not matter.
-        motion: on its grid.
-    """
-
-    def keeps(factor: float) -> bool:
-        slow = slowed(motion, layout, factor)
-        return min(row_slack(problem, slow).values(), default=0.0) >= 0.0
-
-    layout = problem.transcription.layout
-    low, high = 1.0, _SLOWEST
-    if not keeps(high):
-        return motion
-    for _ in range(_BISECTIONS):
-        middle = (low * high) ** 0.5
-        low, high = (low, middle) if keeps(middle) else (middle, high)
-    return slowed(motion, layout, high)

@@ -42,7 +42,7 @@ class Transcription:
         lower, upper: bounds of all constraints, shape (m,).
         blocks: of the active rows of a stage, first row counted from the stage's start.
         end_blocks: of the active rows on the final state, first row counted from the first of them.
-        height: constraints per stage.
+        rows_per_stage: gaps, equalities and active rows of a stage.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
         jac_g, grad_f, hess_lag: exact derivatives in its signatures.
         constraint_function: (variables, parameters) -> constraints.
@@ -54,7 +54,7 @@ class Transcription:
     upper: np.ndarray
     blocks: tuple[Block, ...]
     end_blocks: tuple[Block, ...]
-    height: int
+    rows_per_stage: int
     nlp: dict[str, MX]
     jac_g: Any
     grad_f: Any
@@ -99,53 +99,52 @@ def transcribe(
 
 @lru_cache(maxsize=32)
 def _transcribe(stage: StageFunctions, intervals: int, active: Active | None) -> Transcription:
-    shape, layout = stage.shape, stage.layout
-    rows, blocks = _active_rows(shape.blocks, active, shape.fixed)
-    end_rows, end_blocks = _active_rows(shape.end_blocks, active, 0)
-    zeros = np.zeros(shape.fixed)
-    chosen = rows[shape.fixed :] - shape.fixed
-    lower = np.concatenate([zeros, shape.lower[chosen]])
-    upper = np.concatenate([zeros, shape.upper[chosen]])
+    whole, layout = stage.sizes, stage.layout
+    rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
+    end_rows, end_blocks = _active_rows(whole.end_blocks, active, 0)
+    zeros = np.zeros(whole.fixed)
+    chosen = rows[whole.fixed :] - whole.fixed
+    lower = np.concatenate([zeros, whole.lower[chosen]])
+    upper = np.concatenate([zeros, whole.upper[chosen]])
 
-    values, slopes, costs, curvatures = _over_stages(stage, intervals)
-    size, states, height = layout.size, layout.states, len(rows)
-    total, end_height = intervals * size + states, len(end_rows)
+    constraints, constraint_jacobian, cost_gradient, lagrangian_hessian = _over_stages(stage, intervals)
+    size, states, rows_per_stage = layout.size, layout.states, len(rows)
+    total = intervals * size + states
     w = MX.sym("w", total)
-    p = MX.sym("p", stage.values.size1_in(1))
+    p = MX.sym("p", stage.constraints.size1_in(1))
     stages, final = ca.reshape(w[: intervals * size], size, intervals), w[intervals * size :]
     following = ca.horzcat(stages[:states, 1:], final)
 
     def gather(mapped: MX) -> MX:
         picked = mapped[rows.tolist(), :]
         gaps = ca.vertcat(following + picked[:states, :], picked[states:, :])
-        return ca.vertcat(ca.vec(gaps), stage.end_values(final, p)[end_rows.tolist()])
+        return ca.vertcat(ca.vec(gaps), stage.end_constraints(final, p)[end_rows.tolist()])
 
-    stage_costs, stage_values = values(stages, p)
-    nlp = {"x": w, "p": p, "f": ca.sum2(stage_costs), "g": gather(stage_values)}
+    costs, values = constraints(stages, p)
+    nlp = {"x": w, "p": p, "f": ca.sum2(costs), "g": gather(values)}
 
-    slope_values, slope_nonzeros = slopes(stages, p)
+    values, jacobian = constraint_jacobian(stages, p)
     entries, end_entries, sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
     nonzeros = ca.vertcat(
-        ca.vec(slope_nonzeros[entries.tolist(), :]),
+        ca.vec(jacobian[entries.tolist(), :]),
         MX.ones(intervals * states),
-        stage.end_slopes(final, p)[end_entries.tolist()],
+        stage.end_constraint_jacobian(final, p)[end_entries.tolist()],
     )
     jac_g = ca.Function(
-        "nlp_jac_g", [w, p], [gather(slope_values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
+        "nlp_jac_g", [w, p], [gather(values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
     )
 
-    cost_values, cost_slopes = costs(stages, p)
-    gradient = ca.vertcat(ca.vec(cost_slopes), MX.zeros(states))
-    grad_f = ca.Function("nlp_grad_f", [w, p], [ca.sum2(cost_values), gradient], ["x", "p"], ["f", "grad_f_x"])
+    costs, gradients = cost_gradient(stages, p)
+    gradient = ca.vertcat(ca.vec(gradients), MX.zeros(states))
+    grad_f = ca.Function("nlp_grad_f", [w, p], [ca.sum2(costs), gradient], ["x", "p"], ["f", "grad_f_x"])
 
-    multipliers, weight = MX.sym("lam_g", intervals * height + end_height), MX.sym("lam_f")
-    split = ca.reshape(multipliers[: intervals * height], height, intervals)
-    spread = _for_all_rows(split, rows, shape.height)
-    end_spread = _for_all_rows(multipliers[intervals * height :], end_rows, len(shape.end_lower))
+    multipliers, weight = MX.sym("lam_g", intervals * rows_per_stage + len(end_rows)), MX.sym("lam_f")
+    own, of_end = ca.vertsplit(multipliers, [0, intervals * rows_per_stage, multipliers.numel()])
+    own = ca.reshape(own, rows_per_stage, intervals)
     sparsity, order = _hessian_places(stage, intervals)
     nonzeros = ca.vertcat(
-        ca.vec(curvatures(stages, p, weight, spread)),
-        stage.end_curvatures(final, p, end_spread),
+        ca.vec(lagrangian_hessian(stages, p, weight, _for_all_rows(own, rows, whole.rows_per_stage))),
+        stage.end_lagrangian_hessian(final, p, _for_all_rows(of_end, end_rows, len(whole.end_lower))),
     )
     hess_lag = ca.Function(
         "nlp_hess_l",
@@ -157,11 +156,11 @@ def _transcribe(stage: StageFunctions, intervals: int, active: Active | None) ->
     return Transcription(
         stage=stage,
         intervals=intervals,
-        lower=np.concatenate([np.tile(lower, intervals), shape.end_lower[end_rows]]),
-        upper=np.concatenate([np.tile(upper, intervals), shape.end_upper[end_rows]]),
+        lower=np.concatenate([np.tile(lower, intervals), whole.end_lower[end_rows]]),
+        upper=np.concatenate([np.tile(upper, intervals), whole.end_upper[end_rows]]),
         blocks=blocks,
         end_blocks=end_blocks,
-        height=height,
+        rows_per_stage=rows_per_stage,
         nlp=nlp,
         jac_g=jac_g,
         grad_f=grad_f,
@@ -172,13 +171,14 @@ def _transcribe(stage: StageFunctions, intervals: int, active: Active | None) ->
 
 @lru_cache(maxsize=32)
 def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, Any]:
-    """Values, slopes, costs and curvatures of all stages: the same for every choice of rows."""
+    """Constraints, their Jacobian, cost gradient and Hessian of all stages: the same for every choice of rows."""
     threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
-    values, slopes, costs = (
+    constraints, constraint_jacobian, cost_gradient = (
         over_columns(function, intervals, [1], threads=threads)
-        for function in (stage.values, stage.slopes, stage.costs)
+        for function in (stage.constraints, stage.constraint_jacobian, stage.cost_gradient)
     )
-    return values, slopes, costs, over_columns(stage.curvatures, intervals, [1, 2], threads=threads)
+    lagrangian_hessian = over_columns(stage.lagrangian_hessian, intervals, [1, 2], threads=threads)
+    return constraints, constraint_jacobian, cost_gradient, lagrangian_hessian
 
 
 def _active_rows(
@@ -211,17 +211,17 @@ def _jacobian_places(
     stage: StageFunctions, active: np.ndarray, end_active: np.ndarray, intervals: int
 ) -> tuple[np.ndarray, np.ndarray, ca.Sparsity, list[int]]:
     """Entries of a stage's and of the end's Jacobian that take part, sparsity of the whole, order of its nonzeros."""
-    layout, shape, height = stage.layout, stage.shape, len(active)
-    entries, rows, columns = _active_entries(shape.jacobian, active, shape.height)
-    end_entries, end_rows, end_columns = _active_entries(shape.end_jacobian, end_active, len(shape.end_lower))
+    layout, sizes, count = stage.layout, stage.sizes, len(active)
+    entries, rows, columns = _active_entries(sizes.jacobian, active, sizes.rows_per_stage)
+    end_entries, end_rows, end_columns = _active_entries(sizes.end_jacobian, end_active, len(sizes.end_lower))
     index, state = np.arange(intervals)[:, None], np.arange(layout.states)
-    all_rows = [(index * height + rows).ravel(), (index * height + state).ravel(), intervals * height + end_rows]
+    all_rows = [(index * count + rows).ravel(), (index * count + state).ravel(), intervals * count + end_rows]
     all_columns = [
         (index * layout.size + columns).ravel(),
         ((index + 1) * layout.size + state).ravel(),
         intervals * layout.size + end_columns,
     ]
-    whole = (intervals * height + len(end_active), intervals * layout.size + layout.states)
+    whole = (intervals * count + len(end_active), intervals * layout.size + layout.states)
     return entries, end_entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
 
 
@@ -241,6 +241,6 @@ def _hessian_places(stage: StageFunctions, intervals: int) -> tuple[ca.Sparsity,
     def spread(triplets: Triplets, end: Triplets) -> Callable[[int], np.ndarray]:
         return lambda axis: np.concatenate([(index * size + triplets[axis]).ravel(), intervals * size + end[axis]])
 
-    entries = spread(stage.shape.hessian, stage.shape.end_hessian)
+    entries = spread(stage.sizes.hessian, stage.sizes.end_hessian)
     total = intervals * size + stage.layout.states
     return _place(entries(0), entries(1), (total, total))

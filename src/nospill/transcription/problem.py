@@ -37,11 +37,13 @@ class Problem:
     """One nonlinear programme.
 
     Attributes:
-        scene, structure, numbers: what it was made from.
+        scene: what it was made from.
+        structure: of the scene.
+        numbers: of the scene.
         transcription: functions and constraint bounds.
         parameters: of the functions.
         scales: (layout.size,) physical size of a scaled one.
-        lower, upper: bounds of the scaled variables.
+        lower, upper: (n,) bounds of the scaled variables.
         self_motion: as in `Stages`.
     """
 
@@ -112,7 +114,7 @@ def build_problem(
     transcription = transcribe(
         structure, numbers, intervals, active=active, derivable=scene.planning.solver in DERIVING_SOLVERS
     )
-    scales = _scales(scene, transcription.layout, nominal_duration, intervals)
+    scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals, exact_rest=exact_rest)
     if least_determinant is not None:
         size = transcription.layout.size
@@ -131,7 +133,9 @@ def build_problem(
     )
 
 
-def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np.ndarray:
+def _scales(
+    scene: Scene, structure: Structure, numbers: SceneNumbers, layout: Layout, duration: float, intervals: int
+) -> np.ndarray:
     scales = np.ones(layout.size)
     tilt = 0.3
     for chain in range(layout.chains):
@@ -142,14 +146,13 @@ def _scales(scene: Scene, layout: Layout, duration: float, intervals: int) -> np
     if layout.redundant:
         limits[-1] = _SELF_MOTION_JERK
     scales[layout.jerks] = [0.3 * limit for limit in limits]
-    heights = []
-    for cargo in scene.cargo:
-        for mode in cargo.filling.modes.oscillators if cargo.filling else ():
-            assert cargo.filling is not None
-            height = min(cargo.filling.max_slosh_height, _LARGEST_SLOSH_SCALE)
-            heights += [(height / abs(mode.surface_gain), mode.frequency)] * len(mode.directions)
-    displacement = np.array([size for size, _ in heights])
-    frequency = np.array([frequency for _, frequency in heights])
+    oscillations: list[tuple[float, float]] = []
+    for item, own in zip(structure.objects, numbers.objects, strict=True):
+        height = min(own.max_slosh_height, _LARGEST_SLOSH_SCALE)
+        for directions, mode in zip(item.oscillators, own.oscillators, strict=True):
+            oscillations += [(height / abs(mode.surface_gain), mode.frequency)] * len(directions)
+    displacement = np.array([amplitude for amplitude, _ in oscillations])
+    frequency = np.array([frequency for _, frequency in oscillations])
     scales[layout.displacement] = displacement
     scales[layout.velocity] = displacement * frequency
     for point in range(2):

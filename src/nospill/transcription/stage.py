@@ -17,8 +17,8 @@ from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_obje
 from nospill.laws.slosh.motion import motion_residual
 from nospill.transcription.collocation import POINTS, advance_chain, gauss_step, interior
 from nospill.transcription.joint_equalities import joint_equalities
-from nospill.transcription.layers import Layers
 from nospill.transcription.layout import Chain, Layout
+from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.tray_state import tray_state
 
 
@@ -74,10 +74,10 @@ class StageExpressions:
     """The pieces a transcription maps: next state, equalities (zero), rows with bounds, share of the cost.
 
     All in physical units except the equalities, which are divided by their scales, and the rows (see `smooth_rows`).
-    They may read values lifted into `layers`.
+    They may read symbols of the `lifted` variables.
     """
 
-    layers: Layers
+    lifted: LiftedVariables
     following: SX
     equalities: SX
     rows: SX
@@ -104,12 +104,12 @@ def stage_expressions(
     accelerations = (stage[layout.acceleration(0)], stage[layout.acceleration(1)])
     step = gauss_step(stage[layout.displacement], stage[layout.velocity], accelerations, interval)
 
-    layers = Layers()
+    lifted = LiftedVariables()
     ends = _moved(chains, jerks, interval)
     following = ca.vertcat(*[ca.vertcat(*end) for end in ends], interval, step.end_displacement, step.end_velocity)
 
     collector = RowCollector(backoff)
-    start = tray_state(structure, numbers, chains).lifted(layers)
+    start = tray_state(structure, numbers, chains).lifted(lifted)
     equalities = [joint_equalities(structure, numbers, stage, layout, chains, start)]
     tilt = ca.vertcat(chains[1][0], chains[2][0]) if structure.tilt_free else None
     node = Sample(
@@ -125,9 +125,9 @@ def stage_expressions(
     collector.add(node, (Place.JOINT, Place.CONTROL))
 
     for point in range(2):
-        moved = _lifted(_moved(chains, jerks, POINTS[point] * interval), layers)
-        tray = tray_state(structure, numbers, moved).lifted(layers).motion
-        position, velocity = layers.lift(step.point_displacements[point]), layers.lift(step.point_velocities[point])
+        moved = _lifted(_moved(chains, jerks, POINTS[point] * interval), lifted)
+        tray = tray_state(structure, numbers, moved).lifted(lifted).motion
+        position, velocity = lifted.lift(step.point_displacements[point]), lifted.lift(step.point_velocities[point])
         slosh = split_states(structure, position, velocity, accelerations[point])
         residuals = [
             motion_residual(
@@ -147,12 +147,12 @@ def stage_expressions(
     for repetition, fraction in enumerate((0.0, 0.5)):
         tray = start.motion
         if repetition:
-            moved = _lifted(_moved(chains, jerks, fraction * interval), layers)
-            tray = tray_state(structure, numbers, moved).lifted(layers).motion
+            moved = _lifted(_moved(chains, jerks, fraction * interval), lifted)
+            tray = tray_state(structure, numbers, moved).lifted(lifted).motion
         inside = interior(stage[layout.displacement], stage[layout.velocity], accelerations, fraction, interval)
-        position, velocity, acceleration = (layers.lift(part) for part in inside)
+        position, velocity, acceleration = (lifted.lift(part) for part in inside)
         objects = sample_objects(structure, numbers, tray, split_states(structure, position, velocity, acceleration))
-        objects = tuple(_lifted_object(item, layers) for item in objects)
+        objects = tuple(_lifted_object(item, lifted) for item in objects)
         collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
 
     weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * layout.tilts
@@ -160,7 +160,7 @@ def stage_expressions(
     cost = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     rows, lower, upper = collector.stacked()
     return StageExpressions(
-        layers, following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
+        lifted, following, ca.vertcat(*equalities), rows, lower, upper, tuple(collector.blocks), cost
     )
 
 
@@ -168,13 +168,13 @@ def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
     return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
 
 
-def _lifted(chains: tuple[Chain, ...], layers: Layers) -> tuple[Chain, ...]:
-    return tuple((layers.lift(chain[0]), layers.lift(chain[1]), layers.lift(chain[2])) for chain in chains)
+def _lifted(chains: tuple[Chain, ...], lifted: LiftedVariables) -> tuple[Chain, ...]:
+    return tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in chains)
 
 
-def _lifted_object(item: ObjectSample, layers: Layers) -> ObjectSample:
-    wrench = Wrench(layers.lift(item.wrench.force), layers.lift(item.wrench.moment))
-    return replace(item, wrench=wrench, surface=layers.lift(item.surface))
+def _lifted_object(item: ObjectSample, lifted: LiftedVariables) -> ObjectSample:
+    wrench = Wrench(lifted.lift(item.wrench.force), lifted.lift(item.wrench.moment))
+    return replace(item, wrench=wrench, surface=lifted.lift(item.surface))
 
 
 def terminal_rows(

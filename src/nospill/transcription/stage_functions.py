@@ -21,20 +21,24 @@ Triplets = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class StageShape:
+class StageSizes:
     """Everything about a stage that is not a function; made from plain data that is kept beside compiled code.
 
     Attributes:
         numbers: entries of a flattened numbers record.
-        height: constraints of a stage: gaps, equalities, rows. fixed: how many of them are gaps and equalities.
-        lower, upper: bounds of the rows, (height - fixed,). blocks: of the rows, first row counted from the stage's
-            start.
-        end_lower, end_upper, end_blocks: of the rows on the final state.
-        jacobian, hessian, end_jacobian, end_hessian: structural nonzeros; the Hessians' upper triangles.
+        rows_per_stage: gaps, equalities and rows of constraints of a stage.
+        fixed: how many of them are gaps and equalities.
+        lower, upper: (rows_per_stage - fixed,) bounds of the rows of constraints.
+        blocks: of the rows of constraints, first row counted from the stage's start.
+        end_lower, end_upper: (m,) bounds of the rows on the final state.
+        end_blocks: of the rows on the final state.
+        jacobian: structural nonzeros of the constraints' Jacobian.
+        hessian: of the upper triangle of the Lagrangian's Hessian.
+        end_jacobian, end_hessian: the same of the rows on the final state.
     """
 
     numbers: int
-    height: int
+    rows_per_stage: int
     fixed: int
     lower: np.ndarray
     upper: np.ndarray
@@ -53,24 +57,29 @@ class StageFunctions:
     """A stage's functions of its scaled vector z, the final state's x, and the parameters p.
 
     Attributes:
-        layout, shape: sizes and places. backoff_keys: (constraint, subject) of every entry of the back-off vector.
-        values: (z, p) -> cost, constraints. slopes: (z, p) -> constraints, Jacobian's nonzeros. costs: (z, p) ->
-            cost, gradient.
-        curvatures: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the Lagrangian's Hessian.
-        end_values: (x, p) -> rows. end_slopes: (x, p) -> nonzeros. end_curvatures: (x, p, multipliers) -> nonzeros.
+        layout: which entry of z means what.
+        sizes: bounds of the constraints and structure of the derivatives.
+        backoff_keys: (constraint, subject) of every entry of the back-off vector.
+        constraints: (z, p) -> cost, constraints.
+        constraint_jacobian: (z, p) -> constraints, nonzeros of their Jacobian.
+        cost_gradient: (z, p) -> cost, gradient.
+        lagrangian_hessian: (z, p, multiplier of the cost, of the constraints) -> nonzeros of the upper triangle.
+        end_constraints: (x, p) -> rows.
+        end_constraint_jacobian: (x, p) -> nonzeros.
+        end_lagrangian_hessian: (x, p, multipliers) -> nonzeros of the upper triangle.
         compiled: whether they are machine code rather than CasADi's virtual machine.
     """
 
     layout: Layout
-    shape: StageShape
+    sizes: StageSizes
     backoff_keys: tuple[tuple[str, int], ...]
-    values: Any
-    slopes: Any
-    costs: Any
-    curvatures: Any
-    end_values: Any
-    end_slopes: Any
-    end_curvatures: Any
+    constraints: Any
+    constraint_jacobian: Any
+    cost_gradient: Any
+    lagrangian_hessian: Any
+    end_constraints: Any
+    end_constraint_jacobian: Any
+    end_lagrangian_hessian: Any
     compiled: bool
 
 
@@ -100,10 +109,10 @@ def _stage_functions(structure: Structure, shapes: Shapes, derivable: bool) -> S
         made, data, is_compiled = *_build(structure, shapes), False
     else:
         made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure, shapes))
-    return StageFunctions(layout_of(structure), _shape(data), backoff_keys(structure), **made, compiled=is_compiled)
+    return StageFunctions(layout_of(structure), _sizes(data), backoff_keys(structure), **made, compiled=is_compiled)
 
 
-def _shape(data: dict[str, Any]) -> StageShape:
+def _sizes(data: dict[str, Any]) -> StageSizes:
     table = dict(data)
     for name in ("lower", "upper", "end_lower", "end_upper"):
         table[name] = np.array(table[name], dtype=float)
@@ -111,7 +120,7 @@ def _shape(data: dict[str, Any]) -> StageShape:
         table[name] = tuple(Block(*block) for block in table[name])
     for name in ("jacobian", "hessian", "end_jacobian", "end_hessian"):
         table[name] = tuple(np.array(part, dtype=int) for part in table[name])
-    return StageShape(**table)
+    return StageSizes(**table)
 
 
 def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -131,18 +140,18 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[s
     end_rows, end_lower, end_upper = end.stacked()
 
     multipliers, end_multipliers, weight = SX.sym("l", constraints.numel()), SX.sym("m", end_rows.numel()), SX.sym("f")
-    lagrangian = stage.layers.derivatives(z, ca.vertcat(stage.cost, constraints), ca.vertcat(weight, multipliers))
+    lagrangian = stage.lifted.derivatives(z, ca.vertcat(stage.cost, constraints), ca.vertcat(weight, multipliers))
     constraints, jacobian, hessian = lagrangian.outputs[1:], lagrangian.jacobian[1:, :], lagrangian.hessian
     end_jacobian = ca.jacobian(end_rows, x)
     end_hessian = ca.triu(ca.hessian(ca.dot(end_multipliers, end_rows), x)[0])
     outputs: dict[str, tuple[list[SX], list[SX]]] = {
-        "values": ([z, parameters], [stage.cost, constraints]),
-        "slopes": ([z, parameters], [constraints, _nonzeros(jacobian)]),
-        "costs": ([z, parameters], [stage.cost, ca.gradient(stage.cost, z)]),
-        "curvatures": ([z, parameters, weight, multipliers], [_nonzeros(hessian)]),
-        "end_values": ([x, parameters], [end_rows]),
-        "end_slopes": ([x, parameters], [_nonzeros(end_jacobian)]),
-        "end_curvatures": ([x, parameters, end_multipliers], [_nonzeros(end_hessian)]),
+        "constraints": ([z, parameters], [stage.cost, constraints]),
+        "constraint_jacobian": ([z, parameters], [constraints, _nonzeros(jacobian)]),
+        "cost_gradient": ([z, parameters], [stage.cost, ca.gradient(stage.cost, z)]),
+        "lagrangian_hessian": ([z, parameters, weight, multipliers], [_nonzeros(hessian)]),
+        "end_constraints": ([x, parameters], [end_rows]),
+        "end_constraint_jacobian": ([x, parameters], [_nonzeros(end_jacobian)]),
+        "end_lagrangian_hessian": ([x, parameters, end_multipliers], [_nonzeros(end_hessian)]),
     }
     functions = {
         name: ca.Function(name, inputs, [ca.densify(output) for output in results], {"cse": True})
@@ -150,7 +159,7 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[s
     }
     data = {
         "numbers": shapes.size,
-        "height": constraints.numel(),
+        "rows_per_stage": constraints.numel(),
         "fixed": fixed,
         "lower": stage.lower.tolist(),
         "upper": stage.upper.tolist(),

@@ -9,8 +9,8 @@ import casadi as ca
 from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import tray_motion
-from nospill.transcription.layers import Layers
 from nospill.transcription.layout import Chain
+from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import path_expression
 
 
@@ -26,17 +26,17 @@ class TrayState:
     rotation: SX
     motion: FrameMotion
 
-    def lifted(self, layers: Layers) -> TrayState:
+    def lifted(self, variables: LiftedVariables) -> TrayState:
         """The same with every entry lifted."""
         motion = self.motion
         return TrayState(
-            layers.lift(self.position),
-            layers.lift(self.velocity),
-            layers.lift(self.rotation),
+            variables.lift(self.position),
+            variables.lift(self.velocity),
+            variables.lift(self.rotation),
             FrameMotion(
-                layers.lift(motion.angular_velocity),
-                layers.lift(motion.angular_acceleration),
-                layers.lift(motion.specific_force),
+                variables.lift(motion.angular_velocity),
+                variables.lift(motion.angular_acceleration),
+                variables.lift(motion.specific_force),
             ),
         )
 

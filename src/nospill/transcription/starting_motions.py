@@ -1,4 +1,4 @@
-"""Starting points: smooth motions along the path, and answers carried from one grid to another."""
+"""Smooth motions along the path, from rest to rest, from which a search starts."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.laws.scene_parameters import structure_of
-from nospill.motion.trajectory import Trajectory
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
-from nospill.transcription.collocation import POINTS
-from nospill.transcription.layout import Layout, layout_of
-from nospill.transcription.stages import Stages, sample_stages
+from nospill.transcription.layout import layout_of
+from nospill.transcription.stages import Stages
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +51,14 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     s, rate, change = quintic(np.linspace(0.0, 1.0, 201))
     first, second = scene.path.derivative(s, 1), scene.path.derivative(s, 2)
     unit_acceleration = second * rate[:, None] ** 2 + first * change[:, None]
-    offset = max((float(np.hypot(*cargo.position)) for cargo in scene.cargo), default=0.0)
+    objects = numbers_of(scene).objects
+    offset = max((float(np.hypot(*item.position[:2])) for item in objects), default=0.0)
     turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
     demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
-    allowed = min(0.5 * cargo.planned_friction * STANDARD_GRAVITY for cargo in scene.cargo)
-    for cargo in scene.cargo:
-        for mode in cargo.filling.modes.oscillators[:1] if cargo.filling else ():
-            assert cargo.filling is not None
-            allowed = min(allowed, 0.5 * cargo.filling.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))
+    allowed = min(0.5 * item.friction * STANDARD_GRAVITY for item in objects)
+    for item in objects:
+        for mode in item.oscillators[:1]:
+            allowed = min(allowed, 0.5 * item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
@@ -125,102 +123,6 @@ def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray
     for index in range(count):
         closed[index + 1] = step @ closed[index] + push * jerks[index]
     return closed, jerks
-
-
-def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
-    """The same motion on another grid: chains and slosh by their own polynomials, joints linearly."""
-    old, duration = stages.table, stages.duration
-    times = np.linspace(0.0, duration, intervals + 1)
-    samples = sample_stages(stages, layout, times)
-    table = np.zeros((intervals + 1, layout.size))
-    table[:, : 3 * layout.chains] = samples.chains
-    accelerations = samples.chains[:, 2::3]
-    table[:-1, layout.jerks] = np.diff(accelerations, axis=0) * intervals / duration
-    table[:, layout.interval] = duration / intervals
-    table[:, layout.displacement], table[:, layout.velocity] = samples.displacement, samples.velocity
-    for point in range(2):
-        table[:, layout.acceleration(point)] = samples.accelerations[point]
-    joints = slice(layout.joint_position.start, layout.size)
-    grid = np.arange(stages.intervals) * stages.interval
-    for column in range(joints.start, joints.stop):
-        table[:, column] = np.interp(times, grid, old[:-1, column])
-    return Stages(duration / intervals, table, stages.self_motion)
-
-
-def slowed(stages: Stages, layout: Layout, factor: float) -> Stages:
-    """The same motion played `factor` times as slowly.
-
-    Liquids follow in proportion to the tray's acceleration, which is nearly what they do and keeps them in phase; their
-    equation of motion no longer holds to the last digit.
-    """
-    table = stages.table.copy()
-    for chain in range(layout.chains):
-        table[:, 3 * chain + 1] /= factor
-        table[:, 3 * chain + 2] /= factor**2
-    table[:, layout.jerks] /= factor**3
-    table[:, layout.interval] *= factor
-    table[:, layout.displacement] /= factor**2
-    table[:, layout.velocity] /= factor**3
-    for point in range(2):
-        table[:, layout.acceleration(point)] /= factor**4
-    for order in range(1, layout.orders + 1):
-        table[:, layout.joint_derivative(order)] /= factor**order
-    return Stages(stages.interval * factor, table, stages.self_motion)
-
-
-def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
-    """An exported motion as a start: sampled linearly, slosh accelerations from differences of the velocities.
-
-    Liquids that the trajectory does not know start at rest.
-    """
-    layout = layout_of(structure_of(scene))
-    duration = trajectory.end_time
-    times = np.linspace(0.0, duration, intervals + 1)
-    interval = duration / intervals
-
-    def at(values: np.ndarray, t: np.ndarray = times) -> np.ndarray:
-        return np.column_stack([np.interp(t, trajectory.t, column) for column in values.T])
-
-    table = np.zeros((intervals + 1, layout.size))
-    chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
-    if layout.tilts:
-        tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
-        chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
-    joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
-    direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
-    if direction is not None:
-        chains.append(np.column_stack([part @ direction for part in joints]))
-    for index, chain in enumerate(chains):
-        table[:, 3 * index : 3 * index + 3] = at(chain)
-        table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
-    table[:, layout.interval] = interval
-    first = layout.displacement.start
-    for cargo in scene.cargo:
-        count = sum(len(mode.directions) for mode in cargo.filling.modes.oscillators) if cargo.filling else 0
-        track = trajectory.slosh.get(cargo.name)
-        if track is not None and track.displacement.shape[1] == count:
-            shift = first - layout.displacement.start
-            columns = slice(shift, shift + count)
-            table[:, layout.displacement][:, columns] = at(track.displacement)
-            table[:, layout.velocity][:, columns] = at(track.velocity)
-            change = np.gradient(track.velocity, trajectory.t, axis=0)
-            for point in range(2):
-                inside = np.minimum(times + POINTS[point] * interval, duration)
-                table[:, layout.acceleration(point)][:, columns] = at(change, inside)
-        first += count
-    further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
-    for order, part in enumerate((joints + further)[: layout.orders + 1]):
-        table[:, layout.joint_derivative(order)] = at(part)
-    return Stages(interval, table, direction)
-
-
-def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
-    """Intervals in which no carried mode turns by more than `swing` rad over a motion of `duration` s."""
-    fastest = max(
-        (mode.frequency for cargo in scene.cargo if cargo.filling for mode in cargo.filling.modes.oscillators),
-        default=0.0,
-    )
-    return int(np.ceil(fastest * duration / swing))
 
 
 def starting_motions(scene: Scene, count: int) -> Iterator[Start]:

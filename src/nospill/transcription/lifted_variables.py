@@ -29,8 +29,8 @@ class Derivatives:
     hessian: SX
 
 
-class Layers:
-    """Lifted intermediate values, in the order they were lifted."""
+class LiftedVariables:
+    """Intermediate values for which symbols stand, in the order they were lifted."""
 
     def __init__(self) -> None:
         self._symbols: list[SX] = []
@@ -49,7 +49,7 @@ class Layers:
             entries[index] = symbol[place]
         return ca.sparsify(ca.reshape(ca.vertcat(*entries), *value.shape))
 
-    def lowered(self, expression: SX) -> SX:
+    def substituted(self, expression: SX) -> SX:
         """An expression without symbols of lifted values."""
         return ca.substitute([expression], self._symbols, self._written_out())[0] if self._symbols else expression
 

@@ -1,0 +1,76 @@
+"""The answer of a solver, and how far a motion is from the bounds of a problem's rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.transcription.problem import Problem
+from nospill.transcription.stages import Stages
+
+FEASIBLE = 1e-5
+"""Largest scaled violation of a motion that is worth going on with."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What a solver returned; `converged` is its own word and decides nothing by itself.
+
+    Attributes:
+        stages: the candidate motion.
+        variables: (n,) scaled.
+        multipliers: (m,) of the constraints.
+        bound_multipliers: (n,) of the variables' bounds.
+        objective: t_e + sum k mean(u^2), s.
+        violation: largest scaled constraint violation.
+        slack: per active (constraint, subject), least distance of its rows from their bounds, as part of the budget.
+        converged: whether the solver met its tolerances.
+        status: a sentence.
+        iterations: of the solver.
+        solve_time_s: wall clock, s.
+    """
+
+    stages: Stages
+    variables: np.ndarray
+    multipliers: np.ndarray
+    bound_multipliers: np.ndarray
+    objective: float
+    violation: float
+    slack: dict[tuple[str, int], float]
+    converged: bool
+    status: str
+    iterations: int
+    solve_time_s: float
+
+
+def usable(solution: Solution) -> bool:
+    """Whether an answer keeps its constraints well enough to go on with."""
+    return solution.violation <= FEASIBLE
+
+
+def violation(problem: Problem, values: np.ndarray) -> float:
+    """Largest violation of the constraint bounds, scaled units; infinite where a value is not a number."""
+    short = np.maximum(problem.transcription.lower - values, values - problem.transcription.upper)
+    return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
+
+
+def row_slack(problem: Problem, stages: Stages) -> dict[tuple[str, int], float]:
+    """`Solution.slack` of any motion on the problem's grid, solved or not."""
+    values = problem.transcription.constraint_function(problem.encode(stages), problem.parameters)
+    return least_slack(problem, np.asarray(values).ravel())
+
+
+def least_slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]:
+    """`Solution.slack` from the values (m,) of the constraints."""
+    transcription = problem.transcription
+    distance = np.minimum(values - transcription.lower, transcription.upper - values)
+    stages, end = np.split(distance, [transcription.intervals * transcription.rows_per_stage])
+    least = np.min(stages.reshape(-1, transcription.rows_per_stage), axis=0)
+    slack: dict[tuple[str, int], float] = {}
+    for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
+        for block in blocks:
+            key = (block.constraint, block.subject)
+            own = float(np.min(distances[block.first : block.first + block.count]))
+            slack[key] = min(own, slack.get(key, np.inf))
+    return slack
