@@ -16,7 +16,7 @@ from nospill.judge.certificate import constraint_traces, corner_rows
 from nospill.judge.record_checks import SPEED_TOLERANCE
 from nospill.judge.replay import MINIMUM_RATE, replay
 from nospill.judge.verdict import APPROACH, Certificate, Row, Trace, condensed, limit_row, worst_row
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import OF_OBJECTS
 from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.scene.scene import ApproachRules, Scene
@@ -103,7 +103,7 @@ def _end_rows(segment: Segment, rules: ApproachRules, end: np.ndarray, played: J
 
 def _cargo_rows(segment: Segment, scene: Scene, played: JointMotion) -> list[Row]:
     record = segment.record()
-    traces = constraint_traces(record, scene, replay(record, scene, motion=played), places=(Place.OBJECT, Place.END))
+    traces = constraint_traces(record, scene, replay(record, scene, motion=played), points=OF_OBJECTS)
     rows = condensed([*map(worst_row, traces), *corner_rows(record, scene, motion=played)])
     # the end condition is one of the motion; here the liquids have to keep to the height that may remain
     return [row for row in rows if row.constraint != EndDisplacement.name]

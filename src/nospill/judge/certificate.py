@@ -12,12 +12,12 @@ import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, FrameMotion, body_motion
-from nospill.judge.record_checks import record_rows, require_fit, require_motion
+from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay, slosh_accelerations
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place, worst_figures
+from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, EvaluationPoint, worst_figures
 from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.parameters import Shapes, Structure, symbolic
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
@@ -76,7 +76,7 @@ def judge(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
-    require_fit(trajectory, scene)
+    require_same_joints_and_liquids(trajectory, scene)
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)
@@ -91,21 +91,21 @@ def constraint_traces(
     scene: Scene,
     played: Replay,
     *,
-    places: Collection[Place] = tuple(Place),
+    points: Collection[EvaluationPoint] = EVERYWHERE,
     payload: Sequence[Cargo] | None = None,
 ) -> tuple[Trace, ...]:
-    """Every constraint of some places and its subjects over time, each on the grid it is judged on.
+    """Every constraint and subject over time, each on the grid it is judged on; of some evaluation points only.
 
     `payload` is what the flange carries, where that is not the cargo of the scene.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
     parameters = flat_numbers(scene, payload)
     traces = []
-    for place, (t, columns) in _inputs(trajectory, played).items():
-        constraints = [item for item in CONSTRAINTS if item.place is place and item.subjects(scene)]
-        if not constraints or place not in places:
+    for point, (t, columns) in _inputs(trajectory, played).items():
+        constraints = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(scene)]
+        if not constraints or point not in points:
             continue
-        function = _figures(structure, Shapes(numbers))[f"figures_{place.value}"]
+        function = _figures(structure, Shapes(numbers))[f"figures_{point.value}"]
         table = evaluate(function, columns, parameters)
         table = table.reshape(-1, 3, len(t))
         row = 0
@@ -138,29 +138,29 @@ def corner_rows(
     rows = []
     for corner in corner_scenes(scene):
         own = replay(trajectory, corner.scene, motion=motion, rate=rate)
-        for trace in constraint_traces(trajectory, corner.scene, own, places=(Place.OBJECT, Place.END)):
+        for trace in constraint_traces(trajectory, corner.scene, own, points=OF_OBJECTS):
             if trace.subject in corner.texts:
                 rows.append(replace(worst_row(trace), variant=corner.texts[trace.subject]))
     if rows and played is not None:
         for text, load in (("the heaviest load", heaviest(scene)), ("the lightest load", lightest(scene))):
-            loaded = constraint_traces(trajectory, scene, played, places=(Place.JOINT,), payload=load)
+            loaded = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.JOINT,), payload=load)
             rows += [
                 replace(worst_row(trace), variant=text) for trace in loaded if trace.constraint == JointTorque.name
             ]
     return tuple(rows)
 
 
-def _inputs(trajectory: Trajectory, played: Replay) -> dict[Place, tuple[np.ndarray, list[np.ndarray]]]:
-    """Per place: times and the arrays (rows, m) that its figures are evaluated on."""
+def _inputs(trajectory: Trajectory, played: Replay) -> dict[EvaluationPoint, tuple[np.ndarray, list[np.ndarray]]]:
+    """Per evaluation point: times and the arrays (rows, m) that its figures are evaluated on."""
     slosh = [played.slosh_displacement.T, played.slosh_velocity.T]
     end = trajectory.end_time
     t, jerks, tilt = _jerks(trajectory)
     joints = (played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T)
     return {
-        Place.OBJECT: (played.t, [played.body, *slosh]),
-        Place.JOINT: (played.t, list(joints)),
-        Place.CONTROL: (t, [tilt.T, jerks[:, :3].T, jerks[:, 3:].T]),
-        Place.END: (np.array([end]), list(_state_at(played, end))),
+        EvaluationPoint.OBJECT: (played.t, [played.body, *slosh]),
+        EvaluationPoint.JOINT: (played.t, list(joints)),
+        EvaluationPoint.CONTROL: (t, [tilt.T, jerks[:, :3].T, jerks[:, 3:].T]),
+        EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
 
 
@@ -193,14 +193,14 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=16)
 def _figures(structure: Structure, shapes: Shapes) -> codegen.Functions:
     def build() -> tuple[codegen.Functions, None]:
-        places = [_figures_function(structure, shapes, place) for place in Place]
-        return {function.name(): function for function in places if function is not None}, None
+        points = [_figures_function(structure, shapes, point) for point in EvaluationPoint]
+        return {function.name(): function for function in points if function is not None}, None
 
     return codegen.functions("figures", structure, build)[0]
 
 
-def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any | None:
-    """(columns of `_inputs`, parameters) -> value, limit, margin of every constraint and subject of one place.
+def _figures_function(structure: Structure, shapes: Shapes, point: EvaluationPoint) -> Any | None:
+    """(columns of `_inputs`, parameters) -> value, limit, margin of all constraints and subjects of one point.
 
     None where no constraint has a subject there.
     """
@@ -208,18 +208,18 @@ def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any
     numbers = symbolic(shapes.record, parameters)
     count = coordinate_count(structure)
     q, qd = SX.sym("q", count), SX.sym("qd", count)
-    if place is Place.OBJECT:
+    if point is EvaluationPoint.OBJECT:
         body = SX.sym("body", 9)
         tray = body_motion(body)
         slosh = split_states(structure, q, qd, slosh_accelerations(structure, numbers, tray, q, qd))
         sample = Sample(structure, numbers, objects=sample_objects(structure, numbers, tray, slosh))
         inputs = [body, q, qd]
-    elif place is Place.END:
+    elif point is EvaluationPoint.END:
         rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, numbers.gravity))
         slosh = split_states(structure, q, qd, SX.zeros(count))
         sample = Sample(structure, numbers, objects=sample_objects(structure, numbers, rest, slosh))
         inputs = [q, qd]
-    elif place is Place.JOINT:
+    elif point is EvaluationPoint.JOINT:
         inputs = [SX.sym(name, len(structure.joints)) for name in ("q", "qd", "qdd")]
         sample = Sample(
             structure, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
@@ -229,10 +229,10 @@ def _figures_function(structure: Structure, shapes: Shapes, place: Place) -> Any
         sample = Sample(structure, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
     stacked = []
     for constraint in CONSTRAINTS:
-        if constraint.place is place:
+        if constraint.evaluated_at is point:
             stacked += [worst_figures(constraint, budgets) for budgets in constraint.budgets(sample)]
     if not stacked:
         return None
     return ca.Function(
-        f"figures_{place.value}", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True}
+        f"figures_{point.value}", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True}
     )

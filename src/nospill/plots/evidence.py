@@ -11,7 +11,7 @@ from nospill.core.frames import SX, FrameMotion
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.parameters import constants
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
@@ -43,9 +43,9 @@ class Evidence:
         """The traces of one constraint, a subject each; empty where it does not apply."""
         return tuple(trace for trace in self.judgement.traces if trace.constraint == constraint)
 
-    def families(self, place: Place) -> dict[str, tuple[Trace, ...]]:
-        """The traces of every constraint of one place that applies, by constraint, in the order of the certificate."""
-        names = [constraint.name for constraint in CONSTRAINTS if constraint.place is place]
+    def families(self, point: EvaluationPoint) -> dict[str, tuple[Trace, ...]]:
+        """The traces of every constraint of one point that applies, by constraint, in the order of the certificate."""
+        names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point]
         return {name: traces for name in names if (traces := self.traces(name))}
 
     def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -12,7 +12,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
@@ -161,7 +161,7 @@ def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
 
 def _contact_use(judgement: Judgement, scene: Scene, picked: np.ndarray) -> dict[str, np.ndarray]:
     """The largest use over every constraint on an object that does not speak of its liquid."""
-    wanted = {item.name for item in CONSTRAINTS if item.place is Place.OBJECT} - set(_ABOUT_THE_LIQUID)
+    wanted = {item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.OBJECT} - set(_ABOUT_THE_LIQUID)
     found = {cargo.name: np.zeros(len(picked)) for cargo in scene.cargo}
     for trace in judgement.traces:
         if trace.constraint in wanted and trace.subject in found:
