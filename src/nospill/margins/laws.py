@@ -17,8 +17,8 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
-from nospill.core.frames import SX, FrameMotion, body_motion
-from nospill.judge.replay import slosh_accelerations
+from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
+from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
 from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
@@ -27,7 +27,6 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
 from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
-from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 
 STEP = 1e-3
@@ -43,7 +42,7 @@ class TrayMotion:
 
     Attributes:
         body: (27, n) rates and specific force (as `Replay.body`) at the start, the middle and the end of each step.
-        step: s.
+        step: length of a step, s.
     """
 
     body: np.ndarray
@@ -55,14 +54,7 @@ def tray_motion(trajectory: Trajectory, scene: Scene) -> TrayMotion:
     motion, start, end = planned_motion(trajectory), float(trajectory.t[0]), trajectory.end_time
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
-    tray = kinematics(scene.robot).motions(
-        *(motion(t, order) for order in range(3)),
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
-    )
-    lifted = tray.acceleration + np.array([0.0, 0.0, scene.gravity])
-    vectors = (tray.angular_velocity, tray.angular_acceleration, lifted)
-    body = np.hstack([np.einsum("mji,mj->mi", tray.rotation, vector) for vector in vectors]).T
+    _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
     return TrayMotion(np.vstack([body[:, 0:-1:2], body[:, 1::2], body[:, 2::2]]), (end - start) / count)
 
 
@@ -146,7 +138,7 @@ def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _
     # The numbers ride along in the state: what is accumulated may differ from sample to sample, the motion may not.
     before, after = ca.vertcat(p, state, worst), ca.vertcat(p, following, *kept)
     advance = ca.Function("advance", [before, ca.vertcat(first, middle, last)], [after], {"cse": True})
-    rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, numbers.gravity))
+    rest = frame_at_rest(numbers.gravity)
     at_end = _worst(EvaluationPoint.END, structure, numbers, rest, state[:count], state[count:], moving=False)
     final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
     finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final))], {"cse": True})

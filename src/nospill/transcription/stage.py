@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from nospill.core.frames import SX, FrameMotion
+from nospill.core.frames import SX, frame_at_rest
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
 from nospill.laws.contact import Wrench
@@ -185,10 +185,8 @@ def terminal_rows(
     backoff: Mapping[tuple[str, int], SX],
 ) -> RowCollector:
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
-    zero = SX.zeros(3)
-    rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
     slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))
-    objects = sample_objects(structure, numbers, rest, slosh)
+    objects = sample_objects(structure, numbers, frame_at_rest(numbers.gravity), slosh)
     collector = RowCollector(backoff)
     collector.add(Sample(structure, numbers, objects=objects), (EvaluationPoint.END,))
     return collector
