@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from nospill.judge import certificate, replay
+from nospill.judge import replay, traces
 from nospill.laws import codegen as compiled
 from nospill.laws.parameters import Shapes
 from nospill.laws.scene_parameters import numbers_of, structure_of
@@ -29,7 +29,7 @@ from nospill.transcription import stage_functions
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
 
-CACHES = (stage_functions._stage_functions, certificate._figures, replay._functions)
+CACHES = (stage_functions._stage_functions, traces._figures, replay._functions)
 """What a process keeps of functions once made."""
 
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
@@ -95,7 +95,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     structure, numbers = structure_of(small), numbers_of(small)
     slow = plan(small)
     plain = stage_functions.stage_functions(structure, numbers)
-    figures = certificate._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    figures = traces._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
     assert not plain.compiled
     for kept in CACHES:
         kept.cache_clear()
@@ -103,7 +103,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     fast = stage_functions.stage_functions(structure, numbers)
     assert fast.compiled
-    fast_figures = certificate._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    fast_figures = traces._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
     pairs = [
         (getattr(fast, field.name), getattr(plain, field.name))
         for field in dataclasses.fields(plain)

@@ -23,8 +23,8 @@ from nospill.judge.certificate import judge
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, margins, probability
-from nospill.margins.laws import object_margins, ride
-from nospill.margins.perturbed import perturbed
+from nospill.margins.drawn_object import drawn_object
+from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import draw
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
@@ -61,7 +61,7 @@ def run(*arguments: str) -> Any:
 def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan(name, tilt=(0.1, 0.05) if name != "matrix-liquid" else (0.0, 0.0))
     rows = {(row.constraint, row.subject): row for row in plan.certificate.rows}
-    motion = ride(plan.trajectory, plan.scene)
+    motion = tray_motion(plan.trajectory, plan.scene)
     for index, cargo in enumerate(plan.scene.cargo):
         [(count, found)] = object_margins(plan.scene, index, (object_numbers(cargo, plan.scene),), motion)
         assert count == 1 and len(found.constraints) >= 4
@@ -76,7 +76,7 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
 def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
     scene = read_scenario(name)
     for cargo in scene.cargo:
-        mine = object_numbers(perturbed(cargo, STILL, scene), scene)
+        mine = object_numbers(drawn_object(cargo, STILL, scene), scene)
         theirs = object_numbers(replace(cargo, friction_reserve=0.0, footprint_reserve=0.0), scene)
         assert flatten(mine) == pytest.approx(flatten(theirs), rel=1e-9, abs=1e-15)
 
@@ -89,7 +89,7 @@ def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
 def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: float, slip: float) -> None:
     scene = read_scenario("mixed-tray")
     cargo = scene.cargo[index]
-    changed = perturbed(cargo, off(fill=rise, damping=damping, mass=mass, friction=slip, position_x=1e-3), scene)
+    changed = drawn_object(cargo, off(fill=rise, damping=damping, mass=mass, friction=slip, position_x=1e-3), scene)
     assert changed.planned_friction == pytest.approx(cargo.friction * (1 + slip))
     assert changed.position == pytest.approx(cargo.position + np.array([1e-3, 0.0]))
     added = mass * cargo.total.mass
@@ -121,8 +121,10 @@ def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Pl
 
 def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-rigid")
-    scene, motion = plan.scene, ride(plan.trajectory, plan.scene)
-    numbers = tuple(object_numbers(perturbed(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25))
+    scene, motion = plan.scene, tray_motion(plan.trajectory, plan.scene)
+    numbers = tuple(
+        object_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25)
+    )
     [(_, found)] = object_margins(scene, 0, numbers, motion)
     use = 1.0 - found.margin[:, found.constraints.index("slip")]
     assert use[[0, 2]] == pytest.approx(use[1] / np.array([0.8, 1.25]), rel=1e-9)

@@ -19,7 +19,7 @@ from nospill.planning.planner import plan as find_plan
 from nospill.plans.approach import (
     certify_whole,
     hand_over_approach,
-    require_possible,
+    require_ruckig_if_needed,
     settling_time,
     starts_alike,
     with_approach,
@@ -188,10 +188,10 @@ def test_a_plan_without_one_has_none_to_hand_over(moved, tmp_path):
 def test_without_ruckig_nothing_is_begun(whole, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "ruckig", None)
     with pytest.raises(MissingExtraError):
-        require_possible(whole.scene)
+        require_ruckig_if_needed(whole.scene)
     with pytest.raises(MissingExtraError):
         find_plan(whole.scene)
-    require_possible(replace(whole.scene, approach=None))
+    require_ruckig_if_needed(replace(whole.scene, approach=None))
 
 
 def test_export_and_check_tell_of_it(whole, tmp_path):

@@ -22,7 +22,7 @@ from nospill.errors import PlanFolderError
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima, shown_unit
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
@@ -229,7 +229,7 @@ def test_limits_are_drawn_and_named(pictures: dict[str, Figure]) -> None:
 
 
 def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, pictures: dict[str, Figure]) -> None:
-    names = [c.name for c in CONSTRAINTS if c.place is Place.OBJECT and c.name != "slosh height"]
+    names = [c.name for c in CONSTRAINTS if c.evaluated_at is EvaluationPoint.OBJECT and c.name != "slosh height"]
     assert [axes.get_title(loc="left") for axes in panels(pictures["margins"])] == names
     for axes in panels(pictures["margins"]):
         name = axes.get_title(loc="left")

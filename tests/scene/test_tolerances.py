@@ -16,7 +16,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.judge.certificate import certify, judge
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import flange_load, object_numbers, structure_of
 from nospill.margins import Ranges, margins, scenario_ranges
@@ -28,14 +28,15 @@ from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.containers.cylinder import published_damping
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import corner_scenes, heaviest, scene_variants, spread, variants
+from nospill.scene.tolerances import corner_scenes, heaviest, with_variants
+from nospill.scene.variants import variants, variants_by_object
 from nospill.studio.draft import Draft
 from nospill.transcription.answer import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 ROBUST = "matrix-liquid-tilt-robust"
 EVERYTHING = {"friction": 0.1, "liquid_height": 2e-3, "damping": [0.5, 2.0], "position": 1e-3, "mass": 0.05}
-AT_OBJECTS = {item.name for item in CONSTRAINTS if item.place in (Place.OBJECT, Place.END)}
+AT_OBJECTS = {item.name for item in CONSTRAINTS if item.evaluated_at in (EvaluationPoint.OBJECT, EvaluationPoint.END)}
 
 Changed = Callable[..., Scene]
 
@@ -108,7 +109,7 @@ def test_what_cannot_be_worst_is_no_variant(tolerance: dict[str, Any], cup: int,
     solid = next(item for item in scene.cargo if item.filling is None)
     assert len(texts(scene.cargo[0], scene)) == cup
     assert len(texts(solid, scene)) == bottle
-    for family in scene_variants(scene):
+    for family in variants_by_object(scene):
         assert len({item.text for item in family}) == len(family)
         assert all(item.cargo.friction <= cargo.friction for item in family for cargo in scene.cargo[:1])
 
@@ -119,7 +120,7 @@ def test_shallow_cups_are_tried_at_levels_in_between(changed_scene: Changed) -> 
     shallow = {key: value for key, value in entry.items() if key not in ("mass", "centre_of_mass_height")}
     changes = {"cargo": [shallow | {"liquid_height": "15 mm"}], "tolerance": {"liquid_height": "4 mm"}}
     scene = changed_scene("pp-two-cups", changes)
-    fillings = [item.cargo.filling for item in scene_variants(scene)[0]]
+    fillings = [item.cargo.filling for item in variants_by_object(scene)[0]]
     levels = sorted({(item.liquid_height, item.modes.oscillators[0].frequency) for item in fillings if item})
     assert (levels[0][0], levels[-1][0]) == (pytest.approx(11e-3), pytest.approx(19e-3))
     assert any(level == 15e-3 for level, _ in levels)
@@ -132,7 +133,7 @@ def test_wide_damping_is_tried_in_between(changed_scene: Changed) -> None:
     filling = scene.cargo[0].filling
     assert filling is not None
     stated = filling.modes.oscillators[0].damping
-    fillings = [item.cargo.filling for item in scene_variants(scene)[0][1:]]
+    fillings = [item.cargo.filling for item in variants_by_object(scene)[0][1:]]
     ratios = np.array([item.modes.oscillators[0].damping for item in fillings if item])
     assert (ratios[0], ratios[-1]) == (pytest.approx(0.1 * stated), pytest.approx(30 * stated))
     assert np.all(np.diff(ratios) > 0.0) and np.all(np.diff(ratios) < np.maximum(0.0126, 0.3 * ratios[:-1]))
@@ -141,7 +142,7 @@ def test_wide_damping_is_tried_in_between(changed_scene: Changed) -> None:
 def test_certain_objects_have_no_variants() -> None:
     scene = read_scenario("mixed-tray")
     assert all(item.tolerance is None for item in scene.cargo)
-    assert [family[0].cargo for family in scene_variants(scene)] == list(scene.cargo)
+    assert [family[0].cargo for family in variants_by_object(scene)] == list(scene.cargo)
     assert list(corner_scenes(scene)) == []
 
 
@@ -154,7 +155,7 @@ def test_a_variant_is_what_its_numbers_written_out_give(
     wanted = written_out(read_scenario(ROBUST), friction=0.9, rise=rise, factor=factor)
     again = scene_from_table({**wanted.source, "fidelity": fidelity}, name="again")
     fill = f"fill {1e3 * rise:+g} mm, " if rise else ""
-    [mine] = [v for v in scene_variants(scene)[0] if v.text == f"friction -10 %, {fill}damping x{factor:g}"]
+    [mine] = [v for v in variants_by_object(scene)[0] if v.text == f"friction -10 %, {fill}damping x{factor:g}"]
     theirs = flatten(object_numbers(again.cargo[0], again))
     assert flatten(object_numbers(mine.cargo, scene)) == pytest.approx(theirs, rel=1e-9, abs=1e-12)
     assert mine.cargo.total.inertia == pytest.approx(again.cargo[0].total.inertia, rel=1e-9)
@@ -172,7 +173,7 @@ def test_the_surface_never_may_rise_over_the_rim(
     if given is not None:
         table["cargo"][0]["max_slosh_height"] = given
     scene = scene_from_table(table, name="cups")
-    by_text = {item.text: item.cargo.filling for item in scene_variants(scene)[0]}
+    by_text = {item.text: item.cargo.filling for item in variants_by_object(scene)[0]}
     found = [by_text[text] for text in ("fill -2 mm", "", "fill +2 mm")]
     assert [1e3 * item.max_slosh_height for item in found if item] == pytest.approx(limits)
 
@@ -191,15 +192,19 @@ def test_own_tolerance_overrides_key_by_key(changed_scene: Changed) -> None:
 # --- scenes ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_spread_scene_carries_one_set_of_objects(changed_scene: Changed) -> None:
+def all_variants(scene: Scene) -> Scene:
+    return with_variants(scene, [variant for own in variants_by_object(scene) for variant in own])
+
+
+def test_a_scene_of_variants_carries_one_set_of_objects(changed_scene: Changed) -> None:
     stated = read_scenario("matrix-liquid-tilt")
     sure = changed_scene(ROBUST, {"tolerance": {"friction": "10 %", "damping": [0.5, 2.0]}})
-    several, load = spread(sure), flange_load(spread(sure), heaviest(sure))
+    several, load = all_variants(sure), flange_load(all_variants(sure), heaviest(sure))
     assert len(several.cargo) == 4 * 3
     assert load.mass == pytest.approx(flange_load(stated).mass, rel=1e-12)
     assert load.inertia == pytest.approx(flange_load(stated).inertia, rel=1e-9)
     whole = changed_scene(ROBUST, {"tolerance": EVERYTHING})
-    load = flange_load(spread(whole), heaviest(whole))
+    load = flange_load(all_variants(whole), heaviest(whole))
     added = 4 * (998.2 * math.pi * 0.035**2 * 2e-3 + 0.05 * stated.cargo[0].empty.mass)
     assert load.mass == pytest.approx(flange_load(stated).mass + added, rel=1e-9)
     assert load.mass == pytest.approx(flange_load(replace(whole, cargo=heaviest(whole))).mass)
@@ -209,7 +214,7 @@ def test_a_spread_scene_carries_one_set_of_objects(changed_scene: Changed) -> No
 def test_every_variant_occurs_in_a_corner_of_the_same_structure(changed_scene: Changed) -> None:
     scene = changed_scene("mixed-tray", {"tolerance": {"position": "1 mm"}, "cargo.0.tolerance": {"damping": [0.5, 2]}})
     met = [(name, text) for corner in corner_scenes(scene) for name, text in corner.texts.items()]
-    assert sorted(met) == sorted((item.name, item.text) for family in scene_variants(scene) for item in family)
+    assert sorted(met) == sorted((item.name, item.text) for family in variants_by_object(scene) for item in family)
     assert all(structure_of(corner.scene) == structure_of(scene) for corner in corner_scenes(scene))
 
 
@@ -254,7 +259,7 @@ def test_the_certificate_has_the_worst_of_all_corners_written_out() -> None:
         uses = [verdict[key].use for verdict in verdicts]
         assert row.use == pytest.approx(max(uses), rel=1e-6)
         assert row.use >= stated[key].use - 1e-9
-        assert row.variant and row.who == f"{row.subject} at {row.variant}"
+        assert row.variant and row.label == f"{row.subject} at {row.variant}"
     assert any(not row.ok for key, row in found.items() if stated[key].ok)
 
 

@@ -53,7 +53,7 @@ def constraints_table() -> str:
         (
             f"**{item.name}**",
             {"1": "fraction"}.get(item.unit, item.unit),
-            where.get(item.place.value, item.place.value),
+            where.get(item.evaluated_at.value, item.evaluated_at.value),
             item.description,
             f"`{type(item).__module__.removeprefix('nospill.').replace('.', '/')}.py`",
         )

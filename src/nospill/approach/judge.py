@@ -1,8 +1,8 @@
-"""The judge of an approach: its joints on a dense grid against the limits, its ends, and what it carries.
+"""The judge of an approach: its joints on a dense grid, its ends, and what it carries, by the table of constraints.
 
 The tray turns as the joints happen to turn it. With the cargo on it the liquids are integrated from rest and every
-constraint on an object is evaluated, by the laws and the code of the certificate. How far the tray may lean is no rule
-of its own here: slip, tip, lift and slosh height say what the cargo bears.
+constraint on an object is evaluated, by the laws and the code of the certificate. Nothing limits the lean of the tray
+by itself: slip, tip, lift and slosh height say what the cargo bears.
 """
 
 from __future__ import annotations
@@ -12,13 +12,16 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.approach.segment import Segment
-from nospill.judge.certificate import constraint_traces, corner_rows
+from nospill.judge.certificate import corner_rows
 from nospill.judge.record_checks import SPEED_TOLERANCE
 from nospill.judge.replay import MINIMUM_RATE, replay
-from nospill.judge.verdict import APPROACH, Certificate, Row, Trace, condensed, limit_row, worst_row
-from nospill.laws.constraints.base import Place
+from nospill.judge.traces import constraint_traces, control_inputs, evaluated_traces
+from nospill.judge.verdict import APPROACH, Certificate, Row, condensed, limit_row, worst_row
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role
 from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import ApproachRules, Scene
 
 END_TOLERANCE = 1e-6
@@ -47,7 +50,7 @@ def judge_segment(
     played = motion or planned_motion(record)
     per_sample = int(np.ceil(MINIMUM_RATE / record.rate - 1e-9))
     grid = np.linspace(record.t[0], record.t[-1], (len(record.t) - 1) * per_sample + 1)
-    rows = [*_joint_rows(segment, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]
+    rows = [*_joint_rows(record, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]
     uneven = np.abs(np.diff(record.t) * record.rate - 1.0)
     rows.append(limit_row("even sampling", "time", "1", 1e-4, record.t[1:], uneven))
     if segment.loaded:
@@ -57,31 +60,17 @@ def judge_segment(
 
 
 def _joint_rows(
-    segment: Segment, scene: Scene, rules: ApproachRules, grid: np.ndarray, played: JointMotion
+    record: Trajectory, scene: Scene, rules: ApproachRules, grid: np.ndarray, played: JointMotion
 ) -> list[Row]:
-    robot = scene.robot
-    position, speed, acceleration = (played(grid, order) for order in range(3))
-    # Third divided differences of the samples, at rest outside: means of the jerk over three periods.
-    samples, rate = segment.samples.position, segment.samples.rate
-    padded = np.concatenate([samples[:1], samples[:1], samples, samples[-1:], samples[-1:]])
-    jerk = np.abs(np.diff(padded, n=3, axis=0)) * rate**3
-    t = np.append(segment.samples.t, segment.samples.t[-1] + 1.0 / rate)
-    rows = []
-    for joint, name in enumerate(segment.joints):
-        low, high = position[:, joint] - robot.lower[joint], robot.upper[joint] - position[:, joint]
-        limit = np.where(low < high, robot.lower[joint], robot.upper[joint])
-        trace = Trace("joint position", name, "rad", grid, position[:, joint], limit, np.minimum(low, high))
-        rows.append(worst_row(trace))
-    for constraint, unit, times, values, limits in (
-        ("joint speed", "rad/s", grid, np.abs(speed), rules.max_speed),
-        ("joint acceleration", "rad/s^2", grid, np.abs(acceleration), rules.max_acceleration),
-        ("joint jerk", "rad/s^3", t, jerk, rules.max_jerk),
-    ):
-        rows += [
-            limit_row(constraint, name, unit, float(limits[joint]), times, values[:, joint])
-            for joint, name in enumerate(segment.joints)
-        ]
-    return rows
+    """Rows of the constraints on the joints, with the limits of the approach; torques are not judged."""
+    limits = {"max_speed": rules.max_speed, "max_acceleration": rules.max_acceleration, "max_jerk": rules.max_jerk}
+    bare = replace(scene, cargo=(), robot=replace(scene.robot, **limits, max_torque=None))
+    inputs = {
+        EvaluationPoint.JOINT: (grid, [played(grid, order).T for order in range(3)]),
+        EvaluationPoint.CONTROL: control_inputs(record),
+    }
+    of_joints = [constraint for constraint in CONSTRAINTS if constraint.role is Role.JOINT]
+    return [worst_row(trace) for trace in evaluated_traces(bare, inputs, constraints=of_joints)]
 
 
 def _end_rows(segment: Segment, rules: ApproachRules, end: np.ndarray, played: JointMotion) -> list[Row]:
@@ -103,7 +92,7 @@ def _end_rows(segment: Segment, rules: ApproachRules, end: np.ndarray, played: J
 
 def _cargo_rows(segment: Segment, scene: Scene, played: JointMotion) -> list[Row]:
     record = segment.record()
-    traces = constraint_traces(record, scene, replay(record, scene, motion=played), places=(Place.OBJECT, Place.END))
+    traces = constraint_traces(record, scene, replay(record, scene, motion=played), points=OF_OBJECTS)
     rows = condensed([*map(worst_row, traces), *corner_rows(record, scene, motion=played)])
     # the end condition is one of the motion; here the liquids have to keep to the height that may remain
     return [row for row in rows if row.constraint != EndDisplacement.name]

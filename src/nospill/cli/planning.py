@@ -170,7 +170,7 @@ def _print_certificate(certificate: Certificate) -> None:
     for row in certificate.worst_rows():
         factor, unit = shown_unit(row.unit, row.limit)
         figures = (factor * row.worst_value, factor * row.limit, factor * row.worst_margin)
-        lines.append((row.constraint, row.who, *figures, unit, row.at_s, "ok" if row.ok else "FAILS"))
+        lines.append((row.constraint, row.label, *figures, unit, row.at_s, "ok" if row.ok else "FAILS"))
     print_table(("constraint", "worst at", "value", "limit", "margin", "unit", "t / s", ""), lines)
     grid = f"on a grid of {certificate.grid_hz:g} Hz"
     failed = [row for row in certificate.rows if not row.ok]

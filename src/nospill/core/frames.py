@@ -94,3 +94,8 @@ class FrameMotion:
 def body_motion(body: SX) -> FrameMotion:
     """Nine rows (9, 1) as a frame motion: angular velocity, angular acceleration, specific force."""
     return FrameMotion(body[:3], body[3:6], body[6:])
+
+
+def frame_at_rest(gravity: SX) -> FrameMotion:
+    """Motion of a level frame at rest: gravity, m/s^2, is all there is of the specific force."""
+    return FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, gravity))

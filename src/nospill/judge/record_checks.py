@@ -44,7 +44,7 @@ _COLUMNS = (
 """What the judge reads of a trajectory."""
 
 
-def require_fit(trajectory: Trajectory, scene: Scene) -> None:
+def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> None:
     """Raise PlanFolderError if the record is of other joints or other liquids than the scene."""
     if trajectory.joints != scene.robot.joints:
         raise PlanFolderError(

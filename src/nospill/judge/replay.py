@@ -1,4 +1,4 @@
-"""The exported joints played again on a dense grid: what the tray and the liquids really do between the samples.
+"""Replay of exported joint samples on a dense grid: the motion of tray and liquids between the samples.
 
 Only the joint samples, the scene's numbers and the laws are read; nothing of the optimiser. A position controller sees
 joint positions, so speeds and accelerations are the derivatives of the quintic spline through the position samples,
@@ -35,11 +35,15 @@ class Replay:
     """Dense reconstruction of an exported trajectory.
 
     Attributes:
-        t: (m,) s. rate: Hz.
-        joint_position, joint_speed, joint_acceleration: (m, n), rad, rad/s, rad/s^2.
+        t: (m,) s.
+        rate: of this grid, Hz.
+        joint_position: (m, n), rad.
+        joint_speed: (m, n), rad/s.
+        joint_acceleration: (m, n), rad/s^2.
         tray: pose and motion of the tray frame in base axes.
         body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
-        slosh_displacement, slosh_velocity: (m, k) modal coordinates, re-integrated, m and m/s.
+        slosh_displacement: (m, k) modal coordinates, re-integrated, m.
+        slosh_velocity: (m, k) their rates, m/s.
         slosh_error: estimated integration error of the displacements, m.
     """
 
@@ -85,7 +89,7 @@ def replay(
             finest = max(refinement, 2 if count else 1)
             grid = _grid(trajectory, 2 * per_sample * finest)
             joints = [spline(grid, order) for order in range(3)]
-            tray, body = _tray(scene, joints, made["flat_motion"])
+            tray, body = tray_from_joints(scene, joints, made["flat_motion"])
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
@@ -116,6 +120,29 @@ def replay(
     )
 
 
+def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = None) -> tuple[ToolMotions, np.ndarray]:
+    """Motion of the tray that the joints carry.
+
+    Args:
+        scene: with the robot, and the tray on its flange.
+        joints: positions, speeds and accelerations of the joints, (m, n) each, rad, rad/s, rad/s^2.
+        function: the arm's `motion_function` where it is at hand compiled.
+
+    Returns:
+        The motion in base axes; and (9, m) angular velocity, angular acceleration and specific force in tray axes.
+    """
+    motions = kinematics(scene.robot).motions(
+        *joints,
+        tool_position=scene.tray.offset,
+        tool_yaw=scene.tray.yaw_on_flange,
+        function=function,
+    )
+    back = np.swapaxes(motions.rotation, 1, 2)
+    lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
+    vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
+    return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
+
+
 def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
     count = (len(trajectory.t) - 1) * per_sample + 1
     return np.linspace(trajectory.t[0], trajectory.t[-1], count)
@@ -132,20 +159,6 @@ def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
         return made, None
 
     return codegen.functions("replay", structure, build)[0]
-
-
-def _tray(scene: Scene, joints: list[np.ndarray], function: Any) -> tuple[ToolMotions, np.ndarray]:
-    """Motion of the tray in base and in its own axes, from positions, speeds and accelerations of the joints."""
-    motions = kinematics(scene.robot).motions(
-        *joints,
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
-        function=function,
-    )
-    back = np.swapaxes(motions.rotation, 1, 2)
-    lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
-    vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
-    return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
 
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from nospill.judge.certificate import constraint_traces
 from nospill.judge.replay import replay
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import SloshTrack, Trajectory
@@ -23,7 +23,7 @@ def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]
     """
     played = replay(trajectory, scene)
     every = round(played.rate / trajectory.rate)
-    traces = constraint_traces(trajectory, scene, played, places=(Place.OBJECT,))
+    traces = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.OBJECT,))
     heights = {trace.subject: trace.value[::every] for trace in traces if trace.constraint == SloshHeight.name}
     found, first = {}, 0
     for cargo, item in zip(scene.cargo, structure_of(scene).objects, strict=True):

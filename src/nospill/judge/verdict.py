@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from nospill.laws.constraints import BY_NAME
-from nospill.scene.tolerances import spread_name
 
 APPROACH = "approach "
 """What the constraints of the rows about the approach begin with."""
@@ -50,9 +49,9 @@ class Row:
     variant: str = ""
 
     @property
-    def who(self) -> str:
-        """The subject, with its variant."""
-        return spread_name(self.subject, self.variant)
+    def label(self) -> str:
+        """Subject with its variant, as in messages: "c1 at fill +2 mm"."""
+        return f"{self.subject} at {self.variant}" if self.variant else self.subject
 
     @property
     def use(self) -> float:

@@ -17,17 +17,16 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
-from nospill.core.frames import SX, FrameMotion, body_motion
-from nospill.judge.replay import slosh_accelerations
+from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
+from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Constraint, Place, worst_figures
+from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
 from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
 from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
-from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 
 STEP = 1e-3
@@ -38,51 +37,45 @@ _NEVER = 1e9
 
 
 @dataclass(frozen=True, slots=True)
-class Ride:
+class TrayMotion:
     """A motion of the tray in n steps.
 
     Attributes:
         body: (27, n) rates and specific force (as `Replay.body`) at the start, the middle and the end of each step.
-        step: s.
+        step: length of a step, s.
     """
 
     body: np.ndarray
     step: float
 
 
-def ride(trajectory: Trajectory, scene: Scene) -> Ride:
+def tray_motion(trajectory: Trajectory, scene: Scene) -> TrayMotion:
     """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone."""
     motion, start, end = planned_motion(trajectory), float(trajectory.t[0]), trajectory.end_time
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
-    tray = kinematics(scene.robot).motions(
-        *(motion(t, order) for order in range(3)),
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
-    )
-    lifted = tray.acceleration + np.array([0.0, 0.0, scene.gravity])
-    vectors = (tray.angular_velocity, tray.angular_acceleration, lifted)
-    body = np.hstack([np.einsum("mji,mj->mi", tray.rotation, vector) for vector in vectors]).T
-    return Ride(np.vstack([body[:, 0:-1:2], body[:, 1::2], body[:, 2::2]]), (end - start) / count)
+    _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
+    return TrayMotion(np.vstack([body[:, 0:-1:2], body[:, 1::2], body[:, 2::2]]), (end - start) / count)
 
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """Worst figures of one object in m samples, per constraint that speaks of it.
+    """Worst figures of one object in m samples, per constraint that applies to it.
 
     Attributes:
-        constraints: names. places: where each is imposed.
+        constraints: names.
+        points: where each is imposed.
         margin, limit: (m, n) in the constraint's unit.
     """
 
     constraints: tuple[str, ...]
-    places: tuple[Place, ...]
+    points: tuple[EvaluationPoint, ...]
     margin: np.ndarray
     limit: np.ndarray
 
 
 def object_margins(
-    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], motion: Ride
+    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], motion: TrayMotion
 ) -> Iterator[tuple[int, Margins]]:
     """Margins of one object for many sets of its numbers, batch by batch.
 
@@ -101,7 +94,7 @@ def object_margins(
     shared = (template.gravity, template.residual_fraction)
     made = _function(structure, Shapes(template), motion.body.shape[1], _BATCH)
     names = tuple(constraint.name for constraint in made.constraints)
-    places = tuple(constraint.place for constraint in made.constraints)
+    points = tuple(constraint.evaluated_at for constraint in made.constraints)
     body = ca.DM(motion.body)
     for first in range(0, len(numbers), _BATCH):
         batch = numbers[first : first + _BATCH]
@@ -109,7 +102,7 @@ def object_margins(
         padded = np.pad(columns, ((0, 0), (0, _BATCH - len(batch))), mode="edge")
         found = np.array(made.call(ca.DM(padded), body).full())[:, : len(batch)].T
         margin, limit = found[:, 0::2], found[:, 1::2]
-        yield len(batch), Margins(names, places, np.where(np.isnan(margin), -np.inf, margin), limit)
+        yield len(batch), Margins(names, points, np.where(np.isnan(margin), -np.inf, margin), limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +129,7 @@ def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _
         following = step(state, first, middle, last, p[2], p)
     tray = body_motion(last)
     q, qd = following[:count], following[count:]
-    during = _worst(Place.OBJECT, structure, numbers, tray, q, qd, moving=True)
+    during = _worst(EvaluationPoint.OBJECT, structure, numbers, tray, q, qd, moving=True)
     worst = SX.sym("worst", 2 * len(during))
     kept = []
     for number, (_, figure) in enumerate(during):
@@ -145,8 +138,8 @@ def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _
     # The numbers ride along in the state: what is accumulated may differ from sample to sample, the motion may not.
     before, after = ca.vertcat(p, state, worst), ca.vertcat(p, following, *kept)
     advance = ca.Function("advance", [before, ca.vertcat(first, middle, last)], [after], {"cse": True})
-    rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, numbers.gravity))
-    at_end = _worst(Place.END, structure, numbers, rest, state[:count], state[count:], moving=False)
+    rest = frame_at_rest(numbers.gravity)
+    at_end = _worst(EvaluationPoint.END, structure, numbers, rest, state[:count], state[count:], moving=False)
     final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
     finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final))], {"cse": True})
 
@@ -169,15 +162,22 @@ def _rate(structure: Structure, numbers: SceneNumbers, state: SX, body: SX) -> S
 
 
 def _worst(
-    place: Place, structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX, *, moving: bool
+    point: EvaluationPoint,
+    structure: Structure,
+    numbers: SceneNumbers,
+    tray: FrameMotion,
+    q: SX,
+    qd: SX,
+    *,
+    moving: bool,
 ) -> list[tuple[Constraint, SX]]:
-    """Value, limit and margin (3, 1) of every constraint of a place that speaks of the object."""
+    """Value, limit and margin (3, 1) of every constraint of one evaluation point that applies to the object."""
     count = coordinate_count(structure)
     qdd = slosh_accelerations(structure, numbers, tray, q, qd) if moving and count else SX.zeros(count)
     objects = sample_objects(structure, numbers, tray, split_states(structure, q, qd, qdd))
     sample = Sample(structure, numbers, objects=objects)
     found = []
     for constraint in CONSTRAINTS:
-        if constraint.place is place:
+        if constraint.evaluated_at is point:
             found += [(constraint, worst_figures(constraint, budgets)) for budgets in constraint.budgets(sample)]
     return found

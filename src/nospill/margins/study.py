@@ -10,15 +10,15 @@ import numpy as np
 
 from nospill.errors import ScenarioError
 from nospill.judge.verdict import limit_use
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.scene_parameters import object_numbers
-from nospill.margins.laws import object_margins, ride
-from nospill.margins.perturbed import perturbed
+from nospill.margins.drawn_object import drawn_object
+from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import require_possible
+from nospill.scene.tolerances import require_valid_fill
 
 LARGEST_SAMPLES = 1_000_000
 
@@ -45,7 +45,7 @@ class _Found:
     name: str
     use: dict[str, np.ndarray]
     value: dict[str, np.ndarray]
-    places: dict[str, Place]
+    points: dict[str, EvaluationPoint]
     room: np.ndarray | None
 
 
@@ -80,15 +80,15 @@ def margins(
     scene = plan.scene
     used = _for_each(scene, ranges)
     for cargo, own in zip(scene.cargo, used, strict=True):
-        require_possible(cargo, own.fill, key="range of fill")
+        require_valid_fill(cargo, own.fill, key="range of fill")
     draws = draw(used, samples, seed=seed)
     swept, labels = _sweeps(used)
     nominal = np.zeros((1, len(FACTORS)))
-    motion = ride(plan.trajectory, scene)
+    motion = tray_motion(plan.trajectory, scene)
     total, done = len(scene.cargo) * (samples + len(labels) + 1), 0
     found = []
     for index, cargo in enumerate(scene.cargo):
-        changed = [perturbed(cargo, item, scene) for item in np.vstack([draws[:, index], swept[:, index], nominal])]
+        changed = [drawn_object(cargo, item, scene) for item in np.vstack([draws[:, index], swept[:, index], nominal])]
         parts = []
         for count, part in object_margins(scene, index, tuple(object_numbers(item, scene) for item in changed), motion):
             parts.append(part)
@@ -103,7 +103,7 @@ def margins(
                 name=cargo.name,
                 use={name: limit_use(name, limit[:, k], margin[:, k]) for k, name in enumerate(names)},
                 value={name: limit[:, k] - margin[:, k] for k, name in enumerate(names)},
-                places=dict(zip(names, parts[0].places, strict=True)),
+                points=dict(zip(names, parts[0].points, strict=True)),
                 room=np.array(rooms) if rooms else None,
             )
         )
@@ -128,7 +128,7 @@ def margins(
 
 
 def _during(item: _Found) -> dict[str, np.ndarray]:
-    return {name: use for name, use in item.use.items() if item.places[name] is Place.OBJECT}
+    return {name: use for name, use in item.use.items() if item.points[name] is EvaluationPoint.OBJECT}
 
 
 def _spilt(item: _Found) -> np.ndarray:

@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from nospill.core.hermite import cubic_hermite
 from nospill.errors import PlanFolderError
 
 _NEARLY_THERE = 1e-7
@@ -136,13 +137,8 @@ class Trajectory:
         def linear(values: np.ndarray) -> np.ndarray:
             return (1 - u) * values[left] + u * values[left + 1]
 
-        q, qd = self.joint_position, self.joint_speed
-        cubic = (
-            (1 + 2 * u) * (1 - u) ** 2 * q[left]
-            + u * (1 - u) ** 2 * width * qd[left]
-            + u**2 * (3 - 2 * u) * q[left + 1]
-            - u**2 * (1 - u) * width * qd[left + 1]
-        )
+        nearest = slice(left, left + 2)
+        cubic = cubic_hermite(u, width, self.joint_position[nearest], self.joint_speed[nearest])
         start, end = self.tray_quaternion[left], self.tray_quaternion[left + 1]
         # q and -q are the same attitude: the way goes to the nearer one.
         quaternion = (1 - u) * start + u * (end if start @ end >= 0 else -end)
@@ -150,7 +146,7 @@ class Trajectory:
             t=float(t),
             s=float(linear(self.s)),
             joint_position=cubic,
-            joint_speed=linear(qd),
+            joint_speed=linear(self.joint_speed),
             joint_acceleration=linear(self.joint_acceleration),
             tray_position=linear(self.tray_position),
             tray_quaternion=quaternion / np.linalg.norm(quaternion),

@@ -15,7 +15,7 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
-from nospill.laws.constraints.base import Place, Role, RowId
+from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.planning.backoff import falls_short, first_backoff, further_backoff, range_backoff
 from nospill.planning.task import Member, Task
@@ -78,7 +78,7 @@ class ActiveSet:
 
     def with_rows(self, rows: Iterable[Key]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
-        final = {key for key in self.possible if BY_NAME[key[0]].place is Place.END}
+        final = {key for key in self.possible if BY_NAME[key[0]].evaluated_at is EvaluationPoint.END}
         return replace(self, rows=self.possible.intersection(rows) | final)
 
     def near(self, slack: Mapping[Key, float], room: float = _NEAR) -> frozenset[Key]:

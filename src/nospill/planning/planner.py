@@ -21,7 +21,7 @@ from nospill.planning.search import found_motion
 from nospill.planning.task import Task
 from nospill.planning.trial import Searcher
 from nospill.planning.warm_start import restarted
-from nospill.plans.approach import require_possible, starts_alike, with_approach
+from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, has_free_base, settled_base
@@ -65,7 +65,7 @@ def _planned(
     unknown = set(ignore) - set(BY_NAME)
     if unknown:
         raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {", ".join(BY_NAME)}')
-    require_possible(scene)
+    require_ruckig_if_needed(scene)
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:

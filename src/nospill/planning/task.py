@@ -10,7 +10,8 @@ from nospill.laws.like_objects import outer_objects
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import Variant, heaviest, is_uncertain, scene_variants, spread_name
+from nospill.scene.tolerances import heaviest
+from nospill.scene.variants import Variant, variants_by_object
 from nospill.transcription.passages import NOT_BOUNDED, Passage
 from nospill.transcription.resampling import resolving_intervals
 from nospill.transcription.stages import Stages
@@ -50,19 +51,14 @@ class Task:
     @classmethod
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
         """The task of a scene, its singularities not looked at yet."""
-        if is_uncertain(scene):
-            return cls(scene, scene_variants(scene), heaviest(scene), frozenset(ignored))
-        families = tuple((Variant(cargo.name, "", cargo),) for cargo in scene.cargo)
-        return cls(scene, families, scene.cargo, frozenset(ignored))
+        return cls(scene, variants_by_object(scene), heaviest(scene), frozenset(ignored))
 
     def names(self) -> dict[Member, str]:
         """What every variant is called in a problem and in messages; the stated one has the name of its object."""
         return {
-            (variant.name, variant.text): variant.name
-            if variant is family[0]
-            else spread_name(variant.name, variant.text)
+            (item.name, item.text): item.label if index else item.name
             for family in self.families
-            for variant in family
+            for index, item in enumerate(family)
         }
 
     @property

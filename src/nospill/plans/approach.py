@@ -15,7 +15,7 @@ from nospill.judge.certificate import certify
 from nospill.judge.verdict import APPROACH, Certificate
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
 from nospill.motion.interpolation import resampled
-from nospill.plans.handover import Handover, read_samples, require_fit
+from nospill.plans.handover import Handover, read_samples, require_exportable
 from nospill.plans.plan import Plan, describe
 from nospill.scene.scene import Scene
 
@@ -25,7 +25,7 @@ _ADVICE = (
 )
 
 
-def require_possible(scene: Scene) -> None:
+def require_ruckig_if_needed(scene: Scene) -> None:
     """Find out before any long work that an approach is asked for which cannot be planned here.
 
     Raises:
@@ -109,7 +109,7 @@ def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: floa
     if segment is None or rules is None:
         raise ScenarioError(f"{plan.scene.name}: the plan has no approach; plan again with a table [approach]")
     rate = plan.scene.output_rate if rate is None else rate
-    require_fit(plan, exporter, rate)
+    require_exportable(plan, exporter, rate)
     exporter.write(resampled(segment.record(), rate), plan.scene, path)
     bare = replace(plan.scene, motion=replace(plan.scene.motion, hold_before=0.0, hold_after=0.0))
     found = read_samples(exporter, path, bare)

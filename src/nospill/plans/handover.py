@@ -93,7 +93,7 @@ def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None 
         ModelError: the liquids cannot be integrated along what was read.
     """
     rate = plan.scene.output_rate if rate is None else rate
-    require_fit(plan, exporter, rate)
+    require_exportable(plan, exporter, rate)
     exporter.write(held_samples(resampled(plan.trajectory, rate), plan.scene.motion), plan.scene, path)
     return judge_file(plan, exporter, path)
 
@@ -172,7 +172,7 @@ def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = 
     return None
 
 
-def require_fit(plan: Plan, exporter: Exporter, rate: float) -> None:
+def require_exportable(plan: Plan, exporter: Exporter, rate: float) -> None:
     """Refuse a scene or a rate that a format does not take.
 
     Raises:

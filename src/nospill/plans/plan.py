@@ -173,7 +173,7 @@ class Plan:
             "residual_slosh_height_m": maxima.residual_height,
             "certificate": {
                 "ok": self.certificate.ok,
-                "worst_constraint": f"{worst.constraint} | {worst.who}",
+                "worst_constraint": f"{worst.constraint} | {worst.label}",
                 "worst_margin": worst.worst_margin,
             },
             "rounds": report.rounds,
@@ -255,12 +255,12 @@ def describe(row: Row) -> str:
     )
     at = f"at t = {row.at_s:.3f} s"
     if row.unit == "1" and row.limit == 1.0:
-        return f"{row.constraint} of {row.who} uses {_used(row, 'its limit')} {at}"
+        return f"{row.constraint} of {row.label} uses {_used(row, 'its limit')} {at}"
     if row.limit == 0.0 or row.constraint.removeprefix(APPROACH) == "joint position":
         distance = f"{margin} {'left' if row.ok else 'beyond'}"
     else:
         distance = _used(row, "it")
-    return f"{row.constraint} of {row.who} is {value} against a limit of {limit} ({distance}) {at}"
+    return f"{row.constraint} of {row.label} is {value} against a limit of {limit} ({distance}) {at}"
 
 
 def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from nospill.core.frames import SX, FrameMotion
+from nospill.core.frames import SX, frame_at_rest
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.parameters import constants
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
+from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import MotionMaxima, Plan, motion_maxima
 
 AFTER_END = 0.4
@@ -43,17 +44,15 @@ class Evidence:
         """The traces of one constraint, a subject each; empty where it does not apply."""
         return tuple(trace for trace in self.judgement.traces if trace.constraint == constraint)
 
-    def families(self, place: Place) -> dict[str, tuple[Trace, ...]]:
-        """The traces of every constraint of one place that applies, by constraint, in the order of the certificate."""
-        names = [constraint.name for constraint in CONSTRAINTS if constraint.place is place]
+    def families(self, point: EvaluationPoint) -> dict[str, tuple[Trace, ...]]:
+        """The traces of every constraint of one point that applies, by constraint, in the order of the certificate."""
+        names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point]
         return {name: traces for name in names if (traces := self.traces(name))}
 
     def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Surface heights after the end, the tray at rest: times (m,) s, and heights (m,) m per object with liquid.
 
-        Every mode is a damped oscillator, q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t) with s = zeta omega,
-        A = q and B = (q' + s A)/omega_d at the end, as in `slosh.residual`; the height follows from the modes as in the
-        constraint.
+        The modes swing as in `slosh.residual`; the height follows from them as in the constraint.
         """
         scene, played = self.plan.scene, self.judgement.replay
         structure, numbers = structure_of(scene), numbers_of(scene)
@@ -61,22 +60,13 @@ class Evidence:
         after = np.linspace(0.0, AFTER_END, 401)
         if count == 0:
             return played.t[-1] + after, {}
-        modes = [
-            (own.frequency, own.damping)
-            for item, parts in zip(structure.objects, numbers.objects, strict=True)
-            for own, directions in zip(parts.oscillators, item.oscillators, strict=True)
-            for _ in directions
-        ]
-        omega, zeta = np.array(modes).T[:, :, None]
-        decay, damped = zeta * omega, omega * np.sqrt(1 - zeta**2)
-        start, speed = played.slosh_displacement[-1][:, None], played.slosh_velocity[-1][:, None]
-        quadrature = (speed + decay * start) / damped
-        states = np.exp(-decay * after) * (start * np.cos(damped * after) + quadrature * np.sin(damped * after))
+        states = free_motion(scene, played.slosh_displacement[-1], played.slosh_velocity[-1], after)
         q, still = SX.sym("q", count), SX.zeros(count)
         fixed = constants(numbers)
-        rest = FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, fixed.gravity))
-        objects = sample_objects(structure, fixed, rest, split_states(structure, q, still, still))
+        objects = sample_objects(
+            structure, fixed, frame_at_rest(fixed.gravity), split_states(structure, q, still, still)
+        )
         heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
-        table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states)).full())
+        table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states.T)).full())
         names = [cargo.name for cargo in scene.cargo if cargo.filling]
         return played.t[-1] + after, dict(zip(names, table, strict=True))

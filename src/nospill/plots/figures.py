@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from nospill.errors import PlanFolderError
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
+from nospill.plots.contact_use import contact_use_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
-from nospill.plots.margins import margins_figure
 from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
 from nospill.plots.style import LOOK
@@ -23,7 +23,7 @@ from nospill.plots.tray_plan import tray_plan_figure
 
 FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "slosh-heights": slosh_heights_figure,
-    "margins": margins_figure,
+    "margins": contact_use_figure,
     "joints": joints_figure,
     "tilt": tilt_figure,
     "summary": summary_figure,

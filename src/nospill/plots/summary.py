@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import describe
+from nospill.plots.contact_use import draw_use
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
-from nospill.plots.margins import draw_use
 from nospill.plots.path_view import draw_path
 from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, legend_columns, line_key, plain
 from nospill.plots.use_table import draw_use_table
@@ -108,7 +108,7 @@ def _draw_progress(axes: Axes, evidence: Evidence) -> None:
 
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     """Use of the liquids' limit, or without liquids of the objects' constraint that comes nearest to its limit."""
-    families = evidence.families(Place.OBJECT)
+    families = evidence.families(EvaluationPoint.OBJECT)
     nearest = max(families, key=lambda name: max(float(np.max(trace.use)) for trace in families[name]))
     name = SloshHeight.name if SloshHeight.name in families else nearest
     traces, names = families[name], [cargo.name for cargo in evidence.plan.scene.cargo]

@@ -129,7 +129,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
         value, limit, unit = row_texts(row)
         share = f"{100 * row.use:.2f} %"
         verdict = "holds" if row.ok else "FAILS"
-        cells.append((row.constraint, row.who, value, limit, unit, share, f"{row.at_s:.3f}", verdict))
+        cells.append((row.constraint, row.label, value, limit, unit, share, f"{row.at_s:.3f}", verdict))
     return TextTable(
         "All rows of the certificate" if everything else "Certificate",
         ("constraint", "of", "value", "limit", "unit", "use of limit", "at [s]", ""),
@@ -154,7 +154,7 @@ def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
     used = [row for row in rows if row.constraint in joints]
     if used:
         most = max(used, key=lambda row: row.use)
-        tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.who}"))
+        tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.label}"))
     return tuple(tiles)
 
 

@@ -139,7 +139,7 @@ def _certificate(report: Report) -> str:
 def _certificate_row(row: Row) -> str:
     value, limit, unit = row_texts(row)
     cells = (
-        f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(row.who)}</td><td>{_bar(row)}</td>"
+        f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(row.label)}</td><td>{_bar(row)}</td>"
         f"<td class='number'>{value}</td>"
         f"<td class='number'>{limit}</td>"
         f"<td>{escape(unit)}</td><td class='number'>{row.at_s:.3f}</td>"

@@ -14,7 +14,8 @@ from nospill.errors import ScenarioError
 from nospill.scenario.fields import Measured, Table, Vector, refuse
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.scene import Fidelity
-from nospill.scene.tolerances import require_possible, variants
+from nospill.scene.tolerances import require_valid_fill
+from nospill.scene.variants import variants
 
 _FACTORS = Vector(entry=Measured(dimension="number", above=0.0, at_most=100.0), axes=("the lowest", "the highest"))
 
@@ -106,7 +107,7 @@ def tolerance_of(
     tolerance = Tolerance(**values)
     if tolerance == Tolerance():
         return None
-    require_possible(cargo, tolerance.liquid_height, key="tolerance.liquid_height")
+    require_valid_fill(cargo, tolerance.liquid_height, key="tolerance.liquid_height")
     # What the slosh model does not cover is refused here rather than in the middle of planning.
     variants(replace(cargo, tolerance=tolerance), fidelity=fidelity, slosh_modes=slosh_modes)
     return tolerance

@@ -131,7 +131,7 @@ def _certificate_row(row: Row) -> str:
     cell = "padding:2px 4px;border-top:1px solid #eee"
     return (
         f"<tr style='{mark[1:]}' title='at t = {row.at_s:.3f} s'><td style='{cell}'>{escape(row.constraint)}</td>"
-        f"<td style='{cell};overflow-wrap:anywhere'>{escape(row.who)}</td>"
+        f"<td style='{cell};overflow-wrap:anywhere'>{escape(row.label)}</td>"
         f"<td style='{cell};text-align:right;white-space:nowrap'>{worst} {escape(unit)}</td>"
         f"<td style='{cell};text-align:right;white-space:nowrap'>{limit}</td>"
         f"<td style='{cell};text-align:right;white-space:nowrap;border-right:5px solid rgb({red},{green},{blue})'>"

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from nospill.core.frames import SX, FrameMotion
+from nospill.core.frames import SX, frame_at_rest
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Place, smooth_rows
+from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
 from nospill.laws.contact import Wrench
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_objects, split_states
@@ -47,10 +47,10 @@ class RowCollector:
         self.blocks: list[Block] = []
         self._count = 0
 
-    def add(self, sample: Sample, places: tuple[Place, ...], repetition: int = 0) -> None:
-        """Add every constraint of the given places."""
+    def add(self, sample: Sample, points: tuple[EvaluationPoint, ...], repetition: int = 0) -> None:
+        """Add every constraint of the given points."""
         for constraint in CONSTRAINTS:
-            if constraint.place not in places:
+            if constraint.evaluated_at not in points:
                 continue
             for subject, budgets in enumerate(constraint.budgets(sample)):
                 first = self._count
@@ -122,7 +122,7 @@ def stage_expressions(
         tilt=tilt,
         jerks=jerks,
     )
-    collector.add(node, (Place.JOINT, Place.CONTROL))
+    collector.add(node, (EvaluationPoint.JOINT, EvaluationPoint.CONTROL))
 
     for point in range(2):
         moved = _lifted(_moved(chains, jerks, POINTS[point] * interval), lifted)
@@ -153,7 +153,7 @@ def stage_expressions(
         position, velocity, acceleration = (lifted.lift(part) for part in inside)
         objects = sample_objects(structure, numbers, tray, split_states(structure, position, velocity, acceleration))
         objects = tuple(_lifted_object(item, lifted) for item in objects)
-        collector.add(Sample(structure, numbers, objects=objects), (Place.OBJECT,), repetition)
+        collector.add(Sample(structure, numbers, objects=objects), (EvaluationPoint.OBJECT,), repetition)
 
     weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * layout.tilts
     weights += [numbers.tilt_jerk_weight] * layout.redundant
@@ -185,10 +185,8 @@ def terminal_rows(
     backoff: Mapping[tuple[str, int], SX],
 ) -> RowCollector:
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
-    zero = SX.zeros(3)
-    rest = FrameMotion(zero, zero, ca.vertcat(0, 0, numbers.gravity))
     slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))
-    objects = sample_objects(structure, numbers, rest, slosh)
+    objects = sample_objects(structure, numbers, frame_at_rest(numbers.gravity), slosh)
     collector = RowCollector(backoff)
-    collector.add(Sample(structure, numbers, objects=objects), (Place.END,))
+    collector.add(Sample(structure, numbers, objects=objects), (EvaluationPoint.END,))
     return collector

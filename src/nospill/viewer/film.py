@@ -11,17 +11,14 @@ from nospill.core.frames import SX, body_motion
 from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.apparent_gravity import ApparentGravity
-from nospill.laws.constraints.base import Place
-from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.base import Role
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.viewer.surfaces import liquid_surface
-
-_ABOUT_THE_LIQUID = (SloshHeight.name, ApparentGravity.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,26 +119,11 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
 
 
 def _coordinates(scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Slosh coordinates (m, k), m: the judge's, and after the end each oscillator's own decay.
-
-    q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t), s = zeta omega, A = q and B = (q' + s A)/omega_d at the end.
-    """
+    """Slosh coordinates (m, k), m: the judge's, and after the end each oscillator's own decay."""
     found = played.slosh_displacement[picked].copy()
     later = after > 0.0
-    if found.shape[1] == 0 or not np.any(later):
-        return found
-    modes = [
-        (mode.frequency, mode.damping)
-        for cargo in scene.cargo
-        for mode in (cargo.filling.modes.oscillators if cargo.filling else ())
-        for _ in mode.directions
-    ]
-    omega, zeta = np.array(modes).T
-    decay, damped = zeta * omega, omega * np.sqrt(1 - zeta**2)
-    displacement = played.slosh_displacement[-1]
-    quadrature = (played.slosh_velocity[-1] + decay * displacement) / damped
-    t = after[later][:, None]
-    found[later] = np.exp(-decay * t) * (displacement * np.cos(damped * t) + quadrature * np.sin(damped * t))
+    if found.shape[1] and np.any(later):
+        found[later] = free_motion(scene, played.slosh_displacement[-1], played.slosh_velocity[-1], after[later])
     return found
 
 
@@ -160,8 +142,8 @@ def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
 
 
 def _contact_use(judgement: Judgement, scene: Scene, picked: np.ndarray) -> dict[str, np.ndarray]:
-    """The largest use over every constraint on an object that does not speak of its liquid."""
-    wanted = {item.name for item in CONSTRAINTS if item.place is Place.OBJECT} - set(_ABOUT_THE_LIQUID)
+    """The largest use over every constraint of the object's contact."""
+    wanted = {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
     found = {cargo.name: np.zeros(len(picked)) for cargo in scene.cargo}
     for trace in judgement.traces:
         if trace.constraint in wanted and trace.subject in found:

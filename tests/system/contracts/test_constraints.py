@@ -11,7 +11,7 @@ import pytest
 
 from nospill.core.frames import FrameMotion
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, Range, figures, smooth_rows
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Range, figures, smooth_rows
 from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
@@ -37,22 +37,22 @@ class Probe:
 
 
 @cache
-def probe(name: str, place: Place) -> Probe:
+def probe(name: str, point: EvaluationPoint) -> Probe:
     """States that break limits about as often as they keep them."""
     scene = read_scenario(name)
     structure, numbers = structure_of(scene), constants(numbers_of(scene))
     count, joints = coordinate_count(structure), len(structure.joints)
-    if place in (Place.OBJECT, Place.END):
+    if point in (EvaluationPoint.OBJECT, EvaluationPoint.END):
         x = ca.SX.sym("x", 9 + 3 * count)
         gravity = ca.vertcat(0, 0, 9.8)
         motion = FrameMotion(x[:3] * 3, x[3:6] * 60, ca.vertcat(x[6:8] * 4, 12 * x[8]) + gravity)
-        if place is Place.END:
+        if point is EvaluationPoint.END:
             motion = FrameMotion(ca.SX.zeros(3), ca.SX.zeros(3), gravity)
-        sizes = (0.01, 0.3, 6.0) if place is Place.OBJECT else (3e-3, 0.07, 0.0)
+        sizes = (0.01, 0.3, 6.0) if point is EvaluationPoint.OBJECT else (3e-3, 0.07, 0.0)
         q, qd, qdd = (x[9 + i * count : 9 + (i + 1) * count] * size for i, size in enumerate(sizes))
         objects = sample_objects(structure, numbers, motion, split_states(structure, q, qd, qdd))
         return Probe(scene, Sample(structure, numbers, objects=objects), x)
-    if place is Place.JOINT:
+    if point is EvaluationPoint.JOINT:
         x = ca.SX.sym("x", 2 * joints)
         middle = (numbers.joint_lower + numbers.joint_upper) / 2
         half = (numbers.joint_upper - numbers.joint_lower) / 2
@@ -64,7 +64,7 @@ def probe(name: str, place: Place) -> Probe:
 
 
 def budgets_of(constraint: Constraint, name: str) -> tuple[Probe, list[list[Budget]]]:
-    found = probe(name, constraint.place)
+    found = probe(name, constraint.evaluated_at)
     return found, [list(budgets) for budgets in constraint.budgets(found.sample)]
 
 
@@ -80,7 +80,7 @@ def test_words(constraint):
     assert constraint.description[0].isupper()
     for text in (type(constraint).__doc__, type(constraint).subjects.__doc__, type(constraint).budgets.__doc__):
         assert text and text.strip()
-    assert isinstance(constraint.place, Place)
+    assert isinstance(constraint.evaluated_at, EvaluationPoint)
     # A relative constraint is a fraction of its budget.
     assert not constraint.relative or constraint.unit == "1"
 

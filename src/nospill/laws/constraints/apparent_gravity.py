@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range, Role, liquid_names
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, liquid_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -23,7 +23,7 @@ class ApparentGravity(Constraint):
     name = "apparent gravity"
     unit = "gravity"
     role = Role.LIQUID
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     description = "Apparent gravity along the cup's axis, as a multiple of gravity; below 0.3 the liquid model is void."
     judge_resolution = 2e-4
     least_size = 1.0

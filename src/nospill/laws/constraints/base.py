@@ -18,17 +18,22 @@ from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
 
-class Place(Enum):
+class EvaluationPoint(Enum):
     """Where along the motion a constraint is imposed, and so which part of the sample it reads."""
 
     OBJECT = "object"
-    """objects: at every collocation point."""
+    """objects: at every node and in the middle of every interval."""
     JOINT = "joint"
     """joint_position, joint_speed, joint_acceleration: at every node."""
     CONTROL = "control"
     """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
     END = "end"
     """objects at the end of the motion, the tray at rest and level."""
+
+
+EVERYWHERE = tuple(EvaluationPoint)
+OF_OBJECTS = (EvaluationPoint.OBJECT, EvaluationPoint.END)
+"""Where the constraints on objects are imposed."""
 
 
 class Role(Enum):
@@ -170,7 +175,7 @@ class Constraint(ABC):
         name: as in the certificate.
         unit: of the printed figures ("1" for a fraction).
         role: what it protects.
-        place: where along the motion it is imposed.
+        evaluated_at: where along the motion it is imposed.
         description: one sentence for the documentation.
         relative: whether cones are printed as a fraction of their capacity.
         backoff: fraction of every budget that is kept from the optimiser at first. It is what the limit typically
@@ -192,7 +197,7 @@ class Constraint(ABC):
     name: ClassVar[str]
     unit: ClassVar[str]
     role: ClassVar[Role]
-    place: ClassVar[Place]
+    evaluated_at: ClassVar[EvaluationPoint]
     description: ClassVar[str]
     relative: ClassVar[bool] = False
     backoff: ClassVar[float] = 1e-3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, MotionKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -13,7 +13,7 @@ class PathJerk(Constraint):
     name = "path jerk"
     unit = "1/s^3"
     role = Role.TRAY
-    place = Place.CONTROL
+    evaluated_at = EvaluationPoint.CONTROL
     description = "Third time derivative of the path parameter."
     limit_key = MotionKey("path_jerk_limit", "path_jerk", largest=1e6)
 
@@ -34,7 +34,7 @@ class TiltJerk(Constraint):
     name = "tilt jerk"
     unit = "rad/s^3"
     role = Role.TRAY
-    place = Place.CONTROL
+    evaluated_at = EvaluationPoint.CONTROL
     description = "Third time derivative of each tilt angle."
     limit_key = MotionKey("tilt_jerk_limit", "angular_jerk", largest=1e6)
 

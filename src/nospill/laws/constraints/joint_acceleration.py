@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -13,7 +13,7 @@ class JointAcceleration(Constraint):
     name = "joint acceleration"
     unit = "rad/s^2"
     role = Role.JOINT
-    place = Place.JOINT
+    evaluated_at = EvaluationPoint.JOINT
     description = "Joint acceleration inside the robot's limits, where they are set."
     backoff = 8e-3
     limit_key = JointKey("acceleration", "max_acceleration", "angular_acceleration")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -13,7 +13,7 @@ class JointJerk(Constraint):
     name = "joint jerk"
     unit = "rad/s^3"
     role = Role.JOINT
-    place = Place.CONTROL
+    evaluated_at = EvaluationPoint.CONTROL
     description = "Third difference of the joint samples inside the robot's limits, where they are set."
     limit_key = JointKey("jerk", "max_jerk", "angular_jerk")
 

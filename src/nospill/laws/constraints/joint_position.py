@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -15,7 +15,7 @@ class JointPosition(Constraint):
     name = "joint position"
     unit = "rad"
     role = Role.JOINT
-    place = Place.JOINT
+    evaluated_at = EvaluationPoint.JOINT
     description = "Joint angle inside the robot's limits."
     least_size = math.pi  # half a turn: a joint's zero may lie anywhere in its range
 

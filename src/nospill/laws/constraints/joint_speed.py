@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -13,7 +13,7 @@ class JointSpeed(Constraint):
     name = "joint speed"
     unit = "rad/s"
     role = Role.JOINT
-    place = Place.JOINT
+    evaluated_at = EvaluationPoint.JOINT
     description = "Joint speed inside the robot's limits."
     limit_key = JointKey("speed", "max_speed", "angular_speed")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, JointKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.robots.kinematics.dynamics import Load, torque_expression
 from nospill.scene.scene import Scene
@@ -17,7 +17,7 @@ class JointTorque(Constraint):
     name = "joint torque"
     unit = "N m"
     role = Role.JOINT
-    place = Place.JOINT
+    evaluated_at = EvaluationPoint.JOINT
     description = "Joint torque of the rigid arm with its load inside the limits, where inertias and limits are known."
     limit_key = JointKey("torque", "max_torque", "torque", falls_with_load=True)
 

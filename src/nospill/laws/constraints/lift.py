@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, Place, Range, Role, object_names
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, object_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -14,7 +14,7 @@ class Lift(Constraint):
     name = "lift"
     unit = "weight"
     role = Role.CONTACT
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     description = "The contact force presses the object onto the tray; printed as a multiple of its weight."
     judge_resolution = 2e-4
     least_size = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, MotionKey, Place, Range, Role, liquid_names
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role, liquid_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.laws.slosh.residual import residual_bound
 from nospill.scene.scene import Scene
@@ -28,7 +28,7 @@ class ResidualHeight(Constraint):
     name = "residual height"
     unit = "m"
     role = Role.LIQUID
-    place = Place.END
+    evaluated_at = EvaluationPoint.END
     description = "Bound on the surface height at any time after the motion has ended."
     judge_resolution = 2e-4
     integration_error = 2e-7
@@ -65,7 +65,7 @@ class EndDisplacement(Constraint):
     name = "still at the end"
     unit = "m"
     role = Role.LIQUID
-    place = Place.END
+    evaluated_at = EvaluationPoint.END
     description = (
         "Height of each mode at the end, where its displacement (for `still`, its velocity too) is to be zero."
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -30,7 +30,7 @@ class Slip(Constraint):
     name = "slip"
     unit = "1"
     role = Role.CONTACT
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     relative = True
     description = (
         "Tangential contact force (at full fidelity with the moment about the centre of pressure) against planned "

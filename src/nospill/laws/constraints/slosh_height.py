@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, liquid_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, liquid_names
 from nospill.laws.sample import Sample
 from nospill.laws.slosh.height import crest_demands
 from nospill.scene.scene import Scene
@@ -14,7 +14,7 @@ class SloshHeight(Constraint):
     name = "slosh height"
     unit = "m"
     role = Role.LIQUID
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     description = "Highest point of the liquid's surface at the wall above its rest level."
     backoff = 1.5e-3
     restart_backoff = 2.3e-3

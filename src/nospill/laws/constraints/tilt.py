@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from nospill.laws.constraints.base import Budget, Constraint, MotionKey, Place, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -15,7 +15,7 @@ class Tilt(Constraint):
     name = "tilt"
     unit = "rad"
     role = Role.TRAY
-    place = Place.CONTROL
+    evaluated_at = EvaluationPoint.CONTROL
     description = "Each of the tray's two tilt angles against max_tilt."
     limit_key = MotionKey("max_tilt", "angle", largest=math.radians(59.9))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -18,7 +18,7 @@ class Tip(Constraint):
     name = "tip"
     unit = "1"
     role = Role.CONTACT
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     relative = True
     description = (
         "Distance of the centre of pressure from the middle of the footprint, as a fraction of the footprint less its "

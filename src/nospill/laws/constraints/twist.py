@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, ObjectKey, Place, Role, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -13,7 +13,7 @@ class Twist(Constraint):
     name = "twist"
     unit = "1"
     role = Role.CONTACT
-    place = Place.OBJECT
+    evaluated_at = EvaluationPoint.OBJECT
     relative = True
     description = "Moment about the object's vertical axis against what friction gives under uniform pressure."
     backoff = 3e-3

@@ -1,4 +1,4 @@
-"""How far a mode swings after the motion has ended, for all time, in closed form.
+"""Free motion of the modes after the end of the motion, and its largest displacement, in closed form.
 
 At rest and upright a mode is a damped oscillator, the same along both axes. With s = zeta omega, omega_d = omega
 sqrt(1 - zeta^2), A = q(t_e) and B = (q'(t_e) + s A)/omega_d: q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t). The
@@ -9,8 +9,10 @@ by less than 1 %.
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
 from nospill.core.frames import SX
+from nospill.scene.scene import Scene
 
 
 def residual_bound(
@@ -44,3 +46,28 @@ def residual_bound(
     product = ca.dot(displacement, quadrature)
     trace, determinant = first**2 + second**2 + 2 * product**2, first * second - product**2
     return (trace**2 - 2 * determinant**2 + smoothing**8) ** 0.125
+
+
+def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Slosh coordinates after the end of the motion, the tray at rest.
+
+    Args:
+        scene: with the liquids.
+        displacement: (k,) of all slosh coordinates at the end, m.
+        velocity: (k,) likewise, m/s.
+        t: (m,) since the end, s.
+
+    Returns:
+        (m, k), m.
+    """
+    modes = [
+        (mode.frequency, mode.damping)
+        for cargo in scene.cargo
+        for mode in (cargo.filling.modes.oscillators if cargo.filling else ())
+        for _ in mode.directions
+    ]
+    frequency, damping = np.array(modes).reshape(-1, 2).T
+    decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)
+    quadrature = (velocity + decay * displacement) / damped
+    later = t[:, None]
+    return np.exp(-decay * later) * (displacement * np.cos(damped * later) + quadrature * np.sin(damped * later))

@@ -16,6 +16,7 @@ from itertools import product
 
 import numpy as np
 
+from nospill.core.hermite import cubic_hermite
 from nospill.core.paths import Path
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
@@ -61,10 +62,8 @@ class JointPath:
         span = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         width = (self.s[span + 1] - self.s[span])[:, None]
         u = (np.asarray(s) - self.s[span])[:, None] / width
-        start, end = self.q[span], self.q[span + 1]
-        start_slope, end_slope = width * self.dq_ds[span], width * self.dq_ds[span + 1]
-        rise = u * u * (3.0 - 2.0 * u)
-        return start + rise * (end - start) + u * (1.0 - u) * ((1.0 - u) * start_slope - u * end_slope)
+        ends = np.array([span, span + 1])
+        return cubic_hermite(u, width, self.q[ends], self.dq_ds[ends])
 
 
 def joint_paths(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Cone, Constraint, Place, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Role, object_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -16,7 +16,8 @@ class Sideways(Constraint):
 
     name = "sideways"
     unit = "m/s^2"
-    place = Place.OBJECT
+    role = Role.CONTACT
+    evaluated_at = EvaluationPoint.OBJECT
     description = "Apparent acceleration of an object along the tray."
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:

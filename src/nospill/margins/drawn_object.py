@@ -9,11 +9,11 @@ import numpy as np
 
 from nospill.margins.ranges import FACTORS
 from nospill.scene.cargo import Cargo
+from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import Departure, departed
 
 
-def perturbed(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
+def drawn_object(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
     """The object with one draw applied, friction and footprint without reserve: what is really there is all there is.
 
     Args:
@@ -25,12 +25,12 @@ def perturbed(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
         ModelError: the slosh model does not cover the drawn filling.
     """
     change = dict(zip(FACTORS, draw.tolist(), strict=True))
-    by = Departure(
+    by = Perturbation(
         friction=change["friction"],
         liquid_height=change["fill"],
         damping=math.exp(change["damping"]),
         position=(change["position x"], change["position y"]),
         mass=change["mass"] * cargo.total.mass,
     )
-    drawn = departed(cargo, by, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes)
+    drawn = perturbed(cargo, by, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes)
     return replace(drawn, friction_reserve=0.0, footprint_reserve=0.0)

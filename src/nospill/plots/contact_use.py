@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.judge.verdict import Trace
-from nospill.laws.constraints.base import Place
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import shown_unit
 from nospill.plots.evidence import Evidence
@@ -19,9 +19,9 @@ HIGHEST_USE = 2.0
 _MEANING = {"lift": "force / weight"}
 
 
-def margins_figure(evidence: Evidence) -> Figure:
+def contact_use_figure(evidence: Evidence) -> Figure:
     """One panel per constraint on the objects, one line per object."""
-    families = evidence.families(Place.OBJECT)
+    families = evidence.families(EvaluationPoint.OBJECT)
     families.pop(SloshHeight.name, None)  # has its own figure, in millimetres
     subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
     panels = time_panels(

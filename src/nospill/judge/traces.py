@@ -1,0 +1,171 @@
+"""Traces: every constraint and subject over time, evaluated by the constraints' own expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.batches import evaluate
+from nospill.core.frames import SX, body_motion, frame_at_rest
+from nospill.core.hermite import cubic_hermite
+from nospill.judge.replay import Replay, slosh_accelerations
+from nospill.judge.verdict import Trace
+from nospill.laws import codegen
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, worst_figures
+from nospill.laws.parameters import Shapes, Structure, symbolic
+from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
+from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo
+from nospill.scene.scene import Scene
+
+Inputs = tuple[np.ndarray, list[np.ndarray]]
+"""Times (m,), s, and the arrays (rows, m) on which the constraints of one evaluation point are evaluated there."""
+
+
+def constraint_traces(
+    trajectory: Trajectory,
+    scene: Scene,
+    played: Replay,
+    *,
+    points: Collection[EvaluationPoint] = EVERYWHERE,
+    payload: Sequence[Cargo] | None = None,
+) -> tuple[Trace, ...]:
+    """Traces of a replayed motion, each on the grid it is judged on.
+
+    Args:
+        trajectory: the record.
+        scene: what it must keep to.
+        played: its replay.
+        points: evaluation points; other constraints are left out.
+        payload: what the flange carries; the cargo of the scene when left out.
+
+    Returns:
+        One trace per constraint and subject, in the order of the certificate.
+    """
+    end = trajectory.end_time
+    inputs: dict[EvaluationPoint, Inputs] = {
+        EvaluationPoint.OBJECT: (played.t, [played.body, played.slosh_displacement.T, played.slosh_velocity.T]),
+        EvaluationPoint.JOINT: (
+            played.t,
+            [played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T],
+        ),
+        EvaluationPoint.CONTROL: control_inputs(trajectory),
+        EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
+    }
+    return evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+
+
+def evaluated_traces(
+    scene: Scene,
+    inputs: Mapping[EvaluationPoint, Inputs],
+    *,
+    constraints: Collection[Constraint] = CONSTRAINTS,
+    payload: Sequence[Cargo] | None = None,
+) -> tuple[Trace, ...]:
+    """Traces of some constraints on given inputs.
+
+    Args:
+        scene: what has to be kept.
+        inputs: by evaluation point; constraints of others are left out.
+        constraints: which, of `CONSTRAINTS`.
+        payload: what the flange carries; the cargo of the scene when left out.
+
+    Returns:
+        One trace per constraint and subject, in the order of the certificate.
+    """
+    structure, numbers, parameters = structure_of(scene), numbers_of(scene), flat_numbers(scene, payload)
+    traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in CONSTRAINTS}
+    for point, (t, columns) in inputs.items():
+        present = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(scene)]
+        if not any(item in constraints for item in present):
+            continue
+        function = _figures(structure, Shapes(numbers))[f"figures_{point.value}"]
+        rows = iter(evaluate(function, columns, parameters).reshape(-1, 3, len(t)))
+        for constraint in present:
+            for subject in constraint.subjects(scene):
+                figures = next(rows)  # value, limit, margin
+                if constraint in constraints:
+                    traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *figures))
+    return tuple(trace for own in traces.values() for trace in own)
+
+
+def control_inputs(trajectory: Trajectory) -> Inputs:
+    """Inputs at `EvaluationPoint.CONTROL`: tilt (2, m), jerks of s and tilt (3, m), and of the joints (n, m)."""
+    jerks = third_differences(np.column_stack([trajectory.s, trajectory.tilt, trajectory.joint_position]))
+    jerks *= trajectory.rate**3
+    tilt = np.concatenate([trajectory.tilt, trajectory.tilt[-1:]])
+    t = np.append(trajectory.t, trajectory.t[-1] + 1.0 / trajectory.rate)
+    return t, [tilt.T, jerks[:, :3].T, jerks[:, 3:].T]
+
+
+def third_differences(values: np.ndarray) -> np.ndarray:
+    """Third differences (m + 1, n) of samples (m, n) that stand still before and after.
+
+    Over the cube of the period each is the mean of the jerk over three periods.
+    """
+    padded = np.concatenate([values[:1], values[:1], values, values[-1:], values[-1:]])
+    return np.diff(padded, n=3, axis=0)
+
+
+def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Slosh displacement and velocity (k, 1) at a time between grid points, by the cubic through both ends."""
+    left = int(np.clip(np.searchsorted(played.t, t, side="right") - 1, 0, len(played.t) - 2))
+    width = float(played.t[left + 1] - played.t[left])
+    u = (t - played.t[left]) / width
+    q, qd = (values[left : left + 2] for values in (played.slosh_displacement, played.slosh_velocity))
+    return cubic_hermite(u, width, q, qd)[:, None], ((1 - u) * qd[0] + u * qd[1])[:, None]
+
+
+@lru_cache(maxsize=16)
+def _figures(structure: Structure, shapes: Shapes) -> codegen.Functions:
+    def build() -> tuple[codegen.Functions, None]:
+        points = [_figures_function(structure, shapes, point) for point in EvaluationPoint]
+        return {function.name(): function for function in points if function is not None}, None
+
+    return codegen.functions("figures", structure, build)[0]
+
+
+def _figures_function(structure: Structure, shapes: Shapes, point: EvaluationPoint) -> Any | None:
+    """(columns of `Inputs`, parameters) -> value, limit, margin of all constraints and subjects of one point.
+
+    None where no constraint has a subject there.
+    """
+    parameters = SX.sym("p", shapes.size)
+    numbers = symbolic(shapes.record, parameters)
+    count = coordinate_count(structure)
+    q, qd = SX.sym("q", count), SX.sym("qd", count)
+    if point is EvaluationPoint.OBJECT:
+        body = SX.sym("body", 9)
+        tray = body_motion(body)
+        slosh = split_states(structure, q, qd, slosh_accelerations(structure, numbers, tray, q, qd))
+        sample = Sample(structure, numbers, objects=sample_objects(structure, numbers, tray, slosh))
+        inputs = [body, q, qd]
+    elif point is EvaluationPoint.END:
+        slosh = split_states(structure, q, qd, SX.zeros(count))
+        sample = Sample(
+            structure, numbers, objects=sample_objects(structure, numbers, frame_at_rest(numbers.gravity), slosh)
+        )
+        inputs = [q, qd]
+    elif point is EvaluationPoint.JOINT:
+        inputs = [SX.sym(name, len(structure.joints)) for name in ("q", "qd", "qdd")]
+        sample = Sample(
+            structure, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
+        )
+    else:
+        inputs = [SX.sym("tilt", 2), SX.sym("jerks", 3), SX.sym("joint_jerk", len(structure.joints))]
+        sample = Sample(structure, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
+    stacked = []
+    for constraint in CONSTRAINTS:
+        if constraint.evaluated_at is point:
+            stacked += [worst_figures(constraint, budgets) for budgets in constraint.budgets(sample)]
+    if not stacked:
+        return None
+    return ca.Function(
+        f"figures_{point.value}", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True}
+    )

@@ -1,0 +1,106 @@
+"""Perturbation of an object: friction, fill, damping, place and mass other than stated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.errors import ModelError, ScenarioError
+from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
+from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.prism import LARGEST_DAMPING
+from nospill.scene.scene import Fidelity
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Perturbation:
+    """Difference of one object from what the scenario says.
+
+    Attributes:
+        friction: relative.
+        liquid_height: m.
+        damping: factor on the damping ratios.
+        position: (x, y), m.
+        mass: kg, of the container or the solid; the liquid's follows from its height.
+    """
+
+    friction: float = 0.0
+    liquid_height: float = 0.0
+    damping: float = 1.0
+    position: tuple[float, float] = (0.0, 0.0)
+    mass: float = 0.0
+
+    def text(self, cargo: Cargo) -> str:
+        """In words, for messages: "friction -10 %, fill +2 mm"; empty where nothing differs."""
+        parts = []
+        if self.friction:
+            parts.append(f"friction {100 * self.friction:+.4g} %")
+        if self.liquid_height:
+            parts.append(f"fill {1e3 * self.liquid_height:+.4g} mm")
+        if self.damping != 1.0:
+            parts.append(f"damping x{self.damping:.4g}")
+        if any(self.position):
+            parts.append(f"position {1e3 * self.position[0]:+.4g}, {1e3 * self.position[1]:+.4g} mm")
+        if self.mass:
+            parts.append(f"mass {100 * self.mass / cargo.empty.mass:+.4g} %")
+        return ", ".join(parts)
+
+
+def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+    """Cargo with other numbers, built like one from a scenario.
+
+    The surface may rise as far as before, but never over the rim; where it may rise to the rim, it still may.
+
+    Args:
+        cargo: as in the scenario.
+        by: the difference.
+        fidelity: of the scene.
+        slosh_modes: of the scene.
+
+    Raises:
+        ModelError: the slosh model does not cover the filling.
+    """
+    empty = _heavier(cargo.empty, by.mass, cargo.container)
+    changed = replace(
+        cargo,
+        position=cargo.position + np.array(by.position),
+        total=empty,
+        empty=empty,
+        friction=cargo.friction * (1.0 + by.friction),
+        tolerance=None,
+    )
+    if cargo.filling is None:
+        return changed
+    filling = _refilled(cargo, cargo.filling, by, slosh_modes)
+    frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
+    total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
+    return replace(changed, filling=filling, total=total)
+
+
+def _heavier(body: MassProperties, added: float, container: Container) -> MassProperties:
+    """A container with more or less mass, its centre where it was; never less than none."""
+    mass = max(body.mass + added, 0.0)
+    if body.mass > 0.0:
+        return MassProperties(mass, body.centre, body.inertia * (mass / body.mass))
+    return container.shell_properties(mass)
+
+
+def _refilled(cargo: Cargo, filling: Filling, by: Perturbation, slosh_modes: int) -> Filling:
+    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    level = filling.liquid_height + by.liquid_height
+    try:
+        modes = cargo.container.slosh_modes(
+            filling.liquid,
+            level,
+            slosh_modes,
+            damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
+        )
+    except ScenarioError as error:
+        raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
+    before, room = cargo.container.height - filling.liquid_height, cargo.container.height - level
+    to_the_rim = filling.max_slosh_height >= before * (1.0 - _ROUNDING)
+    highest = room if to_the_rim else min(filling.max_slosh_height, room)
+    return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes)

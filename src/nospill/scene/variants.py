@@ -1,0 +1,136 @@
+"""Variants of an object with a tolerance: the corners that have to be tried.
+
+Limits are monotone in some numbers of an object and convex in others; only their ends need to be tried:
+
+* friction: slip and twist are demand over mu N, nothing else reads it. The low end alone.
+* position: forces and moments are linear in it and each limit is a cone about them, exactly so for what is rigid. The
+  four corners of the square.
+* mass: the same holds for that of a container, two ends. That of a solid cancels in every limit: no variant.
+* liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle; where the
+  frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
+* damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
+
+Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
+tried (docs/uncertainty.md), which is no proof.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from nospill.scene.cargo import Cargo, Filling, Tolerance
+from nospill.scene.perturbation import Perturbation, perturbed
+from nospill.scene.scene import Fidelity, Scene
+
+FREQUENCY_STEP = 0.01
+"""Largest part by which the frequency may differ from one level that is tried to the next: over a motion of 2 s a mode
+at 2 Hz gets 0.25 rad out of step, and what neighbours both keep, a level between them exceeds by less than 1 %."""
+
+DAMPING_STEP = 0.0125
+"""Largest difference of one damping ratio that is tried to the next, or a quarter of it where that is more: over a
+motion of 2 s a mode at 2 Hz then loses a quarter more or less of its swing."""
+
+_WIDE = 4.0 * DAMPING_STEP
+_ROUNDING = 1e-9
+_FINEST = 1e-5
+"""m; levels in between are rounded to this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """A perturbed object.
+
+    Attributes:
+        name: of the object.
+        text: the perturbation in words; empty for the object as stated.
+        cargo: the object with its other numbers.
+    """
+
+    name: str
+    text: str
+    cargo: Cargo
+
+    @property
+    def label(self) -> str:
+        """Name in a scene with several variants, and in messages: "c1 at fill +2 mm"."""
+        return f"{self.name} at {self.text}" if self.text else self.name
+
+
+def variants(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> tuple[Variant, ...]:
+    """Variants of an object: its stated numbers with the least friction, then the corners of its tolerance.
+
+    An object without a tolerance is its own only variant.
+    """
+    tolerance = cargo.tolerance
+    if tolerance is None:
+        return (Variant(cargo.name, "", cargo),)
+    stated = Perturbation(friction=-tolerance.friction)
+    perturbations = dict.fromkeys([stated, *_corners(cargo, tolerance)])
+    return tuple(
+        Variant(cargo.name, by.text(cargo), perturbed(cargo, by, fidelity=fidelity, slosh_modes=slosh_modes))
+        for by in perturbations
+    )
+
+
+def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
+    levels, between, factors, masses = (0.0,), (), (1.0,), (0.0,)
+    if cargo.filling is not None:
+        rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
+        levels, between = ((-rise, 0.0, rise), _levels_between(cargo, cargo.filling, rise)) if rise else (levels, ())
+        factors = _factors(*tolerance.damping, cargo.filling.modes.oscillators[0].damping)
+        masses = (-mass, mass) if mass else masses
+    side = tolerance.position
+    places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
+    for level, factor, place, mass in product(levels, factors, places, masses):
+        yield Perturbation(-tolerance.friction, level, factor, place, mass)
+    for level, factor in product(between, factors):
+        yield Perturbation(-tolerance.friction, level, factor)
+
+
+def _factors(low: float, high: float, ratio: float) -> tuple[float, ...]:
+    """Damping factors from one end to the other, no farther apart than `DAMPING_STEP` says for a damping ratio.
+
+    Steps are equal in a measure that is linear in the ratio up to four steps and logarithmic beyond.
+    """
+    first, last = _steps(low * ratio), _steps(high * ratio)
+    count = int(np.ceil(last - first - _ROUNDING))
+    between = [_ratio(step) / ratio for step in np.linspace(first, last, count + 1)[1:-1].tolist()]
+    return tuple(dict.fromkeys((low, *(float(f"{factor:.4g}") for factor in between), high)))
+
+
+def _steps(ratio: float) -> float:
+    return ratio / DAMPING_STEP if ratio < _WIDE else 4.0 + 4.0 * math.log(ratio / _WIDE)
+
+
+def _ratio(steps: float) -> float:
+    return steps * DAMPING_STEP if steps < 4.0 else _WIDE * math.exp(steps / 4.0 - 1.0)
+
+
+def _levels_between(cargo: Cargo, filling: Filling, rise: float) -> tuple[float, ...]:
+    """Changes of the level, m, that divide both halves of the range into equal steps of the slowest frequency."""
+    found: list[float] = []
+    for end in (-rise, rise):
+        changes = np.linspace(0.0, end, 33)
+        frequencies = [_slowest(cargo, filling, filling.liquid_height + by) for by in changes.tolist()]
+        steps = int(np.ceil(abs(np.log(frequencies[-1] / frequencies[0])) / FREQUENCY_STEP - _ROUNDING))
+        wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
+        order = np.argsort(frequencies)
+        levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
+        found += [round(float(level) / _FINEST) * _FINEST for level in levels]
+    return tuple(found)
+
+
+def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
+    """Frequency of the slowest mode of a filling, rad/s."""
+    modes = cargo.container.slosh_modes(filling.liquid, level, 1, damping=0.1)
+    return min(mode.frequency for mode in modes.oscillators)
+
+
+def variants_by_object(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
+    """`variants` of every object, in the order of the cargo."""
+    return tuple(variants(cargo, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
