@@ -16,24 +16,25 @@ import resource
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from nospill import diagnosis as reasons
-from nospill.diagnosis import Searcher
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.planning import planner
-from nospill.planning import run as planning_run
+from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log
+from nospill.planning.refinement import Judged, certified_by_refinement
+from nospill.planning.search import best_of, found_motion
 from nospill.planning.starts import Attempt
+from nospill.planning.task import Task
 from nospill.plans.plan import Plan, describe
-from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
 from nospill.scenario import scene_from_table
+from nospill.scenario.base_yaw import settled_base
 from nospill.scene.scene import Scene
-from nospill.transcription.solvers import Solution
 from nospill.transcription.starting_motions import Start
 from nospill.verify import verify
 
@@ -147,6 +148,21 @@ _ALIKE = 1e-3
 """Coarse answers whose durations differ by less, relatively, are taken for the same one: only the first is refined."""
 
 
+@dataclass(frozen=True, slots=True)
+class Coarse:
+    """A coarse answer that was refined.
+
+    Attributes:
+        bounded: whether the determinant of the Jacobian was bounded.
+        duration: s.
+        outcome: of the start that led to it.
+    """
+
+    bounded: bool
+    duration: float
+    outcome: dict[str, Any]
+
+
 class _SameAnswerError(NospillError):
     """A start came to a coarse answer that an earlier one came to."""
 
@@ -162,59 +178,54 @@ def random_starts(
 
     Each has `longest` s to look for a motion.
     """
-    scene = limited(scene_from_table(table, name=name), longest)
+    scene = settled_base(limited(scene_from_table(table, name=name), longest))
     random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
-    known: list[tuple[bool, float, dict[str, Any]]] = []
+    known: list[Coarse] = []
     for index in range(count):
         lean = random.uniform(-0.3, 0.3, 2) * min(1.0, scene.motion.max_tilt / 0.3)
         start = Start(float(random.uniform(0.4, 1.6)), float(random.uniform(-0.6, 0.6)), (lean[0], lean[1]))
         outcome: dict[str, Any] = {"start": index, "duration_s": None, "reason": None}
-        with only_start(start, known, outcome):
-            try:
-                plan = planner.plan(scene)
-            except _SameAnswerError as same:
-                outcome |= same.outcome | {"start": index, "as": same.outcome["start"]}
-            except NospillError as error:
-                outcome["reason"] = str(error)
-            else:
-                outcome["duration_s"] = plan.duration if plan.certificate.ok else None
-                outcome["reason"] = None if plan.certificate.ok else describe(plan.certificate.worst)
+        try:
+            found = planned_from(scene, start, known, outcome)
+        except _SameAnswerError as same:
+            outcome |= same.outcome | {"start": index, "as": same.outcome["start"]}
+        except NospillError as error:
+            outcome["reason"] = str(error)
+        else:
+            certificate = found.judgement.certificate
+            outcome["duration_s"] = found.trajectory.end_time if certificate.ok else None
+            outcome["reason"] = None if certificate.ok else describe(certificate.worst)
         yield outcome
 
 
-@contextmanager
-def only_start(
-    start: Start, known: list[tuple[bool, float, dict[str, Any]]], outcome: dict[str, Any]
-) -> Iterator[None]:
-    """Let the planner of this process begin from one given start and from nothing else.
+def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[str, Any]) -> Judged:
+    """The certified motion from one start and nothing else.
 
     Args:
+        scene: the task.
         start: from where.
-        known: coarse answers that were refined before: whether the arm was kept regular, duration, outcome.
-        outcome: of this start, to be filled in by whoever plans; it joins `known` with its coarse answer.
+        known: coarse answers that were refined before; that of this start joins them.
+        outcome: of this start, to be filled in by the caller.
+
+    Raises:
+        NospillError: the start leads nowhere, or to a coarse answer that is known.
     """
-    planner_run = planning_run.PlanningRun
-    attempts, search, resort = planning_run.attempts, planner_run.search, reasons.last_resort
 
-    def alone(run: planning_run.PlanningRun, joint_path: JointPath, **how: bool) -> Solution:
-        coarse = search(run, joint_path, **how)
-        duration = coarse.stages.duration
-        for regular, other, found in known:
-            if regular == run.regular and abs(duration / other - 1.0) < _ALIKE:
-                raise _SameAnswerError(found)
-        known.append((run.regular, duration, outcome))
-        return coarse
+    def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
+        best, last = best_of(task, joint_path, log, (Attempt(start),))
+        if best is None:
+            raise NoSolutionError("the start led nowhere" if last is None else last.solution.status)
+        bounded, duration = task.passage.determinant is not None, best.stages.duration
+        for coarse in known:
+            if coarse.bounded == bounded and abs(duration / coarse.duration - 1.0) < _ALIKE:
+                raise _SameAnswerError(coarse.outcome)
+        known.append(Coarse(bounded, duration, outcome))
+        return best
 
-    def no_resort(run: Searcher, joint_path: JointPath, last: Solution | None) -> Solution:
-        raise NoSolutionError("the start led nowhere" if last is None else last.status)
-
-    planning_run.attempts = lambda scene, *, briefly: (Attempt(start),)
-    planner_run.search, reasons.last_resort = alone, no_resort
-    try:
-        yield
-    finally:
-        planning_run.attempts = attempts
-        planner_run.search, reasons.last_resort = search, resort
+    log = Log(None, scene.planning.max_plan_time)
+    paths = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+    joint_path = preferred_path(paths, scene.robot, scene.start_near)
+    return certified_by_refinement(found_motion(Task.of(scene), joint_path, log, search=search), log)
 
 
 def _print(line: dict[str, Any]) -> None:

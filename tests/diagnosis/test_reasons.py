@@ -14,10 +14,13 @@ from nospill.cli import app
 from nospill.diagnosis import last_resort, motion, with_change
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planning.log import Log
 from nospill.planning.planner import plan
-from nospill.planning.run import PlanningRun
+from nospill.planning.task import Task
+from nospill.planning.trial import Searcher
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scene.scene import Scene
+from nospill.transcription.starting_motions import USUAL_START
 
 pytestmark = pytest.mark.slow
 
@@ -85,8 +88,9 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1, "planning.max_plan_time": 1e-3})
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
-    run = PlanningRun(scene, None, frozenset())
-    last = run.solve_near(run.start(way), iterations=12)
+    run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
+    trial = run.trial(scene, way)
+    last = trial.solve(trial.start(USUAL_START), iterations=12)
     assert run.out_of_time
     with pytest.raises(NoSolutionError) as raised:
         last_resort(run, way, last)
@@ -100,8 +104,9 @@ def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(chang
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1})
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
-    run = PlanningRun(scene, None, frozenset())
-    last = run.solve_near(run.start(way), iterations=12)
+    run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
+    trial = run.trial(scene, way)
+    last = trial.solve(trial.start(USUAL_START), iterations=12)
     told = str(motion._never(Trials(run, way), last))
     assert re.search(
         r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", told

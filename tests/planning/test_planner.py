@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nospill.planning.reserves import first_reserve
 
 from nospill.errors import NoSolutionError
 from nospill.judge.certificate import certify
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.scene_parameters import structure_of
+from nospill.planning.backoff import first_backoff
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.plans.plan import Plan, load_plan
 from nospill.robots.joint_paths.search import joint_paths
@@ -128,7 +128,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     path = joint_paths(scene.robot, scene.path, **tool)[0]
     layout = layout_of(structure_of(scene))
     reserves = {
-        (item.name, i): first_reserve(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))
+        (item.name, i): first_backoff(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))
     }
     random = np.random.default_rng(7)
     durations = []

@@ -1,4 +1,4 @@
-"""The order in which starting motions are tried, and when that ends."""
+"""The order of the starts of a search, and how each is tried."""
 
 from __future__ import annotations
 
@@ -6,37 +6,31 @@ from dataclasses import replace
 
 import pytest
 
-from nospill.planning.starts import agreed, alike, attempts
+from nospill.planning.log import alike
+from nospill.planning.starts import attempts
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import USUAL_START
 
 
-@pytest.mark.parametrize("count", [1, 3, 6])
-def test_starts_beyond_those_asked_for_are_for_when_nothing_is_found(count: int) -> None:
+@pytest.mark.parametrize(("compared", "first"), [(1, 3), (3, 3), (6, 6)])
+def test_the_last_starts_are_for_when_nothing_is_found(compared: int, first: int) -> None:
     scene = read_scenario("matrix-rigid")
-    scene = replace(scene, planning=replace(scene.planning, starts=count))
-    found = attempts(scene, briefly=False)
+    scene = replace(scene, planning=replace(scene.planning, starts=compared))
+    found = attempts(scene, brief=False)
     starts = [attempt.start for attempt in found]
     assert starts[0] == USUAL_START
-    assert len(set(starts[: count + 1])) == count + 1
-    assert found[count].iterations > found[0].iterations
-    assert [attempt.all_rows for attempt in found] == [False] * (count + 1) + [True] * (len(found) - count - 1)
+    assert len(set(starts[: first + 1])) == first + 1
+    assert found[first].iterations > found[0].iterations
+    assert [attempt.all_rows for attempt in found] == [False] * (first + 1) + [True] * (len(found) - first - 1)
     # the usual two again, then what has not been tried
-    assert starts[count + 1 : count + 3] == [starts[1], starts[0]]
-    assert not set(starts[count + 3 :]) & set(starts[: count + 1])
-    assert attempts(scene, briefly=True) == found[:count]
+    assert starts[first + 1 : first + 3] == [starts[1], starts[0]]
+    assert not set(starts[first + 3 :]) & set(starts[: first + 1])
+    assert attempts(scene, brief=True) == found[:first]
 
 
-def test_both_ways_of_accepting_steps_take_turns() -> None:
-    asked = attempts(read_scenario("matrix-rigid"), briefly=True)
-    assert [attempt.by_error for attempt in asked] == [False, True, False]
-
-
-def test_two_answers_that_are_the_same_are_enough_but_for_still_liquids() -> None:
-    rigid, still = read_scenario("matrix-rigid"), read_scenario("matrix-liquid-still")
-    assert not agreed(rigid, [1.4]) and not agreed(rigid, [1.4, 1.5])
-    assert agreed(rigid, [1.5, 1.4, 1.4009])
-    assert not agreed(still, [2.0, 2.0])
+def test_both_globalisations_take_turns() -> None:
+    first = attempts(read_scenario("matrix-rigid"), brief=True)
+    assert [attempt.kkt_error_globalization for attempt in first] == [False, True, False]
 
 
 def test_answers_near_the_best_are_counted() -> None:

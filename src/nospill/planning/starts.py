@@ -1,21 +1,16 @@
-"""Which starting motions a search tries, in which order and how, and when their answers agree."""
+"""Which starting motions a search tries, in which order and how."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start, starting_motions
 
-COARSE_ITERATIONS = 150
-SECOND_ITERATIONS = 60
-"""Of a start once there is an answer."""
-
 _FIRST_STARTS = 3
-_LAST_ITERATIONS = 500
+_FIRST_ITERATIONS = 150
 _LAST_STARTS = 4
-_SAME = 1e-3
+_LAST_ITERATIONS = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +19,13 @@ class Attempt:
 
     Attributes:
         start: the motion.
-        iterations: most of them as long as there is no answer.
+        iterations: most of them.
         kkt_error_globalization: whether steps are accepted by the error of the optimality conditions (`SolveOptions`).
         all_rows: whether all rows take part from the beginning.
     """
 
     start: Start
-    iterations: int = COARSE_ITERATIONS
+    iterations: int = _FIRST_ITERATIONS
     kkt_error_globalization: bool = False
     all_rows: bool = False
 
@@ -43,25 +38,10 @@ def attempts(scene: Scene, *, brief: bool) -> tuple[Attempt, ...]:
     rows, the usual two again and further random ones.
     """
     count = max(scene.planning.starts, _FIRST_STARTS)
-    starts = list(starting_motions(scene, count + _LAST_STARTS))
-    turns = [index % 2 == 1 for index in range(len(starts))]
-    first = [Attempt(start, kkt_error_globalization=turn) for start, turn in zip(starts[:count], turns, strict=False)]
+    starts = list(enumerate(starting_motions(scene, count + _LAST_STARTS)))
+    first = [Attempt(start, kkt_error_globalization=index % 2 == 1) for index, start in starts[:count]]
     if brief:
         return tuple(first)
-    patient = Attempt(starts[count], _LAST_ITERATIONS, turns[count])
-    again = [Attempt(starts[1], kkt_error_globalization=True, all_rows=True), Attempt(starts[0], all_rows=True)]
-    further = [
-        Attempt(start, _LAST_ITERATIONS, turn, all_rows=True)
-        for start, turn in zip(starts[count + 1 :], turns[count + 1 :], strict=True)
-    ]
-    return (*first, patient, *again, *further)
-
-
-def agreed(scene: Scene, durations: Sequence[float]) -> bool:
-    """Whether two answers of these durations are the same.
-
-    That is enough, except for perfectly still liquids, which have poor local minima.
-    """
-    if scene.motion.end == "still" and any(cargo.filling for cargo in scene.cargo):
-        return False
-    return sum(duration <= min(durations) * (1 + _SAME) for duration in durations) >= 2
+    last = [Attempt(start, _LAST_ITERATIONS, index % 2 == 1, all_rows=index > count) for index, start in starts[count:]]
+    again = [Attempt(starts[1][1], kkt_error_globalization=True, all_rows=True), Attempt(starts[0][1], all_rows=True)]
+    return (*first, last[0], *again, *last[1:])

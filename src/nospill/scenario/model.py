@@ -119,7 +119,15 @@ class PlanningTable(Table):
         Measured(dimension="time", above=0.0, at_most=86400.0),
         Field(description="longest time to look for a motion; why there is none may take a little more"),
     ] = 600.0
-    starts: Annotated[int, Field(strict=True, ge=1, le=100, description="number of starting points")] = 3
+    starts: Annotated[
+        int,
+        Field(
+            strict=True,
+            ge=1,
+            le=100,
+            description="starting motions that are compared; further ones are tried while none converges",
+        ),
+    ] = 1
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
     slosh_modes: Annotated[int, Field(strict=True, ge=1, le=10, description="liquid modes in each direction")] = 1
 

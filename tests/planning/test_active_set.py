@@ -1,0 +1,200 @@
+"""The active set: which rows, objects and variants take part, and what joins after a motion was judged."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.judge.certificate import Judgement
+from nospill.judge.verdict import Row
+from nospill.laws.scene_parameters import flange_load
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.backoff import first_backoff
+from nospill.planning.log import Log
+from nospill.planning.planner import plan
+from nospill.planning.refinement import certified_by_refinement, solved_from
+from nospill.planning.task import Task
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scene.scene import Scene
+
+Q = np.zeros((2, 6))
+
+
+def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
+    """A row with a limit of 1."""
+    return Row(constraint, subject, "1", 1.0, 1.0 - margin, margin, 0.5, margin >= 0.0, variant)
+
+
+def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
+    """The part of a judgement that an active set reads."""
+    replay = SimpleNamespace(joint_position=Q)
+    found: Any = SimpleNamespace(certificate=SimpleNamespace(rows=rows), corners=corners, replay=replay)
+    return found
+
+
+def grid_of_cups(**tolerance: Any) -> Scene:
+    """Nine like cups on a square grid, c1 to c9 with c5 in the middle, on few intervals."""
+    table: Any = copy.deepcopy(read_scenario("matrix-liquid").source)
+    keys = {"shape": "cylinder", "radius": "20 mm", "height": "60 mm", "liquid": "water", "liquid_height": "28 mm"}
+    keys |= {"max_slosh_height": "10 mm", "mass": "0.045 kg", "centre_of_mass_height": "16 mm"}
+    places = [(x, y) for x in (-60, 0, 60) for y in (-60, 0, 60)]
+    table["cargo"] = [{"name": f"c{i + 1}", "at": [f"{x} mm", f"{y} mm"], **keys} for i, (x, y) in enumerate(places)]
+    table["motion"]["end"] = "residual"
+    table["planning"] = {"intervals": 40}
+    if tolerance:
+        table["tolerance"] = tolerance
+    return scene_from_table(table, name="cups")
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return read_scenario("matrix-liquid")
+
+
+@pytest.fixture(scope="module")
+def uncertain() -> Task:
+    return Task.of(grid_of_cups(friction="10 %", liquid_height="2 mm"))
+
+
+# --- rows -----------------------------------------------------------------------------------------------------------
+
+
+def test_all_rows_take_part_but_those_ignored_or_known_to_hold(scene: Scene) -> None:
+    active = ActiveSet.of(Task.of(scene, {"slip"}), Q)
+    names = {name for name, _ in active.rows}
+    assert active.rows == active.possible and {"slosh height", "twist", "joint speed"} <= names
+    assert not {"slip", "joint position"} & names
+    tilting = replace(scene, motion=replace(scene.motion, tilt_free=True))
+    assert ("joint position", scene.robot.joints[0]) in ActiveSet.of(Task.of(tilting), Q).possible
+
+
+def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Scene) -> None:
+    task = Task.of(scene)
+    active = ActiveSet.of(task, Q).without_far(
+        [row("slip", "c2", 0.31), row("slip", "c1", 0.29), row("path position", "tray", 0.9)]
+    )
+    assert ("slip", "c2") not in active.rows and ("slip", "c1") in active.rows
+    violated = judgement(row("slip", "c2", -0.004))
+    joined = active.after(task, violated)
+    assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
+    tightened = joined.after(task, violated)
+    assert tightened.backoff["slip", "c2"] > joined.backoff["slip", "c2"] + 0.004
+    assert tightened.raised() == {"slip | c2": tightened.backoff["slip", "c2"]}
+
+
+def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:
+    task = Task.of(scene, {"slip"})
+    active = ActiveSet.of(task, Q)
+    assert active.after(task, judgement(row("path position", "tray", -0.1), row("slip", "c1", -0.1))) is active
+    assert active.after(task, judgement(row("slosh height", "c1", 0.1))) is active
+
+
+def test_rows_on_the_final_state_stay(scene: Scene) -> None:
+    active = ActiveSet.of(Task.of(scene), Q).with_rows(())
+    assert {name for name, _ in active.rows} == {"residual height", "still at the end"}
+
+
+def test_near_rows_by_what_is_left_of_each(scene: Scene) -> None:
+    active = ActiveSet.of(Task.of(scene, {"slip"}), Q)
+    slack = {("slosh height", "c1"): 0.2, ("slosh height", "c2"): 0.4, ("slip", "c1"): 0.0}
+    assert active.near(slack) == {("slosh height", "c1")}
+
+
+def test_known_back_off_goes_to_a_tray_in_another_order_and_is_never_lowered(scene: Scene) -> None:
+    turned = replace(scene, cargo=scene.cargo[::-1])
+    known = {("tip", "c4"): 0.07, ("slip", "c1"): 0.0, ("slip", "nobody"): 0.5}
+    other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)
+    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == first_backoff("slip")
+    assert other.raised() == {"tip | c4": 0.07}
+
+
+# --- objects and variants ------------------------------------------------------------------------------------------
+
+
+def members(active: ActiveSet) -> list[str]:
+    return [cargo.name for cargo in active.scene.cargo]
+
+
+def raised(before: ActiveSet, after: ActiveSet) -> set[tuple[str, str]]:
+    return {key for key, value in after.backoff.items() if value > before.backoff[key]}
+
+
+def test_a_problem_begins_with_the_outer_ones_of_like_objects() -> None:
+    scene = grid_of_cups()
+    task = Task.of(scene)
+    active = ActiveSet.of(task, Q)
+    assert members(active) == ["c1", "c3", "c7", "c9"]
+    load, whole = flange_load(active.scene, task.payload), flange_load(scene)
+    for part in ("mass", "first_moment", "inertia"):
+        np.testing.assert_array_equal(getattr(load, part), getattr(whole, part))
+
+
+def test_the_published_tray_is_planned_as_it_is(scene: Scene) -> None:
+    assert ActiveSet.of(Task.of(scene), Q).scene is scene
+
+
+def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
+    task = Task.of(grid_of_cups())
+    active = ActiveSet.of(task, Q).with_backoff({("slip", "c1"): 0.02})
+    grown = active.after(task, judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
+    assert members(grown) == ["c1", "c3", "c5", "c7", "c9"]
+    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == first_backoff("slip")
+    assert ("slip", "c1") not in grown.rows and {("slip", "c5"), ("tip", "c9")} <= grown.rows
+
+
+def test_a_slight_violation_outside_the_problem_tightens_all_within() -> None:
+    task = Task.of(grid_of_cups())
+    active = ActiveSet.of(task, Q)
+    tightened = active.after(task, judgement(row("slip", "c5", -0.004)))
+    assert tightened.members == active.members
+    assert raised(active, tightened) == {("slip", name) for name in members(active)}
+
+
+def test_like_objects_are_thinned_out_with_tolerances_too(uncertain: Task) -> None:
+    active = ActiveSet.of(uncertain, Q)
+    assert members(active) == ["c1", "c3", "c7", "c9"]
+    # the problem has the least friction that the tolerance allows; the scene still states the measured one
+    assert active.scene.cargo[0].friction == pytest.approx(0.9 * uncertain.scene.cargo[0].friction)
+    assert all(cargo.tolerance is None for cargo in active.scene.cargo)
+
+
+def test_the_worst_variant_of_an_object_joins(uncertain: Task) -> None:
+    active = ActiveSet.of(uncertain, Q)
+    low, *_, high = (item for item in uncertain.families[0] if "fill" in item.text)
+    corners = (row("slosh height", "c1", -0.1, low.text), row("slosh height", "c1", -0.2, high.text))
+    grown = active.after(uncertain, judgement(corners=corners))
+    assert grown.members == active.members | {("c1", high.text)}
+    assert members(grown)[:2] == ["c1", f"c1 at {high.text}"]
+
+
+def test_a_variant_outside_tightens_the_members_of_its_object(uncertain: Task) -> None:
+    active = ActiveSet.of(uncertain, Q)
+    low = next(item for item in uncertain.families[0] if "fill" in item.text)
+    tightened = active.after(uncertain, judgement(corners=(row("slosh height", "c1", -0.003, low.text),)))
+    assert raised(active, tightened) == {("slosh height", "c1")}
+
+
+def test_members_near_a_limit_are_in_the_problem_of_a_restart(uncertain: Task) -> None:
+    low, *_, high = (item for item in uncertain.families[0] if "fill" in item.text)
+    corners = (row("slosh height", "c1", 0.01, low.text), row("slosh height", "c3", 0.3, high.text))
+    assert ActiveSet.of(uncertain, Q).near_members(judgement(corners=corners)) == {("c1", low.text)}
+
+
+@pytest.mark.slow
+def test_what_is_violated_outside_the_problem_joins_and_the_answer_is_that_of_the_whole_tray() -> None:
+    scene = grid_of_cups()
+    found = plan(scene)
+    assert found.certificate.ok and set(found.trajectory.slosh) == {cargo.name for cargo in scene.cargo}
+    task, log, q = Task.of(scene), Log(None, 120.0), found.trajectory.joint_position
+    for first in (frozenset({("c5", "")}), frozenset((cargo.name, "") for cargo in scene.cargo)):
+        begun = solved_from(task, ActiveSet.of(task, q, first), found.trajectory, log)
+        assert begun is not None and begun.active.members == first
+        judged = certified_by_refinement(begun, log)
+        assert judged.judgement.certificate.ok
+        assert judged.candidate.active.members >= first and len(judged.candidate.active.members) > 1
+        assert judged.trajectory.end_time == pytest.approx(found.duration, rel=2e-3)
