@@ -26,10 +26,11 @@ from nospill import diagnosis as reasons
 from nospill.diagnosis import Searcher
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.judge.certificate import judge
+from nospill.judge.wording import describe
 from nospill.planning import planner
 from nospill.planning import run as planning_run
 from nospill.planning.starts import Attempt
-from nospill.plans.plan import Plan, describe
+from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene

@@ -10,14 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nospill.planning.reserves import first_reserve
 
 from nospill.errors import NoSolutionError
 from nospill.judge.certificate import certify
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import Planner, PlanningProgress, plan
-from nospill.planning.reserves import first_reserve
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
@@ -14,7 +13,6 @@ from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
-from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes, heaviest, lightest
 

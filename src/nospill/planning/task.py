@@ -58,9 +58,7 @@ class Task:
     def names(self) -> dict[Member, str]:
         """What every variant is called in a problem and in messages; the stated one has the name of its object."""
         return {
-            (variant.name, variant.text): variant.name
-            if variant is family[0]
-            else variant.label
+            (variant.name, variant.text): variant.name if variant is family[0] else variant.label
             for family in self.families
             for variant in family
         }

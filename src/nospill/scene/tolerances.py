@@ -1,15 +1,15 @@
-"""Scenes whose objects' numbers may be off: corner scenes, scenes of several variants, the heaviest load."""
+"""Scenes whose objects' numbers may be off: corner scenes, the heaviest load and the lightest."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from nospill.errors import ScenarioError
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Fidelity, Scene
-from nospill.scene.variants import Variant, variants_by_object
+from nospill.scene.variants import variants_by_object
 
 
 def tolerance_text(tolerance: Tolerance) -> str:
@@ -52,19 +52,6 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
         chosen = tuple(own[min(number, len(own) - 1)].cargo for own in by_object)
         texts = {own[number].name: own[number].text for own in by_object if number < len(own)}
         yield Corner(replace(scene, cargo=chosen), texts)
-
-
-def with_variants(scene: Scene, chosen: Sequence[Variant]) -> Scene:
-    """The scene whose cargo are variants, for the optimiser: to it a cup with three fills is three cups.
-
-    The flange carries one set of the objects only: `heaviest` is the payload that goes with it.
-
-    Args:
-        scene: with tolerances.
-        chosen: which variants.
-    """
-    cargo = tuple(replace(variant.cargo, name=variant.label) for variant in chosen)
-    return replace(scene, cargo=cargo)
 
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.laws.constraints.base import RowId
 from nospill.transcription.problem import DERIVING_SOLVERS, Problem
 from nospill.transcription.stages import Stages
 
@@ -67,7 +68,7 @@ class Solution:
     bound_multipliers: np.ndarray
     objective: float
     violation: float
-    slack: dict[tuple[str, int], float]
+    slack: dict[RowId, float]
     converged: bool
     status: str
     iterations: int
@@ -247,23 +248,22 @@ def violation(problem: Problem, values: np.ndarray) -> float:
     return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
 
 
-def row_slack(problem: Problem, stages: Stages) -> dict[tuple[str, int], float]:
+def row_slack(problem: Problem, stages: Stages) -> dict[RowId, float]:
     """`Solution.slack` of any motion on the problem's grid, solved or not."""
     values = problem.transcription.constraint_function(problem.encode(stages), problem.parameters)
     return _slack(problem, np.asarray(values).ravel())
 
 
-def _slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]:
+def _slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     transcription = problem.transcription
     distance = np.minimum(values - transcription.lower, transcription.upper - values)
     stages, end = np.split(distance, [transcription.intervals * transcription.height])
     least = np.min(stages.reshape(-1, transcription.height), axis=0)
-    slack: dict[tuple[str, int], float] = {}
+    slack: dict[RowId, float] = {}
     for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
         for block in blocks:
-            key = (block.constraint, block.subject)
             own = float(np.min(distances[block.first : block.first + block.count]))
-            slack[key] = min(own, slack.get(key, np.inf))
+            slack[block.row_id] = min(own, slack.get(block.row_id, np.inf))
     return slack
 
 
