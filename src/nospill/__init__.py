@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from nospill.motion.trajectory import Trajectory as Trajectory
     from nospill.planning.planner import Planner as Planner
     from nospill.planning.planner import plan as plan
+    from nospill.plans.loading import load_plan as load_plan
     from nospill.plans.plan import Plan as Plan
-    from nospill.plans.plan import load_plan as load_plan
     from nospill.scenario import read_scenario as load
     from nospill.scene.scene import Scene as Scene
     from nospill.simulation.simulate import simulate_slosh as simulate_slosh
@@ -36,7 +36,7 @@ _PLACES = {
     "Certificate": ("nospill.judge.verdict", "Certificate"),
     "certify": ("nospill.judge.certificate", "certify"),
     "Plan": ("nospill.plans.plan", "Plan"),
-    "load_plan": ("nospill.plans.plan", "load_plan"),
+    "load_plan": ("nospill.plans.loading", "load_plan"),
     "Planner": ("nospill.planning.planner", "Planner"),
     "plan": ("nospill.planning.planner", "plan"),
     "load": ("nospill.scenario", "read_scenario"),

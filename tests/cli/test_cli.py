@@ -22,7 +22,7 @@ from nospill.cli import app
 from nospill.core.files import atomic_folder
 from nospill.errors import NoSolutionError, PlanFolderError, ScenarioError
 from nospill.judge.verdict import Certificate, Row
-from nospill.plans.plan import SUMMARY_KEYS, describe, failed_summary, shown_unit
+from nospill.plans.plan import SUMMARY_KEYS, failed_summary
 
 # fmt: off
 COMMANDS = (
@@ -96,12 +96,8 @@ class StandIn:
         functions = {
             "scenario": {"read_scenario": read_scenario},
             "planning.planner": {"plan": plan},
-            "plans.plan": {
-                "load_plan": load_plan,
-                "describe": describe,
-                "failed_summary": failed_summary,
-                "shown_unit": shown_unit,
-            },
+            "plans.plan": {"failed_summary": failed_summary},
+            "plans.loading": {"load_plan": load_plan},
             "plans.approach": {"certify_whole": certify_whole, "settling_time": lambda _: 0.0},
             "plots": {"save_figures": save_figures},
         }

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.diagnosis import changed_table, with_change
-from nospill.diagnosis.levers import Lever, levers_of
+from nospill.diagnosis.relaxations import Relaxation, relaxations_of
 from nospill.diagnosis.search import WITHIN, first_share
 from nospill.errors import Change, NospillError, ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
@@ -57,16 +57,16 @@ LEVERS: list[tuple[str, dict[str, Any], str, str, str]] = [
 
 
 @pytest.mark.parametrize(("name", "changes", "constraint", "subject", "place"), LEVERS)
-def test_the_scene_of_a_lever_is_that_of_its_change(
+def test_the_scene_of_a_relaxation_is_that_of_its_change(
     name: str, changes: dict[str, Any], constraint: str, subject: str, place: str, changed_scene: Changed
 ) -> None:
     """What is solved in the trial is what the user gets who writes the suggested value into the file."""
     scene = changed_scene(name, changes)
-    lever = main_lever(scene, constraint, subject)
-    share = min(0.25, 0.5 * lever.most)
-    change = lever.change(share)
+    relaxation = main_relaxation(scene, constraint, subject)
+    share = min(0.25, 0.5 * relaxation.most)
+    change = relaxation.change(share)
     assert change.place == place
-    tried, written = lever.scene(share), with_change(scene, change)
+    tried, written = relaxation.scene(share), with_change(scene, change)
     assert numbers_text(tried) == numbers_text(written) != numbers_text(scene)
     for limit in ("max_speed", "max_torque", "lower", "upper"):
         ours, theirs = getattr(tried.robot, limit), getattr(written.robot, limit)
@@ -74,9 +74,9 @@ def test_the_scene_of_a_lever_is_that_of_its_change(
         assert ours is None or np.allclose(ours, theirs)
 
 
-def main_lever(scene: Scene, constraint: str, subject: str) -> Lever:
+def main_relaxation(scene: Scene, constraint: str, subject: str) -> Relaxation:
     index = next(item.subjects(scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
-    return levers_of(scene, constraint, subject, {(constraint, index): 1.0})[0]
+    return relaxations_of(scene, constraint, subject, {(constraint, index): 1.0})[0]
 
 
 def numbers_text(scene: Scene) -> str:
@@ -96,21 +96,21 @@ def _rounded(value: Any) -> Any:
 
 def test_no_limit_is_raised_beyond_the_robots_own(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", {"robot.limits": {"speed_scale": 0.5}})
-    lever = main_lever(scene, "joint speed", "joint_1")
-    assert lever.most == pytest.approx(1.0)
-    assert levers_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []
+    relaxation = main_relaxation(scene, "joint speed", "joint_1")
+    assert relaxation.most == pytest.approx(1.0)
+    assert relaxations_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []
 
 
 def test_no_slosh_height_is_suggested_above_the_rim() -> None:
     scene = read_scenario("matrix-liquid")
-    lever = main_lever(scene, "slosh height", "c1")
-    assert lever.most == pytest.approx((99.1 - 49.0) / 15.0 - 1.0)
-    assert with_change(scene, lever.change(lever.most)).cargo[0].filling is not None
+    relaxation = main_relaxation(scene, "slosh height", "c1")
+    assert relaxation.most == pytest.approx((99.1 - 49.0) / 15.0 - 1.0)
+    assert with_change(scene, relaxation.change(relaxation.most)).cargo[0].filling is not None
 
 
-def test_what_has_no_key_has_no_lever() -> None:
+def test_what_has_no_key_has_no_relaxation() -> None:
     scene = read_scenario("matrix-liquid-tilt")
-    assert levers_of(scene, "lift", "c1", {}) == levers_of(scene, "apparent gravity", "c1", {}) == []
+    assert relaxations_of(scene, "lift", "c1", {}) == relaxations_of(scene, "apparent gravity", "c1", {}) == []
 
 
 def test_the_first_share_is_exact_where_the_duration_is_a_power_of_the_limit() -> None:

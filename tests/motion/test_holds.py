@@ -17,7 +17,8 @@ from nospill.judge.certificate import certify, judge
 from nospill.motion.holds import held_samples, held_trajectory, hold_periods
 from nospill.motion.interpolation import resampled
 from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
-from nospill.plans.plan import Plan, PlanningReport, Starts, load_plan, motion_maxima
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scene.scene import MotionRules, Scene
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))

@@ -17,7 +17,8 @@ from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.backoff import first_backoff
 from nospill.planning.planner import Planner, PlanningProgress, plan
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene

@@ -15,6 +15,7 @@ from nospill.errors import MissingExtraError, NoSolutionError, PlanFolderError, 
 from nospill.export import EXPORTERS
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import APPROACH
+from nospill.judge.wording import describe
 from nospill.planning.planner import plan as find_plan
 from nospill.plans.approach import (
     certify_whole,
@@ -24,7 +25,8 @@ from nospill.plans.approach import (
     starts_alike,
     with_approach,
 )
-from nospill.plans.plan import Plan, PlanningReport, Starts, describe, failed_summary, load_plan, motion_maxima
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.scenario import write_scenario
 
 EXAMPLE = "matrix-liquid-soft-end"

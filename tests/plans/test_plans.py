@@ -14,17 +14,9 @@ from hypothesis import strategies as st
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate, Row, limit_use
-from nospill.plans.plan import (
-    SUMMARY_KEYS,
-    Plan,
-    PlanningReport,
-    Starts,
-    describe,
-    failed_summary,
-    load_plan,
-    motion_maxima,
-    shown_unit,
-)
+from nospill.judge.wording import describe, shown_unit
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import SUMMARY_KEYS, Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.transcription.answer import export_samples

@@ -21,9 +21,10 @@ from scipy.integrate import solve_ivp
 from nospill.errors import PlanFolderError
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Trace
+from nospill.judge.wording import shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima, shown_unit
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence

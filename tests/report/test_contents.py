@@ -15,7 +15,9 @@ from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from nospill.plans.plan import TRAJECTORY_FILE, Plan, load_plan
+from nospill.plans.folder import TRAJECTORY_FILE
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.report_pages import report_pdf
 from nospill.plots.style import LOOK

@@ -22,13 +22,14 @@ from nospill.laws.scene_parameters import flange_load, object_numbers, structure
 from nospill.margins import Ranges, margins, scenario_ranges
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import Planner, plan
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.containers.cylinder import published_damping
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import corner_scenes, heaviest, with_variants
+from nospill.scene.tolerances import corner_scenes, heaviest
 from nospill.scene.variants import variants, variants_by_object
 from nospill.studio.draft import Draft
 from nospill.transcription.answer import export_samples
@@ -193,7 +194,9 @@ def test_own_tolerance_overrides_key_by_key(changed_scene: Changed) -> None:
 
 
 def all_variants(scene: Scene) -> Scene:
-    return with_variants(scene, [variant for own in variants_by_object(scene) for variant in own])
+    return replace(
+        scene, cargo=tuple(replace(item.cargo, name=item.label) for own in variants_by_object(scene) for item in own)
+    )
 
 
 def test_a_scene_of_variants_carries_one_set_of_objects(changed_scene: Changed) -> None:

@@ -13,7 +13,8 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.studio import documents

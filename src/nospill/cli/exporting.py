@@ -47,7 +47,7 @@ def export(
     if folder is None or format_name is None:
         raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
     from nospill.plans.handover import exporter_named, hand_over
-    from nospill.plans.plan import load_plan
+    from nospill.plans.loading import load_plan
 
     exporter = exporter_named(format_name)
     plan = load_plan(folder)
@@ -95,7 +95,7 @@ def _beside(target: Path, exporter: Exporter) -> Path:
 
 
 def _say_why_not_approach(done: Handover) -> None:
-    from nospill.plans.plan import describe
+    from nospill.judge.wording import describe
 
     name = done.exporter.name
     say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; try another --rate.")
@@ -115,8 +115,8 @@ def _report(done: Handover) -> None:
 
 
 def _say_why(plan: Plan, done: Handover) -> None:
+    from nospill.judge.wording import describe
     from nospill.plans.handover import rate_that_would_do
-    from nospill.plans.plan import describe
 
     name = done.exporter.name
     would_do = rate_that_would_do(plan, done.exporter) if plan.certificate.ok else None

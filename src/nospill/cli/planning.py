@@ -92,8 +92,9 @@ def check(
     Nothing is optimised or written.
     """
     from nospill.export.plan_files import compare_plan_files
+    from nospill.judge.wording import describe
     from nospill.plans.approach import certify_whole
-    from nospill.plans.plan import describe, load_plan
+    from nospill.plans.loading import load_plan
 
     saved = load_plan(folder)
     certificate = certify_whole(saved)
@@ -114,7 +115,7 @@ def plot(
 ) -> int:
     """Draw the figures of a plan folder again."""
     from nospill.core.files import atomic_folder
-    from nospill.plans.plan import load_plan
+    from nospill.plans.loading import load_plan
     from nospill.plots import save_figures
 
     saved = load_plan(folder)
@@ -164,7 +165,7 @@ def _only_figures(names: set[str]) -> bool:
 
 def _print_certificate(certificate: Certificate) -> None:
     """Print the worst row of each constraint and the verdict."""
-    from nospill.plans.plan import shown_unit
+    from nospill.judge.wording import shown_unit
 
     lines = []
     for row in certificate.worst_rows():

@@ -33,7 +33,7 @@ def report(
         _require_outside(folder, pdf, ".pdf")
     with Progress() as progress:
         from nospill.export.plan_files import compare_plan_files
-        from nospill.plans.plan import load_plan
+        from nospill.plans.loading import load_plan
         from nospill.report import make_report, read_second_opinion, save_report
 
         plan = load_plan(folder)

@@ -41,7 +41,7 @@ def verify(
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
         from nospill.core.files import atomic_text
         from nospill.core.units import quantity
-        from nospill.plans.plan import load_plan
+        from nospill.plans.loading import load_plan
         from nospill.verify import Thresholds, folder_joints
         from nospill.verify import verify as simulate
 
@@ -131,7 +131,7 @@ def margins(
         from nospill.core.files import atomic_folder, require_replaceable
         from nospill.margins import margins as study
         from nospill.margins import scenario_ranges
-        from nospill.plans.plan import load_plan
+        from nospill.plans.loading import load_plan
 
         given = _given_ranges(friction, fill, damping, position, mass)
         if output is not None:

@@ -63,7 +63,7 @@ def view(
 def _films(folders: list[Path], rate: float) -> list[Film]:
     """Load and judge plans, and cut them into pictures of one common length."""
     from nospill.judge.certificate import judge
-    from nospill.plans.plan import load_plan
+    from nospill.plans.loading import load_plan
     from nospill.viewer.film import make_film
 
     plans = [load_plan(folder) for folder in folders]

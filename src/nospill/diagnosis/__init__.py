@@ -3,8 +3,8 @@
 from nospill.diagnosis.changes import changed_table as changed_table
 from nospill.diagnosis.changes import with_change as with_change
 from nospill.diagnosis.motion import last_resort as last_resort
+from nospill.diagnosis.quasi_static import is_hopeless as is_hopeless
 from nospill.diagnosis.reach import advised as advised
 from nospill.diagnosis.search import Searcher as Searcher
-from nospill.diagnosis.slow import is_hopeless as is_hopeless
 
 __all__ = ["Searcher", "advised", "changed_table", "is_hopeless", "last_resort", "with_change"]

@@ -11,15 +11,22 @@ from functools import partial
 import numpy as np
 
 from nospill.diagnosis.changes import advice
-from nospill.diagnosis.levers import Lever, levers_of
+from nospill.diagnosis.least_relaxation import SPARE, is_helped, least_share, wide_enough
 from nospill.diagnosis.options import Option, smaller_turn
+from nospill.diagnosis.quasi_static import (
+    path_place,
+    quasi_static_motion,
+    require_possible_at_rest,
+    with_time,
+    without_time,
+)
 from nospill.diagnosis.reach import helpful_changes
+from nospill.diagnosis.relaxation import Relaxation
+from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, WITHIN, Answer, Found, Searcher, Trials, first_share, is_possible
-from nospill.diagnosis.slow import path_place, require_possible_at_rest, slow_motion, timeless, with_time
-from nospill.diagnosis.widening import SPARE, is_helped, least_share, wide_enough
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.judge.verdict import Row
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.robots.joint_paths.search import JointPath, preferred_path, try_joint_paths
@@ -32,10 +39,10 @@ _TIME_SPARE, _JERK_SPARE = 1.04, 1.08
 """What `SPARE` is, for the duration: the fine grid and the judge take something on top; most where joint jerks bind,
 which go beyond by up to a fifth between the nodes."""
 _TURN_BISECTIONS = 3
-_LEVERS = 4
+_MOST_TRIED = 4
 _RESIDUAL, _STILL = ResidualHeight.name, EndDisplacement.name
 _FAINT = 0.01
-"""What pulls less than this does not hold the motion back."""
+"""A constraint of less sensitivity than this does not hold the motion back."""
 _SWITCH = 0.25
 """Another end condition counts as much as a limit that grows by this part."""
 _MILDER: dict[EndCondition, tuple[EndCondition, ...]] = {
@@ -73,7 +80,14 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
 
 @dataclass(frozen=True, slots=True)
 class _Culprit:
-    """What holds a motion back."""
+    """A constraint that holds a motion back, with the subject that does most.
+
+    Attributes:
+        constraint: its name.
+        subject: the subject.
+        elasticity: sum over the subjects, as in `Sensitivity`.
+        at_s: where on the path that subject does most.
+    """
 
     constraint: str
     subject: str
@@ -85,18 +99,18 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     """The error for a task whose fastest motion takes longer than it may."""
     scene, limit = trials.run.scene, trials.limit
     culprits = _with_residual(scene, _culprits(scene, found))
-    pulls = {key: pull.elasticity for key, pull in found.pulls.items()}
-    options: list[tuple[float, Lever, float]] = []
+    sensitivities = {key: sensitivity.elasticity for key, sensitivity in found.sensitivities.items()}
+    options: list[tuple[float, Relaxation, float]] = []
     for culprit in culprits:
-        for lever in levers_of(scene, culprit.constraint, culprit.subject, pulls):
+        for relaxation in relaxations_of(scene, culprit.constraint, culprit.subject, sensitivities):
             guess = first_share(found.duration, limit, culprit.elasticity)
-            options.append((min(guess, lever.most), lever, guess))
+            options.append((min(guess, relaxation.most), relaxation, guess))
     helped: list[tuple[float, Change]] = []
-    for share, lever, _ in sorted(options, key=lambda option: option[2])[:_LEVERS]:
-        if not trials.over and not is_helped(helped, lever):
-            enough = least_share(trials, lever, found, share)
+    for share, relaxation, _ in sorted(options, key=lambda option: option[2])[:_MOST_TRIED]:
+        if not trials.over and not is_helped(helped, relaxation):
+            enough = least_share(trials, relaxation, found, share)
             if enough is not None:
-                helped.append((enough, lever.change(enough)))
+                helped.append((enough, relaxation.change(enough)))
     helped += _other_end(trials, found)
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
@@ -124,23 +138,23 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
 
 def _culprits(scene: Scene, found: Found) -> list[_Culprit]:
     """The constraints that hold a motion back, strongest first, each with the subject that does most."""
-    families: dict[str, list[tuple[float, int, float]]] = {}
-    for (name, index), pull in found.pulls.items():
-        families.setdefault(name, []).append((pull.elasticity, index, pull.at_s))
-    subjects = {constraint.name: constraint.subjects(scene) for constraint in CONSTRAINTS}
+    by_constraint: dict[str, list[tuple[float, int, float]]] = {}
+    for (name, index), sensitivity in found.sensitivities.items():
+        by_constraint.setdefault(name, []).append((sensitivity.elasticity, index, sensitivity.at_s))
     culprits = []
-    for name, members in families.items():
-        total = sum(max(pull, 0.0) for pull, _, _ in members)
+    for name, members in by_constraint.items():
+        total = sum(max(sensitivity, 0.0) for sensitivity, _, _ in members)
         _, index, at_s = max(members)
         if total > _FAINT:
-            culprits.append(_Culprit(name, subjects[name][index], total, at_s))
+            culprits.append(_Culprit(name, BY_NAME[name].subjects(scene)[index], total, at_s))
     return sorted(culprits, key=lambda culprit: -culprit.elasticity)
 
 
 def _with_residual(scene: Scene, culprits: list[_Culprit]) -> list[_Culprit]:
     """The residual height among the culprits where liquids have to settle.
 
-    How long settling takes hardly depends on how far: its pull is faint even where nothing else holds the motion back.
+    How long settling takes hardly depends on how far: its sensitivity is small even where nothing else
+    holds the motion back.
     """
     slowest = _slowest_liquid(scene)
     if slowest is None or scene.motion.end != "residual" or any(item.constraint == _RESIDUAL for item in culprits):
@@ -159,7 +173,7 @@ def _slowest_liquid(scene: Scene) -> str | None:
 
 
 def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
-    """What the message names: what the smallest change speaks of, else what pulls most."""
+    """The constraint that the message names: that of the smallest change, else that of most sensitivity."""
     for _, change in helped:
         for culprit in culprits:
             if change.what == f"{culprit.constraint} of {culprit.subject}":
@@ -220,13 +234,13 @@ def _never(trials: Trials, last: Answer | None) -> NoSolutionError:
         return _no_time_to_solve(trials, last.solution)
     _require_regular(trials)
     slow = max(limit, SLOW)
-    judged = slow_motion(with_time(scene, slow), trials.joint_path)
+    judged = quasi_static_motion(with_time(scene, slow), trials.joint_path)
     if judged is not None and not judged[0].ok:
         worst = judged[0].worst
         changes = _smooth_enough(trials, worst, slow)
         at_s = path_place(judged[1], worst.at_s)
         return NoSolutionError(
-            f"No motion found: {timeless(worst)} at s = {at_s:.2f} of the path, "
+            f"No motion found: {without_time(worst)} at s = {at_s:.2f} of the path, "
             f"even in a smooth motion of {0.95 * slow:.3g} s. " + advice(changes, "Relax that limit."),
             Reason(MOTION, worst.constraint, worst.subject, at_s, worst.use - 1.0, changes=tuple(changes)),
         )
@@ -262,11 +276,11 @@ def _require_regular(trials: Trials) -> None:
 def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
     """Changes with which the slowest smooth motion itself keeps every limit, else those found by solving."""
     scene, share = trials.run.scene, worst.use * SPARE - 1.0
-    for lever in levers_of(scene, worst.constraint, worst.subject, {}):
-        if share <= lever.most:
-            judged = slow_motion(with_time(lever.scene(share), slow), trials.joint_path)
+    for relaxation in relaxations_of(scene, worst.constraint, worst.subject, {}):
+        if share <= relaxation.most:
+            judged = quasi_static_motion(with_time(relaxation.scene(share), slow), trials.joint_path)
             if judged is not None and judged[0].ok:
-                return [lever.change(share)]
+                return [relaxation.change(share)]
     return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]
 
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from nospill.core.paths import Path
 from nospill.core.units import format_quantity, quantity
-from nospill.diagnosis.levers import own_robot
+from nospill.diagnosis.joint_relaxations import own_robot
 from nospill.errors import Change, Reason
+from nospill.laws.constraints.joint_position import JointPosition
 from nospill.robots.robot import Robot
 from nospill.scene.scene import Scene
 
@@ -52,7 +53,7 @@ class Task:
 
 def families(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
     """Kinds of changes; the options of one kind are tried together, the one that needs least is taken."""
-    if reason.constraint == "joint position":
+    if reason.constraint == JointPosition.name:
         yield _wider_limit(scene, reason)
     yield smaller_turn(scene)
     yield _lower_tray(scene)
@@ -249,7 +250,7 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
             values[joint] += sign * amount
             new, old = (format_quantity(float(angle[joint]), "angle", digits=4) for angle in (values, limits))
             text = f"limits.{key} {new} instead of {old} ({reason.subject})"
-            return Change(f"joint position of {reason.subject}", f"robot.limits.{key}", values.tolist(), text)
+            return Change(f"{JointPosition.name} of {reason.subject}", f"robot.limits.{key}", values.tolist(), text)
 
         amounts = tuple(most * part / 8.0 for part in range(1, 9))
         options.append(

@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
@@ -112,7 +113,7 @@ class Searcher(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Pull:
+class Sensitivity:
     """How strongly a subject's budget holds a motion back.
 
     Attributes:
@@ -129,7 +130,7 @@ class Found:
     """A fastest motion of a task with the time left open, and what holds it back."""
 
     answer: Answer
-    pulls: dict[tuple[str, int], Pull]
+    sensitivities: dict[RowId, Sensitivity]
 
     @property
     def stages(self) -> Stages:
@@ -196,13 +197,13 @@ class Trials:
                 break
             answer = trial.solve(start, iterations=_PATIENCE)
             if usable(answer.solution) and (best is None or answer.solution.stages.duration < best.duration):
-                best = Found(answer, _pulls(scene, trial, answer))
+                best = Found(answer, _sensitivities(scene, trial, answer))
             if best is not None and (enough is None or best.duration <= enough):
                 break
         return best
 
 
-def _pulls(scene: Scene, trial: Trial, answer: Answer) -> dict[tuple[str, int], Pull]:
+def _sensitivities(scene: Scene, trial: Trial, answer: Answer) -> dict[RowId, Sensitivity]:
     """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's back-off."""
     solution, stages = answer.solution, answer.solution.stages
     problem = answer.problem()
@@ -221,18 +222,19 @@ def _pulls(scene: Scene, trial: Trial, answer: Answer) -> dict[tuple[str, int], 
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
     inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
     inside = inside.reshape(-1, transcription.rows_per_stage)
-    pulls: dict[tuple[str, int], Pull] = {}
+    sensitivities: dict[RowId, Sensitivity] = {}
     names = {item.name: (item.subjects(trial.scene), item.subjects(scene)) for item in CONSTRAINTS}
     for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
         for block in blocks:
             own, all_subjects = names[block.constraint]  # a problem may hold some of the objects
-            key = (block.constraint, all_subjects.index(own[block.subject]))
+            key = RowId(block.constraint, all_subjects.index(own[block.subject]))
             per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
             at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
-            before = pulls.get(key, Pull(0.0, at_s))
+            before = sensitivities.get(key, Sensitivity(0.0, at_s))
             total = float(per_stage.sum())
-            pulls[key] = Pull(before.elasticity + total, at_s if total > before.elasticity else before.at_s)
-    return pulls
+            most = at_s if total > before.elasticity else before.at_s
+            sensitivities[key] = Sensitivity(before.elasticity + total, most)
+    return sensitivities
 
 
 def is_possible(search: Searcher, scene: Scene, joint_path: JointPath) -> bool:

@@ -10,7 +10,14 @@ import numpy as np
 
 from nospill.errors import ScenarioError
 from nospill.judge.verdict import limit_use
-from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import EvaluationPoint, Role
+from nospill.laws.constraints.lift import Lift
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.twist import Twist
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
@@ -22,8 +29,13 @@ from nospill.scene.tolerances import require_valid_fill
 
 LARGEST_SAMPLES = 1_000_000
 
-MEASURES = {"liquid": ("slosh height", "apparent gravity"), "contact": ("slip", "twist", "tip", "lift")}
-"""What the influence of a number is measured on: the worst margin over these constraints."""
+MEASURES = {
+    role.value: tuple(
+        item.name for item in CONSTRAINTS if item.role is role and item.evaluated_at is EvaluationPoint.OBJECT
+    )
+    for role in (Role.LIQUID, Role.CONTACT)
+}
+"""What the influence of a number is measured on: the worst margin over these constraints during the motion."""
 
 _NOTHING = 1e-9
 """Of a limit; what moves a margin by less moves it by rounding."""
@@ -37,9 +49,14 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """One object's figures by constraint, each (m,): use of the limit, and value = limit - margin in its unit.
+    """Figures of one object in m samples.
 
-    `room` is the distance from the liquid at rest to the rim, m.
+    Attributes:
+        name: of the object.
+        use: of the limit, (m,), by constraint.
+        value: limit less margin, in the constraint's unit, (m,), by constraint.
+        points: where each constraint is evaluated.
+        room: distance from the liquid at rest to the rim, (m,), m; None for a solid.
     """
 
     name: str
@@ -118,9 +135,9 @@ def margins(
         worst_margin=worst[drawn],
         draws=draws,
         spill=probability(np.any([_spilt(item) for item in found], axis=0)[drawn]),
-        over_limit=probability(_broken(found, ("slosh height",))[drawn]),
-        slide=probability(_broken(found, ("slip", "twist", "lift"))[drawn]),
-        tip=probability(_broken(found, ("tip",))[drawn]),
+        over_limit=probability(_broken(found, (SloshHeight.name,))[drawn]),
+        slide=probability(_broken(found, (Slip.name, Twist.name, Lift.name))[drawn]),
+        tip=probability(_broken(found, (Tip.name,))[drawn]),
         any_limit=probability(_broken(found, tuple({name: None for item in found for name in item.use}))[drawn]),
         constraints=_risks(found, drawn),
         influences=_influences(found, labels, samples),
@@ -134,7 +151,7 @@ def _during(item: _Found) -> dict[str, np.ndarray]:
 def _spilt(item: _Found) -> np.ndarray:
     if item.room is None:
         return np.zeros(len(next(iter(item.use.values()))), dtype=bool)
-    return np.maximum(item.value["slosh height"], item.value["residual height"]) > item.room
+    return np.maximum(item.value[SloshHeight.name], item.value[ResidualHeight.name]) > item.room
 
 
 def _broken(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:

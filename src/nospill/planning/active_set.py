@@ -105,7 +105,7 @@ class ActiveSet:
         named = ((item.name, subjects) for item in CONSTRAINTS if (subjects := item.subjects(self.scene)))
         return {(name, own): RowId(name, index) for name, subjects in named for index, own in enumerate(subjects)}
 
-    def by_name(self, slack: Mapping[tuple[str, int], float]) -> dict[Key, float]:
+    def by_name(self, slack: Mapping[RowId, float]) -> dict[Key, float]:
         """Figures of a problem's rows by the rows' names."""
         return {key: slack[row] for key, row in self.row_ids().items() if row in slack}
 

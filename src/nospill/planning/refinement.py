@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 from nospill.errors import MOTION, NOT_CONVERGED, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import Judgement, judge
+from nospill.judge.wording import describe
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet, Key
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, recorded, solved, started_from
 from nospill.planning.log import Log
 from nospill.planning.task import Task
-from nospill.plans.plan import describe
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import with_joints_solved

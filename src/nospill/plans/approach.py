@@ -13,10 +13,12 @@ from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, 
 from nospill.export import Exporter
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import APPROACH, Certificate
+from nospill.judge.wording import describe
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import resampled
 from nospill.plans.handover import Handover, read_samples, require_exportable
-from nospill.plans.plan import Plan, describe
+from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 
 _ADVICE = (
@@ -54,7 +56,7 @@ def with_approach(plan: Plan) -> Plan:
     try:
         found = find_approach(plan.scene, rules, plan.trajectory.joint_position[0])
     except ModelError as error:
-        reason = Reason(MOTION, "approach slosh height", "cargo", changes=_less(plan))
+        reason = Reason(MOTION, APPROACH + SloshHeight.name, "cargo", changes=_less(plan))
         raise NoSolutionError(f"No approach found: {error} {_ADVICE}", reason) from error
     worst = found.certificate.worst
     if not found.certificate.ok:

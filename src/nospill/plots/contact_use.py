@@ -7,16 +7,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.judge.verdict import Trace
+from nospill.judge.wording import shown_unit
 from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.constraints.lift import Lift
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.plans.plan import shown_unit
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import draw_limit, entitle, line_key, plain, series_look, superscript, time_panels
 
 HIGHEST_USE = 2.0
 """Uses above this are cut off; the number in the panel's corner still tells."""
 
-_MEANING = {"lift": "force / weight"}
+_MEANING = {Lift.name: "force / weight"}
 
 
 def contact_use_figure(evidence: Evidence) -> Figure:

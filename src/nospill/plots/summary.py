@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.judge.wording import describe
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.plans.plan import describe
 from nospill.plots.contact_use import draw_use
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from nospill.judge.verdict import Row
-from nospill.plans.plan import shown_unit
+from nospill.judge.wording import shown_unit
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
 

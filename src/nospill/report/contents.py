@@ -13,9 +13,13 @@ import numpy as np
 from nospill.approach import judge_segment
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate
+from nospill.judge.wording import describe
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import trajectory_text
-from nospill.plans.plan import Plan, describe
+from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.use_table import row_texts
@@ -148,9 +152,9 @@ def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
     ]
     by_subject = {(row.constraint, row.subject): row for row in rows}
     for name, height in maxima.slosh_height.items():
-        limit = by_subject[("slosh height", name)].limit
+        limit = by_subject[(SloshHeight.name, name)].limit
         tiles.append((f"{1e3 * height:.2f} mm", f"liquid of {name} rises, {1e3 * limit:.3g} mm allowed"))
-    joints = {item.name for item in CONSTRAINTS if item.name.startswith("joint ")} - {"joint position"}
+    joints = {item.name for item in CONSTRAINTS if item.role is Role.JOINT} - {JointPosition.name}
     used = [row for row in rows if row.constraint in joints]
     if used:
         most = max(used, key=lambda row: row.use)

@@ -8,9 +8,13 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.verdict import Certificate
+from nospill.judge.wording import shown_unit
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
-from nospill.plans.plan import shown_unit
 from nospill.plots.style import superscript
 from nospill.plots.text_pages import TextTable
 from nospill.scene.cargo import Cargo
@@ -66,8 +70,8 @@ def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
 def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) -> TextTable:
     """Every joint: its range and the largest value of every limited quantity, against the limit."""
     rows = {(row.constraint, row.subject): row for row in certificate.rows}
-    names = [item.name for item in CONSTRAINTS if item.name.startswith("joint ")]
-    limited = [name for name in names if name != "joint position" and any(key[0] == name for key in rows)]
+    names = [item.name for item in CONSTRAINTS if item.role is Role.JOINT]
+    limited = [name for name in names if name != JointPosition.name and any(key[0] == name for key in rows)]
     columns = ["joint", "position [deg]", "allowed [deg]"]
     for name in limited:
         unit = next(row.unit for key, row in rows.items() if key[0] == name)
@@ -87,7 +91,7 @@ def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) 
             # Rounded down: 100 % is the very limit.
             cells.append(f"{value:.4g} of {limit:.4g} ({int(100 * row.use)} %)")
         table.append(tuple(cells))
-    unlimited = [name for name in names if name not in limited and name != "joint position"]
+    unlimited = [name for name in names if name not in limited and name != JointPosition.name]
     note = f"Not limited in this plan: {', '.join(unlimited)}." if unlimited else ""
     sources = "; ".join(f"{quantity}: {source}" for quantity, source in scene.robot.sources.items())
     return TextTable(
@@ -196,8 +200,8 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
         f"{item.total.mass:.3f}",
         f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
         contents,
-        _height(certificate, "slosh height", item.name),
-        _height(certificate, "residual height", item.name),
+        _height(certificate, SloshHeight.name, item.name),
+        _height(certificate, ResidualHeight.name, item.name),
     )
 
 

@@ -1,4 +1,4 @@
-"""Scenes whose objects' numbers may be off: corner scenes, scenes of several variants, the heaviest load."""
+"""Scenes whose objects' numbers may be off: corner scenes, the heaviest load and the lightest."""
 
 from __future__ import annotations
 

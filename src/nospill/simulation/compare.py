@@ -10,7 +10,7 @@ import numpy as np
 
 from nospill.core.units import listed
 from nospill.errors import ScenarioError
-from nospill.plans.plan import load_plan
+from nospill.plans.loading import load_plan
 from nospill.simulation.motion_file import Heights, read_heights
 
 ALIGNMENT_STEP = 0.002

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from html import escape
 
 from nospill.judge.verdict import Row
-from nospill.plans.plan import Plan, shown_unit
+from nospill.judge.wording import shown_unit
+from nospill.plans.plan import Plan
 from nospill.studio.checks import Fault
 from nospill.studio.planning import PlanningState
 from nospill.viewer.colours import use_colours

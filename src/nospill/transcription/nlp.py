@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
+from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.transcription.layout import Layout
 from nospill.transcription.stage import Block
@@ -22,10 +23,10 @@ from nospill.transcription.stage_functions import StageFunctions, Triplets, stag
 
 MX = ca.MX
 
-Backoff = Mapping[tuple[str, int], float]
+Backoff = Mapping[RowId, float]
 """(constraint, subject index) -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
 
-Active = frozenset[tuple[str, int]]
+Active = frozenset[RowId]
 """(constraint, subject index) pairs whose rows take part, those on the final state as well."""
 
 _MOST_THREADS = 4
@@ -187,7 +188,7 @@ def _active_rows(
     """Indices of the rows that take part, the first `fixed` always, and the active blocks at their new places."""
     rows, blocks = list(range(fixed)), []
     for block in all_blocks:
-        if active is None or (block.constraint, block.subject) in active:
+        if active is None or block.row_id in active:
             blocks.append(Block(block.constraint, block.subject, len(rows), block.count, block.repetition))
             rows += range(block.first, block.first + block.count)
     return np.array(rows, dtype=int), tuple(blocks)

@@ -10,7 +10,7 @@ import numpy as np
 
 from nospill.core.frames import SX, frame_at_rest
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
+from nospill.laws.constraints.base import EvaluationPoint, RowId, smooth_rows
 from nospill.laws.contact import Wrench
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_objects, split_states
@@ -35,11 +35,16 @@ class Block:
     count: int
     repetition: int
 
+    @property
+    def row_id(self) -> RowId:
+        """Constraint and subject."""
+        return RowId(self.constraint, self.subject)
+
 
 class RowCollector:
     """Gathers smooth rows and remembers which constraint and subject each belongs to."""
 
-    def __init__(self, backoff: Mapping[tuple[str, int], SX]) -> None:
+    def __init__(self, backoff: Mapping[RowId, SX]) -> None:
         self._backoff = backoff
         self.values: list[SX] = []
         self.lower: list[np.ndarray] = []
@@ -55,7 +60,7 @@ class RowCollector:
             for subject, budgets in enumerate(constraint.budgets(sample)):
                 first = self._count
                 for budget in budgets:
-                    value, lower, upper = smooth_rows(budget, self._backoff[constraint.name, subject])
+                    value, lower, upper = smooth_rows(budget, self._backoff[RowId(constraint.name, subject)])
                     self.values.append(value)
                     self.lower.append(lower)
                     self.upper.append(upper)
@@ -94,7 +99,7 @@ def stage_expressions(
     stage: SX,
     *,
     scales: SX,
-    backoff: Mapping[tuple[str, int], SX],
+    backoff: Mapping[RowId, SX],
     intervals: SX,
 ) -> StageExpressions:
     """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
@@ -182,7 +187,7 @@ def terminal_rows(
     layout: Layout,
     numbers: SceneNumbers,
     state: SX,
-    backoff: Mapping[tuple[str, int], SX],
+    backoff: Mapping[RowId, SX],
 ) -> RowCollector:
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
     slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))

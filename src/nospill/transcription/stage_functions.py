@@ -12,6 +12,7 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stage import Block, stage_expressions, terminal_rows
@@ -72,7 +73,7 @@ class StageFunctions:
 
     layout: Layout
     sizes: StageSizes
-    backoff_keys: tuple[tuple[str, int], ...]
+    backoff_keys: tuple[RowId, ...]
     constraints: Any
     constraint_jacobian: Any
     cost_gradient: Any
@@ -83,10 +84,10 @@ class StageFunctions:
     compiled: bool
 
 
-def backoff_keys(structure: Structure) -> tuple[tuple[str, int], ...]:
+def backoff_keys(structure: Structure) -> tuple[RowId, ...]:
     """Every (constraint, subject) the structure can have, in a fixed order."""
     counts = max(len(structure.objects), len(structure.joints), 3)
-    return tuple((constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
+    return tuple(RowId(constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
 
 
 def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, int]:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nospill.export import EXPORTERS
-from nospill.plans.plan import TRAJECTORY_FILE, Plan, load_plan
+from nospill.plans.folder import TRAJECTORY_FILE
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.verify.bodies import Body, bodies_of
 from nospill.verify.engine import STEP, build, mujoco, simulate

@@ -19,7 +19,8 @@ from nospill.errors import NospillError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.handover import hand_over, read_samples
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.simulation.cup_file import read_cup

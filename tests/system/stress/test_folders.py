@@ -16,13 +16,14 @@ import pytest
 
 from nospill.cli import app
 from nospill.errors import PlanFolderError
-from nospill.plans.plan import Plan, load_plan
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 
 NAMES = {"scenario.toml", "trajectory.csv", "certificate.json", "summary.json", "robot.csv"}
 
 WRITER = """
     import sys
-    from nospill.plans.plan import load_plan
+    from nospill.plans.loading import load_plan
     plan = load_plan(sys.argv[1])
     print("ready", flush=True)
     for _ in range(int(sys.argv[3])):
@@ -72,7 +73,7 @@ def test_killed_before_the_old_folder_is_deleted_the_plan_keeps_its_name(saved: 
     load_plan(saved).save(target)
     script = """
         import os, shutil, sys
-        from nospill.plans.plan import load_plan
+        from nospill.plans.loading import load_plan
         plan = load_plan(sys.argv[1])
         shutil.rmtree = lambda *_, **__: os.kill(os.getpid(), 9)
         plan.save(sys.argv[2])
@@ -89,7 +90,7 @@ def test_a_disk_that_is_full(saved: Path, small_plan: Plan, tmp_path: Path) -> N
     script = """
         import resource, sys
         from nospill.errors import NospillError
-        from nospill.plans.plan import load_plan
+        from nospill.plans.loading import load_plan
         plan = load_plan(sys.argv[1])
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
         try:

@@ -7,14 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.diagnosis.changes import advice
+from nospill.diagnosis.least_relaxation import wide_enough
 from nospill.diagnosis.search import SLOW, Trials
-from nospill.diagnosis.widening import wide_enough
 from nospill.errors import REST, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS
+from nospill.judge.wording import describe
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
-from nospill.plans.plan import describe
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.answer import export_samples
@@ -28,7 +30,7 @@ _STANDING = 1e5
 
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
     """Whether even the slowest smooth motion breaks a limit several times over."""
-    judged = slow_motion(scene, joint_path)
+    judged = quasi_static_motion(scene, joint_path)
     return judged is not None and judged[0].worst.worst_margin < -abs(judged[0].worst.limit)
 
 
@@ -39,14 +41,14 @@ def require_possible_at_rest(trials: Trials) -> None:
     key = _broken_at_rest(certain, joint_path)
     if key is None:
         return
-    judged = slow_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
+    judged = quasi_static_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
     subject = BY_NAME[key[0]].subjects(certain)[key[1]]
     rows = () if judged is None else judged[0].rows
     row = next((row for row in rows if (row.constraint, row.subject) == (key[0], subject)), None)
     use = 1.1 if row is None else max(row.use, 1.0)
     changes = [change for _, change in wide_enough(trials, key[0], subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
-    told = f"{key[0]} of {subject} is over its limit" if row is None else timeless(row)
+    told = f"{key[0]} of {subject} is over its limit" if row is None else without_time(row)
     where = "" if at_s is None else f" at s = {at_s:.2f} of the path"
     raise NoSolutionError(
         f"No motion found: {told} even standing still{where}. "
@@ -55,7 +57,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     )
 
 
-def _broken_at_rest(scene: Scene, joint_path: JointPath) -> tuple[str, int] | None:
+def _broken_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
     """The row that standing along the path with a level tray breaks most; None where it keeps all."""
     still = smooth_start(with_time(scene, _STANDING), joint_path, 50, Start(stretch=1e9))
     problem = build_problem(
@@ -65,7 +67,7 @@ def _broken_at_rest(scene: Scene, joint_path: JointPath) -> tuple[str, int] | No
         backoff={},
         self_motion=still.self_motion,
     )
-    slack = {key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key[0] != "tilt"}
+    slack = {key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key[0] != Tilt.name}
     return min(slack, key=lambda key: slack[key]) if slack else None
 
 
@@ -74,7 +76,7 @@ def with_time(scene: Scene, max_duration: float) -> Scene:
     return replace(scene, motion=replace(scene.motion, max_duration=max_duration))
 
 
-def slow_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:
+def quasi_static_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:
     """What the judge says of the slowest smooth motion, and that motion.
 
     None if the arm cannot follow it between the nodes or its liquids cannot be integrated.
@@ -84,12 +86,11 @@ def slow_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Traje
         verdict = judge(trajectory, scene).certificate
     except ModelError:
         return None
-    names = {constraint.name for constraint in CONSTRAINTS}
-    rows: tuple[Row, ...] = tuple(row for row in verdict.rows if row.constraint in names)
+    rows: tuple[Row, ...] = tuple(row for row in verdict.rows if row.constraint in BY_NAME)
     return Certificate(all(row.ok for row in rows), verdict.grid_hz, rows), trajectory
 
 
-def timeless(row: Row) -> str:
+def without_time(row: Row) -> str:
     """What is wrong, without the time at which the slow motion was there."""
     return describe(row).removesuffix(f" at t = {row.at_s:.3f} s")
 

@@ -1,59 +1,61 @@
-"""How far a lever has to go: the least share of it with which a motion is found that is fast enough."""
+"""How far a relaxation has to go: the least share of it with which a motion is found that is fast enough."""
 
 from __future__ import annotations
 
 import math
 
-from nospill.diagnosis.levers import Lever, levers_of
+from nospill.diagnosis.relaxation import Relaxation
+from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, WITHIN, Found, Trials
 from nospill.errors import Change
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 
 SPARE = 1.015
 """Suggested values go this much beyond the least that was found enough."""
 _CONFIRMATIONS = 3
 _SOLVES = 5
-"""Of one lever, at most."""
+"""Of one relaxation, at most."""
 _VAIN = 2
-"""So many solves without a motion, and a lever is given up."""
+"""So many solves without a motion, and a relaxation is given up."""
 _CLOSE = 0.95
-"""A lever is wide enough, and no wider than it has to be, where the motion takes this part of the time allowed."""
+"""A relaxation is wide enough, and no wider than it has to be, where the motion takes this part of the time allowed."""
 
 
-def is_helped(helped: list[tuple[float, Change]], lever: Lever) -> bool:
+def is_helped(helped: list[tuple[float, Change]], relaxation: Relaxation) -> bool:
     """Whether the same key helps already, with another choice of whose values grow."""
-    place = lever.change(0.0).place
+    place = relaxation.change(0.0).place
     return any(change.place == place for _, change in helped)
 
 
-def least_share(trials: Trials, lever: Lever, found: Found, share: float) -> float | None:
-    """Least share of a lever that makes the fastest motion fast enough, by secants in logarithms; None: none does."""
+def least_share(trials: Trials, relaxation: Relaxation, found: Found, share: float) -> float | None:
+    """Least share of a relaxation that makes the fastest motion fast enough, by secants in logarithms; else None."""
     limit, best = trials.limit, None
     points = [(0.0, found.duration)]
     for _ in range(_SOLVES):
-        trial = _with_lever(trials, lever, share, found)
+        trial = _with_relaxation(trials, relaxation, share, found)
         if trial is not None:
             points.append((share, trial.duration))
             if trial.duration <= WITHIN * limit:
                 best = share if best is None else min(best, share)
         fits = trial is not None and _CLOSE * limit <= trial.duration <= WITHIN * limit
         saturated = len(points) > 2 and best is None and points[-1][1] > 0.999 * points[-2][1]
-        if fits or saturated or trials.over or (best is None and share >= lever.most):
+        if fits or saturated or trials.over or (best is None and share >= relaxation.most):
             break
         wider = 1.5 * share + 0.05 if trial is None else _next_share(points, 0.5 * (WITHIN + _CLOSE) * limit)
-        share = min(wider, lever.most)
-    return None if best is None else _confirmed(trials, lever, min(best * SPARE, lever.most))
+        share = min(wider, relaxation.most)
+    return None if best is None else _confirmed(trials, relaxation, min(best * SPARE, relaxation.most))
 
 
-def _confirmed(trials: Trials, lever: Lever, share: float) -> float | None:
+def _confirmed(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
     """The share with which a motion is found from nothing too, as a user will who writes it into the file."""
     for _ in range(_CONFIRMATIONS):
-        trial = trials.fastest(lever.scene(share))
+        trial = trials.fastest(relaxation.scene(share))
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             return share
-        if trials.over or share >= lever.most:
+        if trials.over or share >= relaxation.most:
             return None
-        share = min(1.2 * share + 0.02, lever.most)
+        share = min(1.2 * share + 0.02, relaxation.most)
     return None
 
 
@@ -68,36 +70,36 @@ def _next_share(points: list[tuple[float, float]], wanted: float) -> float:
     return math.expm1(min(max(aim, 0.3 * low), high + 1.5))
 
 
-def _with_lever(
-    trials: Trials, lever: Lever, share: float, near: Found | None, longest: float | None = None
+def _with_relaxation(
+    trials: Trials, relaxation: Relaxation, share: float, near: Found | None, longest: float | None = None
 ) -> Found | None:
     stages = None if near is None else near.stages
-    return trials.fastest(lever.scene(share), near=stages, longest=longest)
+    return trials.fastest(relaxation.scene(share), near=stages, longest=longest)
 
 
 def wide_enough(trials: Trials, constraint: str, subject: str, share: float) -> list[tuple[float, Change]]:
     """Levers of a constraint that make a motion possible where none was found at any speed, smallest first."""
-    index = next(item.subjects(trials.run.scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
+    index = BY_NAME[constraint].subjects(trials.run.scene).index(subject)
     helped: list[tuple[float, Change]] = []
-    for lever in levers_of(trials.run.scene, constraint, subject, {(constraint, index): 1.0}):
-        if not is_helped(helped, lever):
-            enough = _share_for_any(trials, lever, min(share * SPARE + 0.01, lever.most))
+    for relaxation in relaxations_of(trials.run.scene, constraint, subject, {RowId(constraint, index): 1.0}):
+        if not is_helped(helped, relaxation):
+            enough = _share_for_any(trials, relaxation, min(share * SPARE + 0.01, relaxation.most))
             if enough is not None:
-                helped.append((enough, lever.change(enough)))
+                helped.append((enough, relaxation.change(enough)))
     return sorted(helped, key=lambda entry: entry[0])
 
 
-def _share_for_any(trials: Trials, lever: Lever, share: float) -> float | None:
-    """Least share of a lever, grown from a first one until there is a motion at all; None: there is none."""
+def _share_for_any(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
+    """Least share of a relaxation, grown from a first one until there is a motion at all; None: there is none."""
     for _ in range(_VAIN):
         if trials.over:
             break
-        trial = _with_lever(trials, lever, share, None, max(trials.limit, SLOW))
+        trial = _with_relaxation(trials, relaxation, share, None, max(trials.limit, SLOW))
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             return share
-        if share >= lever.most:
+        if share >= relaxation.most:
             break
         if trial is not None:
-            return least_share(trials, lever, trial, min(1.5 * share + 0.1, lever.most))
-        share = min(1.3 * share + 0.02, lever.most)
+            return least_share(trials, relaxation, trial, min(1.5 * share + 0.1, relaxation.most))
+        share = min(1.3 * share + 0.02, relaxation.most)
     return None

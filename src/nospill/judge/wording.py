@@ -1,0 +1,54 @@
+"""Wording of a certificate's rows: figures in the units that people use, and one phrase for each row."""
+
+from __future__ import annotations
+
+import math
+
+from nospill.judge.verdict import APPROACH, Row
+from nospill.laws.constraints.joint_position import JointPosition
+
+_SMALL_ANGLE = 0.01
+"""rad; limits below this are shown in thousandths of a radian."""
+
+
+def describe(row: Row) -> str:
+    """A certificate row in one phrase: value, limit, how much of it is used, when."""
+    factor, unit = shown_unit(row.unit, row.limit)
+    value, limit, margin = (
+        f"{factor * figure:.4g} {unit}".rstrip() for figure in (row.worst_value, row.limit, abs(row.worst_margin))
+    )
+    at = f"at t = {row.at_s:.3f} s"
+    if row.unit == "1" and row.limit == 1.0:
+        return f"{row.constraint} of {row.label} uses {_used(row, 'its limit')} {at}"
+    if row.limit == 0.0 or row.constraint.removeprefix(APPROACH) == JointPosition.name:
+        distance = f"{margin} {'left' if row.ok else 'beyond'}"
+    else:
+        distance = _used(row, "it")
+    return f"{row.constraint} of {row.label} is {value} against a limit of {limit} ({distance}) {at}"
+
+
+def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:
+    """Factor and name for showing figures of the certificate: mm for m, deg or mrad for rad, % for parts of a capacity.
+
+    Args:
+        unit: the row's.
+        limit: the row's; small angles are shown in thousandths of a radian, a pure number against another limit than 1
+            as it is.
+    """
+    if unit == "1":
+        return (100.0, "%") if limit in (1.0, math.inf) else (1.0, "")
+    if unit == "m":
+        return 1e3, "mm"
+    if unit in ("rad", "rad/s"):
+        small = 0.0 < abs(limit) < _SMALL_ANGLE
+        return (1e3, f"m{unit}") if small else (180.0 / math.pi, unit.replace("rad", "deg"))
+    return 1.0, unit
+
+
+def _used(row: Row, limit: str) -> str:
+    """How much of a limit is used; rounded so that it is 100 % at the very limit only."""
+    use = row.use
+    if use > 10.0:
+        return f"{use:.4g} times {limit}"
+    hundredths = math.floor(1e4 * use) if row.ok else math.ceil(1e4 * use)
+    return f"{hundredths / 100:.2f} % of {limit}"

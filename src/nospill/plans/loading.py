@@ -1,0 +1,66 @@
+"""Reading a plan folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from nospill.approach import Segment, read_segment
+from nospill.errors import PlanFolderError
+from nospill.judge.verdict import Certificate, Row
+from nospill.motion.trajectory import read_trajectory
+from nospill.plans.folder import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
+from nospill.plans.plan import Plan, restored_records
+from nospill.scenario import read_scenario
+from nospill.scene.scene import Scene
+
+
+def load_plan(folder: str | Path) -> Plan:
+    """Read a plan folder; the verdict is the one that was saved, `certify` judges again.
+
+    Raises:
+        PlanFolderError: a file is missing or not what nospill wrote. ScenarioError: the scenario in it is not valid.
+    """
+    place = Path(folder)
+    if not place.is_dir():
+        raise PlanFolderError(f"{place}: no such folder; make one with nospill plan SCENARIO -o DIR")
+    for name in (SCENARIO_FILE, TRAJECTORY_FILE, CERTIFICATE_FILE, SUMMARY_FILE):
+        if not (place / name).is_file():
+            raise PlanFolderError(f"{place}: not a plan folder: {name} is missing")
+    try:
+        certificate = json.loads((place / CERTIFICATE_FILE).read_text(encoding="utf-8"))
+        summary = json.loads((place / SUMMARY_FILE).read_text(encoding="utf-8"))
+        maxima, report = restored_records(summary)
+        scene = read_scenario(place / SCENARIO_FILE)
+        return Plan(
+            scene=scene,
+            trajectory=read_trajectory(place / TRAJECTORY_FILE),
+            certificate=Certificate(
+                ok=certificate["ok"],
+                grid_hz=certificate["grid_hz"],
+                rows=_rows(certificate["rows"]),
+            ),
+            maxima=maxima,
+            report=report,
+            approach=_approach(place, scene, summary),
+        )
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        # the repr of an error of decoding holds the whole file
+        reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
+        raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
+
+
+def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | None:
+    if scene.approach is None:
+        return None
+    recorded = summary["approach"]
+    return read_segment(
+        place / APPROACH_FILE, scene.robot.joints, loaded=scene.approach.loaded, stretch=float(recorded["stretch"])
+    )
+
+
+def _rows(found: list[dict[str, Any]]) -> tuple[Row, ...]:
+    if not found:
+        raise ValueError("a certificate without rows")
+    return tuple(Row(**row) for row in found)

@@ -1,0 +1,75 @@
+"""What is known of one constraint stands in its class: no other file of the package has its name as a string."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import nospill
+from nospill.laws.constraints import BY_NAME
+
+PACKAGE = Path(nospill.__file__).parent
+HOME = PACKAGE / "laws" / "constraints"
+
+BELOW_THE_LAWS = ("core", "robots", "scene", "scenario", "motion")
+"""Rooms that may not import the laws; what they say of a limit stands in words."""
+
+OTHER_MEANINGS = {
+    "tip": {
+        "cli/verifying.py": "key of margins.json",
+        "margins/report.py": "key of margins.json",
+        "studio/changes.py": "link of a robot",
+    },
+    "tilt": {
+        "judge/record_checks.py": "column of a trajectory",
+        "judge/traces.py": "name of a symbol",
+        "plots/figures.py": "name of a figure",
+        "report/page.py": "name of a figure",
+        "studio/fields.py": "key of a scenario",
+        "verify/report.py": "part of a file name",
+    },
+}
+"""Names that are words of their own elsewhere: name -> file -> what it means there."""
+
+
+def literals(source: str) -> Iterator[tuple[int, str]]:
+    """Line and text of every string in a source that is no docstring; of an f-string its constant parts."""
+    tree = ast.parse(source)
+    alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in alone:
+            yield node.lineno, node.value
+
+
+def names_in(text: str) -> set[str]:
+    """Constraints that a string names: it is the name, or holds a name of several words as "NAME of" does."""
+    whole = {name for name in BY_NAME if text == name}
+    return whole | {name for name in BY_NAME if " " in name and (f"{name} of " in text or text.endswith(f" {name}"))}
+
+
+def test_the_search_finds_what_it_should() -> None:
+    source = '''"""slip"""\nx = {"slip": 1, "no": f"joint position of {x}"}\ny = "approach slosh height"\n'''
+    found = [(line, name) for line, text in literals(source) for name in names_in(text)]
+    assert sorted(found) == [(2, "joint position"), (2, "slip"), (3, "slosh height")]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=str(path.relative_to(PACKAGE)))
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if HOME not in path.parents and path.relative_to(PACKAGE).parts[0] not in BELOW_THE_LAWS
+    ],
+)
+def test_no_name_of_a_constraint_stands_outside_the_constraints(path: Path) -> None:
+    place = path.relative_to(PACKAGE).as_posix()
+    found = {
+        f"{place}:{line}: {name!r}; use the constraint's class, role or a figure of it"
+        for line, text in literals(path.read_text(encoding="utf-8"))
+        for name in names_in(text)
+        if place not in OTHER_MEANINGS.get(name, {})
+    }
+    assert not found, "\n".join(sorted(found))
