@@ -23,7 +23,7 @@ from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
 

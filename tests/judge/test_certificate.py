@@ -17,7 +17,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 RECORD_ROWS = {

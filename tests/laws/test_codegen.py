@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -253,6 +254,55 @@ def test_odd_places_are_no_obstacle(tmp_path: Path) -> None:
     odd = tmp_path / "a b'c$(d) ä"
     assert run(odd) == served(True)
     assert run(odd) == served(True)
+
+
+@needs_compiler
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777], ids=oct)
+def test_a_folder_that_others_may_write_to_is_not_used(tmp_path: Path, mode: int) -> None:
+    """Neither what is there nor for anything new: a library in it is code that anyone may have put there."""
+    assert run(tmp_path) == served(True)
+    before = endings(tmp_path)
+    tmp_path.chmod(mode)
+    try:
+        process = start(tmp_path)
+        out, err = process.communicate(timeout=120)
+        assert (process.returncode, out.strip()) == (0, served(False))
+        assert err.count("RuntimeWarning") == 1 and str(tmp_path) in err and "chmod go-w" in err
+        assert endings(tmp_path) == before
+    finally:
+        tmp_path.chmod(0o700)
+    assert run(tmp_path) == served(True)
+
+
+@needs_compiler
+def test_a_folder_of_another_user_is_not_used(small: Scene, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    structure, owner = structure_of(small), os.getuid()
+
+    def build() -> tuple[compiled.Functions, None]:
+        x = ca.SX.sym("x")
+        return {"twice": ca.Function("twice", [x], [2 * x])}, None
+
+    monkeypatch.setattr(os, "getuid", lambda: owner + 1)
+    with pytest.warns(RuntimeWarning, match="belongs to another user"):
+        assert not compiled.functions("test", structure, build)[2]
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr(os, "getuid", lambda: owner)
+    assert compiled.functions("test", structure, build)[2]
+    monkeypatch.setattr(os, "getuid", lambda: owner + 1)
+    with pytest.warns(RuntimeWarning, match="belongs to another user"):
+        assert not compiled.functions("test", structure, build)[2]
+
+
+@needs_compiler
+def test_compilation_in_the_background_outlives_the_process(tmp_path: Path) -> None:
+    assert run(tmp_path, NOSPILL_COMPILE="background") == served(False)
+    for _ in range(600):
+        if endings(tmp_path) == [".json", ".so", ".sum"]:
+            break
+        time.sleep(0.1)
+    assert run(tmp_path, NOSPILL_COMPILE="background", CC="/nonexistent/cc") == served(True)
 
 
 def test_the_folder_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

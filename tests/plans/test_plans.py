@@ -19,7 +19,7 @@ from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 

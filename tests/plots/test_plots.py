@@ -33,7 +33,7 @@ from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]

@@ -12,7 +12,7 @@ from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 HOSTILE = "<script>alert('1')</script> & \"50 %\" $x$ <img src=http://example.org/a.png> \u6c34"

@@ -32,7 +32,7 @@ from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes, heaviest
 from nospill.scene.variants import variants, variants_by_object
 from nospill.studio.draft import Draft
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
 
 ROBUST = "matrix-liquid-tilt-robust"

@@ -14,7 +14,7 @@ from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scenario import scene_from_table
-from nospill.transcription.answer import smooth_where_singular
+from nospill.transcription.export_samples import smooth_where_singular
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
-from nospill.transcription.answer import with_joints_solved
 from nospill.transcription.collocation import advance_chain, interior
+from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.problem import build_problem
 from nospill.transcription.resampling import resample

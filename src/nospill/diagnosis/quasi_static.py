@@ -19,7 +19,7 @@ from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
-from nospill.transcription.answer import export_samples
+from nospill.transcription.export_samples import export_samples
 from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import row_slack
 from nospill.transcription.starting_motions import Start, smooth_start

@@ -5,6 +5,10 @@ CasADi and of the file format; so a changed law never meets old code. An entry i
 table of plain data, which names the key; the library is put in place last. Half a library would end the process that
 loads it, so its hash is looked at first. Where there is no compiler nothing happens and the virtual machine serves.
 
+A library is executed as it is, and its hash is no seal: who can write the one can write the other. A folder that
+belongs to another user, or to which group or others may write, is therefore neither read nor written; a warning says
+so, and the virtual machine serves.
+
 NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder.
 """
 
@@ -14,10 +18,12 @@ import hashlib
 import json
 import os
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
@@ -26,6 +32,8 @@ from typing import Any
 
 import casadi as ca
 
+from nospill.laws import compile_worker
+from nospill.laws.compile_worker import LONGEST_COMPILATION
 from nospill.laws.parameters import Structure
 
 Functions = dict[str, Any]
@@ -34,19 +42,8 @@ Functions = dict[str, Any]
 _SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion")
 """Packages whose source is part of the key: those of which compiled functions are made."""
 
-_FORMAT = "3"
-_LONGEST_COMPILATION = 600.0
+_FORMAT = "4"
 _FLAGS = ("-O1", "-shared", "-fPIC")
-_PLACE = """
-import hashlib, os, sys
-made, library = sys.argv[1:]
-digest = hashlib.sha256(open(made, "rb").read()).hexdigest()
-with open(made + ".sum", "w") as file:
-    file.write(digest)
-os.replace(made + ".sum", os.path.splitext(library)[0] + ".sum")
-os.replace(made, library)
-"""
-"""Puts a library in its place, its hash first; run by an interpreter of its own, since this process may have ended."""
 
 
 def functions(
@@ -79,12 +76,14 @@ def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
     if _mode() == "off":
         return None
     library, table_file = _places(kind, structure)
+    if not _is_private(library.parent):
+        return None
     try:
         if not library.is_file():
             return None
         table = json.loads(table_file.read_text(encoding="utf-8"))
-        told = library.with_suffix(".sum").read_text(encoding="utf-8")
-        if table["key"] != library.stem or told != hashlib.sha256(library.read_bytes()).hexdigest():
+        stored = library.with_suffix(".sum").read_text(encoding="utf-8")
+        if table["key"] != library.stem or stored != hashlib.sha256(library.read_bytes()).hexdigest():
             raise ValueError("the files of the entry do not belong together")
         return {name: ca.external(name, str(library)) for name in table["functions"]}, table["data"]
     except (OSError, ValueError, KeyError, TypeError, RuntimeError):
@@ -102,27 +101,19 @@ def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
     with suppress(OSError):
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         lock = library.with_suffix(".lock")
-        if not _take(lock):
+        if not _is_private(library.parent) or not _take(lock):
             return
-        source = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
+        source = tempfile.mkdtemp(dir=library.parent, prefix="build-")
         _write_table({"key": library.stem, "functions": list(made), "data": data}, table_file)
         _generate(made, source)
-        # One shell does the rest, so that it goes on when this process has ended: compile, put in place, clean up.
-        script = (
-            'trap \'rm -rf "$3" "$4"\' EXIT; nice -n 10 "$1" $5 -o "$3/made.so" "$3/made.c" -lm >/dev/null 2>&1 && '
-            '"$6" -I -c "$7" "$3/made.so" "$2"'
+        subprocess.run(
+            [sys.executable, "-I", compile_worker.__file__, mode, library, lock, source, compiler, *_FLAGS],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            check=False,
         )
-        arguments = [compiler, str(library), str(source), str(lock), " ".join(_FLAGS), sys.executable, _PLACE]
-        with suppress(subprocess.TimeoutExpired):
-            subprocess.run(
-                ["sh", "-c", script if mode == "wait" else f"({script}) &", "sh", *arguments],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                start_new_session=True,
-                timeout=_LONGEST_COMPILATION,
-                check=False,
-            )
 
 
 def cache_folder() -> Path:
@@ -133,8 +124,25 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "nospill"
 
 
+def _is_private(folder: Path) -> bool:
+    """Whether a folder is there and only this user can put libraries into it; warns where others can."""
+    try:
+        found = folder.stat()
+    except OSError:
+        return False
+    if found.st_uid == os.getuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        return True
+    warnings.warn(
+        f"NOSPILL_CACHE = {folder}: compiled functions are not used, planning is slower: the folder belongs to another "
+        "user or others may write to it; make it yours alone (chmod go-w) or name another one",
+        RuntimeWarning,
+        stacklevel=1,
+    )
+    return False
+
+
 def _mode() -> str:
-    mode = os.environ.get("NOSPILL_COMPILE", "background")
+    mode = os.environ.get("NOSPILL_COMPILE", "background") if os.name == "posix" else "off"
     return mode if mode in ("wait", "off") else "background"
 
 
@@ -162,13 +170,13 @@ def _take(lock: Path) -> bool:
     try:
         lock.touch(exist_ok=False)
     except FileExistsError:
-        if time.time() - lock.stat().st_mtime < _LONGEST_COMPILATION:
+        if time.time() - lock.stat().st_mtime < LONGEST_COMPILATION:
             return False
         lock.touch()
     return True
 
 
-def _generate(made: Functions, folder: Path) -> None:
+def _generate(made: Functions, folder: str) -> None:
     generator = ca.CodeGenerator("made.c", {"with_header": False, "main": False})
     for function in made.values():
         generator.add(function)

@@ -17,7 +17,7 @@ from nospill.planning.log import Log
 from nospill.planning.task import Task
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.tolerances import corner_scenes
-from nospill.transcription.answer import export_samples, with_joints_solved
+from nospill.transcription.export_samples import export_samples, with_joints_solved
 from nospill.transcription.nlp import Backoff
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.problem import Problem, build_problem

@@ -16,7 +16,7 @@ from nospill.planning.log import Log
 from nospill.planning.task import Task
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scene.scene import Scene
-from nospill.transcription.answer import with_joints_solved
+from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.resampling import resample, resolving_intervals

@@ -21,7 +21,14 @@ _BA = _B @ _A
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Displacement and velocity at the two points and at the end of an interval, each (k, 1)."""
+    """One interval of collocation, each entry (k, 1).
+
+    Attributes:
+        point_displacements: at the two collocation points.
+        point_velocities: at the two collocation points.
+        end_displacement: at the end of the interval.
+        end_velocity: at the end of the interval.
+    """
 
     point_displacements: tuple[SX, SX]
     point_velocities: tuple[SX, SX]
@@ -56,9 +63,9 @@ def interior(
     The displacement is the cubic whose second derivative meets both accelerations.
 
     Args:
-        displacement: at the start. velocity: at the start.
-        velocity: see displacement.
-        accelerations: at the two collocation points.
+        displacement: at the start of the interval, any length unit.
+        velocity: at the start, per s.
+        accelerations: at the two collocation points, per s^2.
         fraction: of the interval, 0 to 1. Arrays broadcast.
         interval: length, s.
     """

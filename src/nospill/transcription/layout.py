@@ -18,15 +18,19 @@ Chain = tuple[SX, SX, SX]
 class Layout:
     """Sizes and slices of a stage's variables.
 
-    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value,
-        rate, acceleration), interval length, slosh displacements, slosh velocities. Control: jerks, slosh accelerations
-        at both points, joint positions and their time derivatives at the node, and last, where the arm is kept regular,
-        the determinant of its Jacobian.
+    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value, rate,
+    acceleration), interval length, slosh displacements, slosh velocities.
+    Control: jerks, slosh accelerations at both points, joint positions and their time derivatives at the node, and
+    last, where the arm is kept regular, the determinant of its Jacobian.
 
     Attributes:
-        tilts: 2 where the tilt is free, 0 otherwise. redundant: 1 with seven joints, 0 with six.
-        coordinates: of the liquids. joints: number. orders: of the joints' derivatives that are variables: 1 for
-            positions and speeds, 2 with accelerations, 3 with jerks.
+        tilts: 2 where the tilt is free, 0 otherwise.
+        redundant: 1 with seven joints, 0 with six.
+        coordinates: number of slosh coordinates.
+        joints: number of joints.
+        orders: of the joints' derivatives that are variables: 1 for positions and speeds, 2 with accelerations, 3 with
+            jerks.
+        regular: 1 where the determinant is a variable, 0 otherwise.
     """
 
     tilts: int

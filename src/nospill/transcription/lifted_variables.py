@@ -22,7 +22,13 @@ from nospill.core.frames import SX
 
 @dataclass(frozen=True, slots=True)
 class Derivatives:
-    """Outputs (m, 1), their Jacobian (m, n), and the upper triangle (n, n) of the Hessian of multipliers . outputs."""
+    """First and second derivatives of outputs.
+
+    Attributes:
+        outputs: (m, 1).
+        jacobian: (m, n) of the outputs.
+        hessian: (n, n) upper triangle of that of multipliers . outputs.
+    """
 
     outputs: SX
     jacobian: SX

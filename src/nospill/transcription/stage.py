@@ -26,7 +26,12 @@ from nospill.transcription.tray_state import tray_state
 class Block:
     """Rows of one constraint and one subject inside a stage.
 
-    First row, number of rows, and which repetition (point) it is.
+    Attributes:
+        constraint: its name.
+        subject: index of its subject.
+        first: index of the first row.
+        count: number of rows.
+        repetition: which point of the interval they stand at, 0 for the node.
     """
 
     constraint: str
@@ -76,10 +81,16 @@ class RowCollector:
 
 @dataclass(frozen=True, slots=True)
 class StageExpressions:
-    """The pieces a transcription maps: next state, equalities (zero), rows with bounds, share of the cost.
+    """The pieces a transcription maps over the stages; they may read symbols of the lifted variables.
 
-    All in physical units except the equalities, which are divided by their scales, and the rows (see `smooth_rows`).
-    They may read symbols of the `lifted` variables.
+    Attributes:
+        lifted: the lifted variables.
+        following: (layout.states, 1) the next state, in physical units.
+        equalities: zero on a solution; those of the liquids are divided by their scales, others in physical units.
+        rows: of the constraints (see `smooth_rows`).
+        lower, upper: (m,) bounds of the rows.
+        blocks: which rows belong to what.
+        cost: share of the stage, s.
     """
 
     lifted: LiftedVariables

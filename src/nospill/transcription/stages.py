@@ -40,8 +40,12 @@ class StageSamples:
     """Values at m times.
 
     Attributes:
-        chains: (m, 3 c). jerks: (m, c). displacement, velocity: (m, k) of the liquids.
-        accelerations: (m, k) at both points of the interval. index: (m,) the interval each time falls in.
+        chains: (m, 3 c) value, rate and acceleration of every chain.
+        jerks: (m, c) of the chains.
+        displacement: (m, k) of the liquids.
+        velocity: (m, k) of the liquids.
+        accelerations: (m, k) of the liquids at both collocation points of the interval.
+        index: (m,) the interval each time falls in.
     """
 
     chains: np.ndarray

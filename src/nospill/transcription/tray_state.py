@@ -16,9 +16,13 @@ from nospill.transcription.path_expression import path_expression
 
 @dataclass(frozen=True, slots=True)
 class TrayState:
-    """Pose and motion of the tray frame from the chains.
+    """Pose and motion of the tray frame.
 
-    Base-frame position and velocity, rotation to base, body motion.
+    Attributes:
+        position: (3, 1) of its origin, base axes, m.
+        velocity: (3, 1) of its origin, base axes, m/s.
+        rotation: (3, 3), tray to base.
+        motion: angular velocity, angular acceleration and specific force in tray axes.
     """
 
     position: SX

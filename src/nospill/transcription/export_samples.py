@@ -1,4 +1,4 @@
-"""From the grid of the optimal control problem to the exported samples."""
+"""A motion on the grid of the optimal control problem, sampled at the output rate with its joints solved."""
 
 from __future__ import annotations
 
@@ -36,8 +36,10 @@ class TraySamples:
     """The tray frame at m samples.
 
     Attributes:
-        position: (m, 3), m. rotation: (m, 3, 3), tray to base.
-        twist, twist_change: (m, 6) in base axes, linear then angular, and its time derivative.
+        position: (m, 3) of the origin, base axes, m.
+        rotation: (m, 3, 3), tray to base.
+        twist: (m, 6) in base axes, linear then angular, m/s and rad/s.
+        twist_change: (m, 6) its time derivative.
         body: (9, m) angular velocity, angular acceleration, specific force in tray axes.
     """
 

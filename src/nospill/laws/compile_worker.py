@@ -1,0 +1,57 @@
+"""Compile generated C code and put the library in its place: a program of its own, which may outlive its parent.
+
+It is run by its file name in an isolated interpreter (see `codegen`), so it imports nothing but the standard library:
+
+    python -I compile_worker.py background|wait LIBRARY LOCK FOLDER COMPILER FLAG...
+
+FOLDER holds made.c and is removed at the end, as LOCK is. The library comes last, after its hash beside it: whoever
+finds a library finds all that belongs to it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+LONGEST_COMPILATION = 600.0
+"""s; a compiler that takes longer is stopped."""
+
+_NICENESS = 10
+
+
+def compile_library(library: Path, lock: Path, folder: Path, command: Sequence[str]) -> None:
+    """Compile made.c in `folder` by `command` (compiler and flags) into `library`; leave nothing where that fails."""
+    made, digest = folder / "made.so", folder / "made.sum"
+    try:
+        with suppress(OSError, subprocess.SubprocessError):
+            subprocess.run(
+                [*command, "-o", str(made), str(folder / "made.c"), "-lm"],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=LONGEST_COMPILATION,
+                check=True,
+            )
+            digest.write_text(hashlib.sha256(made.read_bytes()).hexdigest(), encoding="utf-8")
+            digest.replace(library.with_suffix(".sum"))
+            made.replace(library)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        lock.unlink(missing_ok=True)
+
+
+def _main(mode: str, library: str, lock: str, folder: str, *command: str) -> None:
+    if mode == "background" and os.fork():
+        return  # the parent goes on at once; the copy belongs to nobody and ends when it is done
+    os.nice(_NICENESS)
+    compile_library(Path(library), Path(lock), Path(folder), command)
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])
