@@ -65,7 +65,7 @@ def relaxed_joint_limit(
         return []
     able = [joint for joint in range(len(now)) if room[joint] > 1e-6]
     relaxations = []
-    for chosen in ([index], able) if is_main(index, constraint, sensitivities) else (able,):
+    for chosen in ([index], able) if is_main(subject, constraint, sensitivities) else (able,):
 
         def raised(share: float, chosen: list[int] = chosen) -> np.ndarray:
             values = now.copy()

@@ -8,7 +8,6 @@ from nospill.diagnosis.relaxation import Relaxation
 from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, WITHIN, Found, Trials
 from nospill.errors import Change
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 
 SPARE = 1.015
@@ -79,9 +78,8 @@ def _with_relaxation(
 
 def wide_enough(trials: Trials, constraint: str, subject: str, share: float) -> list[tuple[float, Change]]:
     """Levers of a constraint that make a motion possible where none was found at any speed, smallest first."""
-    index = BY_NAME[constraint].subjects(trials.run.scene).index(subject)
     helped: list[tuple[float, Change]] = []
-    for relaxation in relaxations_of(trials.run.scene, constraint, subject, {RowId(constraint, index): 1.0}):
+    for relaxation in relaxations_of(trials.run.scene, constraint, subject, {RowId(constraint, subject): 1.0}):
         if not is_helped(helped, relaxation):
             enough = _share_for_any(trials, relaxation, min(share * SPARE + 0.01, relaxation.most))
             if enough is not None:

@@ -26,7 +26,6 @@ from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, WITHIN, Answer, Found, Searcher, Trials, first_share, is_possible
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.judge.verdict import Row
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.robots.joint_paths.search import JointPath, preferred_path, try_joint_paths
@@ -98,7 +97,7 @@ class _Culprit:
 def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     """The error for a task whose fastest motion takes longer than it may."""
     scene, limit = trials.run.scene, trials.limit
-    culprits = _with_residual(scene, _culprits(scene, found))
+    culprits = _with_residual(scene, _culprits(found))
     sensitivities = {key: sensitivity.elasticity for key, sensitivity in found.sensitivities.items()}
     options: list[tuple[float, Relaxation, float]] = []
     for culprit in culprits:
@@ -136,17 +135,17 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     )
 
 
-def _culprits(scene: Scene, found: Found) -> list[_Culprit]:
+def _culprits(found: Found) -> list[_Culprit]:
     """The constraints that hold a motion back, strongest first, each with the subject that does most."""
-    by_constraint: dict[str, list[tuple[float, int, float]]] = {}
-    for (name, index), sensitivity in found.sensitivities.items():
-        by_constraint.setdefault(name, []).append((sensitivity.elasticity, index, sensitivity.at_s))
+    by_constraint: dict[str, list[tuple[float, str, float]]] = {}
+    for (name, subject), sensitivity in found.sensitivities.items():
+        by_constraint.setdefault(name, []).append((sensitivity.elasticity, subject, sensitivity.at_s))
     culprits = []
     for name, members in by_constraint.items():
         total = sum(max(sensitivity, 0.0) for sensitivity, _, _ in members)
-        _, index, at_s = max(members)
+        _, subject, at_s = max(members)
         if total > _FAINT:
-            culprits.append(_Culprit(name, BY_NAME[name].subjects(scene)[index], total, at_s))
+            culprits.append(_Culprit(name, subject, total, at_s))
     return sorted(culprits, key=lambda culprit: -culprit.elasticity)
 
 
@@ -296,9 +295,9 @@ def _no_time_to_plan(scene: Scene, last: Answer | None) -> NoSolutionError:
 
 def _nearest(last: Answer | None) -> str:
     """What the last attempt breaks most, as the end of a sentence; nothing where there was none."""
-    if last is None or not last.slack:
+    if last is None or not last.solution.slack:
         return ""
-    (name, subject), least = min(last.slack.items(), key=lambda entry: entry[1])
+    (name, subject), least = min(last.solution.slack.items(), key=lambda entry: entry[1])
     does = "breaks" if least < 0.0 else "is no motion yet and comes nearest to"
     return f"; the last one tried {does} the limit on {name} of {subject}"
 

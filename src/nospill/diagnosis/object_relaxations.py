@@ -45,7 +45,7 @@ def relaxed_slosh_height(scene: Scene, constraint: str, subject: str, sensitivit
     sharing = len(same) == len(names) > 1 and given
     relaxations = []
     for chosen in ([index], same) if sharing else ([index],):
-        if len(chosen) == 1 and sharing and not is_main(index, constraint, sensitivities):
+        if len(chosen) == 1 and sharing and not is_main(subject, constraint, sensitivities):
             continue
         rooms = [_room(filled[names[i]]) / now - 1.0 for i in chosen]
         place, whose = (subject, subject) if len(chosen) == 1 else (EVERY, "all cups")

@@ -42,18 +42,18 @@ def require_possible_at_rest(trials: Trials) -> None:
     if key is None:
         return
     judged = quasi_static_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
-    subject = BY_NAME[key[0]].subjects(certain)[key[1]]
+    subject = key.subject
     rows = () if judged is None else judged[0].rows
-    row = next((row for row in rows if (row.constraint, row.subject) == (key[0], subject)), None)
+    row = next((row for row in rows if (row.constraint, row.subject) == (key.constraint, subject)), None)
     use = 1.1 if row is None else max(row.use, 1.0)
-    changes = [change for _, change in wide_enough(trials, key[0], subject, use - 1.0)]
+    changes = [change for _, change in wide_enough(trials, key.constraint, subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
-    told = f"{key[0]} of {subject} is over its limit" if row is None else without_time(row)
+    told = f"{key.constraint} of {subject} is over its limit" if row is None else without_time(row)
     where = "" if at_s is None else f" at s = {at_s:.2f} of the path"
     raise NoSolutionError(
         f"No motion found: {told} even standing still{where}. "
         + advice(changes, "Relax that limit or lighten the load."),
-        Reason(REST, key[0], subject, at_s, use - 1.0, changes=tuple(changes)),
+        Reason(REST, key.constraint, subject, at_s, use - 1.0, changes=tuple(changes)),
     )
 
 
@@ -67,7 +67,9 @@ def _broken_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
         backoff={},
         self_motion=still.self_motion,
     )
-    slack = {key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key[0] != Tilt.name}
+    slack = {
+        key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key.constraint != Tilt.name
+    }
     return min(slack, key=lambda key: slack[key]) if slack else None
 
 

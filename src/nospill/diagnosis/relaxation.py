@@ -60,7 +60,7 @@ def entry_of(scene: Scene, name: str) -> dict[str, Any]:
     return next((entry for entry in entries if entry.get("name") == name), {})
 
 
-def is_main(index: int, constraint: str, sensitivities: Sensitivities) -> bool:
+def is_main(subject: str, constraint: str, sensitivities: Sensitivities) -> bool:
     """Whether one subject has most of the sensitivity of its constraint."""
     total = sum(max(sensitivity, 0.0) for (name, _), sensitivity in sensitivities.items() if name == constraint)
-    return sensitivities.get(RowId(constraint, index), 0.0) >= _MAIN * total
+    return sensitivities.get(RowId(constraint, subject), 0.0) >= _MAIN * total

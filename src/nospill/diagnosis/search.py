@@ -13,15 +13,13 @@ from typing import Protocol
 
 import numpy as np
 
-from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
-from nospill.transcription.nlp import Backoff
-from nospill.transcription.problem import Problem
+from nospill.transcription.problem import Backoff, Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import USUAL_START, Start
@@ -51,11 +49,6 @@ class Answer(Protocol):
     @property
     def solution(self) -> Solution:
         """What the solver returned."""
-        ...
-
-    @property
-    def slack(self) -> dict[tuple[str, str], float]:
-        """What part of its budget every row leaves, by constraint and subject."""
         ...
 
     @property
@@ -197,13 +190,13 @@ class Trials:
                 break
             answer = trial.solve(start, iterations=_PATIENCE)
             if usable(answer.solution) and (best is None or answer.solution.stages.duration < best.duration):
-                best = Found(answer, _sensitivities(scene, trial, answer))
+                best = Found(answer, _sensitivities(answer))
             if best is not None and (enough is None or best.duration <= enough):
                 break
         return best
 
 
-def _sensitivities(scene: Scene, trial: Trial, answer: Answer) -> dict[RowId, Sensitivity]:
+def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's back-off."""
     solution, stages = answer.solution, answer.solution.stages
     problem = answer.problem()
@@ -214,7 +207,7 @@ def _sensitivities(scene: Scene, trial: Trial, answer: Answer) -> dict[RowId, Se
         np.asarray(transcription.constraint_function(variables, parameters)).ravel()
         for parameters in (
             problem.parameters,
-            transcription.parameters(problem.numbers, problem.scales, stepped),
+            problem.with_backoff(stepped),
         )
     ]
     if len(solution.multipliers) != len(values[0]):
@@ -223,11 +216,9 @@ def _sensitivities(scene: Scene, trial: Trial, answer: Answer) -> dict[RowId, Se
     inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
     inside = inside.reshape(-1, transcription.rows_per_stage)
     sensitivities: dict[RowId, Sensitivity] = {}
-    names = {item.name: (item.subjects(trial.scene), item.subjects(scene)) for item in CONSTRAINTS}
     for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
         for block in blocks:
-            own, all_subjects = names[block.constraint]  # a problem may hold some of the objects
-            key = RowId(block.constraint, all_subjects.index(own[block.subject]))
+            key = problem.rows[block.row]
             per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
             at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
             before = sensitivities.get(key, Sensitivity(0.0, at_s))

@@ -33,9 +33,6 @@ costs more."""
 
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
 
-Key = tuple[str, str]
-"""Name of a constraint and of its subject in the problem: a row of the problem, whatever else stands in it."""
-
 
 @dataclass(frozen=True, slots=True)
 class ActiveSet:
@@ -51,9 +48,9 @@ class ActiveSet:
 
     scene: Scene
     members: frozenset[Member]
-    rows: frozenset[Key]
-    possible: frozenset[Key]
-    backoff: Mapping[Key, float]
+    rows: frozenset[RowId]
+    possible: frozenset[RowId]
+    backoff: Mapping[RowId, float]
 
     @classmethod
     def of(cls, task: Task, q: np.ndarray, members: frozenset[Member] | None = None) -> ActiveSet:
@@ -66,48 +63,37 @@ class ActiveSet:
         """
         members = task.first_members if members is None else members
         scene = task.problem_scene(members)
-        rows = [(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
+        rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
         left_out = set(task.ignored)
         if not scene.motion.tilt_free and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
-        possible = frozenset(key for key in rows if key[0] not in left_out)
-        backoff = {key: first_backoff(key[0]) for key in rows} | range_backoff(scene, q)
+        possible = frozenset(key for key in rows if key.constraint not in left_out)
+        backoff = {key: first_backoff(key.constraint) for key in rows} | range_backoff(scene, q)
         return cls(scene, members, possible, possible, backoff)
 
     # --- rows -------------------------------------------------------------------------------------------------------
 
-    def with_rows(self, rows: Iterable[Key]) -> ActiveSet:
+    def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
-        final = {key for key in self.possible if BY_NAME[key[0]].evaluated_at is EvaluationPoint.END}
+        final = {key for key in self.possible if BY_NAME[key.constraint].evaluated_at is EvaluationPoint.END}
         return replace(self, rows=self.possible.intersection(rows) | final)
 
-    def near(self, slack: Mapping[Key, float], room: float = _NEAR) -> frozenset[Key]:
+    def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left."""
         return frozenset(key for key, value in slack.items() if value <= room) & self.possible
 
     def without_far(self, rows: Iterable[Row]) -> ActiveSet:
         """The same without the rows that stay far from their limits in a judged motion."""
-        far = {(row.constraint, row.subject) for row in rows if row.use < 1.0 - _NEAR}
+        far = {RowId(row.constraint, row.subject) for row in rows if row.use < 1.0 - _NEAR}
         return self.with_rows(self.rows - far)
 
-    def with_backoff(self, known: Mapping[Key, float]) -> ActiveSet:
+    def with_backoff(self, known: Mapping[RowId, float]) -> ActiveSet:
         """The same with at least the back-off that is known to be needed."""
         return replace(self, backoff={key: max(value, known.get(key, 0.0)) for key, value in self.backoff.items()})
 
     def raised(self) -> dict[str, float]:
         """Back-off above the first one, by "constraint | subject"."""
-        return {" | ".join(key): value for key, value in self.backoff.items() if value > first_backoff(key[0])}
-
-    # --- the problem's names of rows --------------------------------------------------------------------------------
-
-    def row_ids(self) -> dict[Key, RowId]:
-        """Name of every row -> constraint and index of the subject, as the problem has it."""
-        named = ((item.name, subjects) for item in CONSTRAINTS if (subjects := item.subjects(self.scene)))
-        return {(name, own): RowId(name, index) for name, subjects in named for index, own in enumerate(subjects)}
-
-    def by_name(self, slack: Mapping[RowId, float]) -> dict[Key, float]:
-        """Figures of a problem's rows by the rows' names."""
-        return {key: slack[row] for key, row in self.row_ids().items() if row in slack}
+        return {key.label: value for key, value in self.backoff.items() if value > first_backoff(key.constraint)}
 
     # --- constraint generation and tightening -----------------------------------------------------------------------
 
@@ -123,10 +109,10 @@ class ActiveSet:
             return self.joined(task, self.members | missing, judgement)
         active, backoff = set(self.rows), dict(self.backoff)
         for row in condensed(self._on_members(task, filter(falls_short, rows))):
-            key = (row.constraint, row.subject)
+            key = RowId(row.constraint, row.subject)
             if key in self.rows:
                 backoff[key] += further_backoff(row)
-            elif key in backoff and key[0] not in task.ignored:
+            elif key in backoff and key.constraint not in task.ignored:
                 active.add(key)
         if active == self.rows and backoff == self.backoff:
             return self

@@ -6,6 +6,7 @@ import numpy as np
 
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.scene.scene import Scene
 
@@ -17,7 +18,7 @@ def first_backoff(constraint: str) -> float:
     return BY_NAME[constraint].backoff
 
 
-def range_backoff(scene: Scene, q: np.ndarray) -> dict[tuple[str, str], float]:
+def range_backoff(scene: Scene, q: np.ndarray) -> dict[RowId, float]:
     """First back-off of joint ranges, which leaves no less than the path needs where it gives the joints.
 
     That is on all of it for a level tray, at its ends for one that tilts.
@@ -30,7 +31,7 @@ def range_backoff(scene: Scene, q: np.ndarray) -> dict[tuple[str, str], float]:
     given = q[[0, -1]] if scene.motion.tilt_free else q
     nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
     shares = np.minimum(np.maximum(nearest, 0.0) / (robot.upper - robot.lower), JointPosition.backoff)
-    return {(JointPosition.name, joint): float(share) for joint, share in zip(robot.joints, shares, strict=True)}
+    return {RowId(JointPosition.name, joint): float(share) for joint, share in zip(robot.joints, shares, strict=True)}
 
 
 def falls_short(row: Row) -> bool:

@@ -10,17 +10,17 @@ from typing import Any
 
 from nospill.errors import ModelError
 from nospill.judge.tracks import liquid_tracks
+from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
-from nospill.planning.active_set import ActiveSet, Key
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.planning.task import Task
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.tolerances import corner_scenes
 from nospill.transcription.export_samples import export_samples, with_joints_solved
-from nospill.transcription.nlp import Backoff
 from nospill.transcription.passages import stage_determinants
-from nospill.transcription.problem import Problem, build_problem
+from nospill.transcription.problem import Backoff, Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
 from nospill.transcription.trajectory_start import from_trajectory
@@ -56,15 +56,9 @@ class Candidate:
         return self.solution.stages
 
     @property
-    def slack(self) -> dict[Key, float]:
-        """What part of its budget every row leaves."""
-        return self.active.by_name(self.solution.slack)
-
-    @property
     def backoff(self) -> Backoff:
-        """Fraction of every budget that was kept from the optimiser, by the problem's rows."""
-        ids = self.active.row_ids()
-        return {ids[key]: value for key, value in self.active.backoff.items()}
+        """Fraction of every budget that was kept from the optimiser."""
+        return self.active.backoff
 
     def problem(self) -> Problem:
         """The problem that the motion answers."""
@@ -116,14 +110,13 @@ def recorded(candidate: Candidate) -> Trajectory:
 
 def problem_about(task: Task, active: ActiveSet, motion: Stages) -> Problem:
     """The problem of the active set on a motion's grid."""
-    ids = active.row_ids()
     objects = {member[0] for member in active.members}
     return build_problem(
         active.scene,
         motion.intervals,
         nominal_duration=motion.duration,
-        backoff={ids[key]: value for key, value in active.backoff.items()},
-        active=frozenset(ids[key] for key in active.rows),
+        backoff=active.backoff,
+        active=active.rows,
         payload=task.payload,
         # several variants of one object come to rest at several instants
         exact_rest=len(objects) == len(active.members),
@@ -132,10 +125,10 @@ def problem_about(task: Task, active: ActiveSet, motion: Stages) -> Problem:
     )
 
 
-def slack_of(task: Task, active: ActiveSet, motion: Stages) -> dict[Key, float]:
+def slack_of(task: Task, active: ActiveSet, motion: Stages) -> dict[RowId, float]:
     """What part of its budget every row leaves on a motion, whether it takes part or not."""
     whole = active.with_rows(active.possible)
-    return whole.by_name(row_slack(problem_about(task, whole, motion), motion))
+    return row_slack(problem_about(task, whole, motion), motion)
 
 
 def solved(
@@ -178,7 +171,7 @@ def near_optimum(barrier: float, iterations: int) -> Options:
 def with_near_rows(task: Task, active: ActiveSet, start: Stages) -> ActiveSet:
     """The set with the rows that come near their limits on a start whose liquids are at rest."""
     slack = slack_of(task, active, start)
-    heights = {key for key in slack if key[0] == SloshHeight.name}  # which says nothing about these
+    heights = {key for key in slack if key.constraint == SloshHeight.name}  # which says nothing about these
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | heights)
 
 
@@ -191,9 +184,7 @@ def solved_lazily(task: Task, active: ActiveSet, start: Stages, log: Log, option
         slack = slack_of(task, active, candidate.stages)
         broken = active.near(slack, -FEASIBLE)
         if broken <= active.rows:
-            ids = active.row_ids()
-            found = replace(candidate.solution, slack={ids[key]: value for key, value in slack.items()})
-            return replace(candidate, solution=found)
+            return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active, start = active.with_rows(active.rows | broken), candidate.stages
         options = {**options, "barrier_start": BARRIERS[1], "bound_push": NO_PUSH}
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from nospill.errors import MOTION, NOT_CONVERGED, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.wording import describe
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
-from nospill.planning.active_set import ActiveSet, Key
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, recorded, solved, started_from
 from nospill.planning.log import Log
 from nospill.planning.task import Task
@@ -41,7 +42,7 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     """The coarse answer on the fine grid, or as far as that is reached: the certificate is independent of the grid."""
     active, stages = coarse.active, coarse.stages
     wanted = fine_intervals(active.scene, stages.duration)
-    first = _refined(coarse, wanted, active.near(active.by_name(coarse.solution.slack)), log)
+    first = _refined(coarse, wanted, active.near(coarse.solution.slack), log)
     if first is not None:
         return first
     halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)
@@ -49,7 +50,7 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     return last or halfway or coarse
 
 
-def _refined(candidate: Candidate, intervals: int, rows: Collection[Key], log: Log) -> Candidate | None:
+def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
     """The motion solved on another grid with some rows; None where no first barrier leads anywhere."""
     task, scene = candidate.task, candidate.active.scene
     start = resample(candidate.stages, layout_of(structure_of(scene)), intervals)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import ActiveSet, Key
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved, started_from
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, has_converged
@@ -46,14 +47,14 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         active = active.joined(task, active.members | active.near_members(judgement), judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
-    active = _cautious(active.with_backoff(_recorded_backoff(earlier)))
+    active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     start = started_from(task, active, earlier.trajectory, fine_intervals(active.scene, earlier.duration))
     return _solved_again(task, active, start, log, warm=None)
 
 
 def _cautious(active: ActiveSet) -> ActiveSet:
     """The set with at least the back-off of a restart: one more round of tightening would take longer."""
-    return active.with_backoff({key: BY_NAME[key[0]].restart_backoff for key in active.backoff})
+    return active.with_backoff({key: BY_NAME[key.constraint].restart_backoff for key in active.backoff})
 
 
 def _solved_again(task: Task, active: ActiveSet, start: Stages, log: Log, *, warm: Solution | None) -> Candidate | None:
@@ -73,13 +74,4 @@ def _solved_again(task: Task, active: ActiveSet, start: Stages, log: Log, *, war
     if not (has_converged(found.solution) and found.keeps_branch):
         return None
     log.durations.append(found.stages.duration)
-    return found
-
-
-def _recorded_backoff(earlier: Plan) -> dict[Key, float]:
-    """The back-off that a plan records, by row."""
-    found: dict[Key, float] = {}
-    for label, value in earlier.report.backoff.items():
-        constraint, _, subject = label.partition(" | ")
-        found[constraint, subject] = value
     return found

@@ -15,19 +15,18 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
-from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.transcription.layout import Layout
-from nospill.transcription.stage import Block
+from nospill.transcription.stage import Block, RowIndex
 from nospill.transcription.stage_functions import StageFunctions, Triplets, stage_functions
 
 MX = ca.MX
 
-Backoff = Mapping[RowId, float]
-"""(constraint, subject index) -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
+IndexedBackoff = Mapping[RowIndex, float]
+"""Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
 
-Active = frozenset[RowId]
-"""(constraint, subject index) pairs whose rows take part, those on the final state as well."""
+IndexedRows = frozenset[RowIndex]
+"""Rows that take part, those on the final state as well."""
 
 _MOST_THREADS = 4
 """Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
@@ -72,7 +71,7 @@ class Transcription:
         """Number of variables."""
         return self.intervals * self.layout.size + self.layout.states
 
-    def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: Backoff) -> np.ndarray:
+    def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: IndexedBackoff) -> np.ndarray:
         """The parameter vector: numbers, scales of a stage, back-off of every row, number of intervals."""
         fractions = [backoff.get(key, 0.0) for key in self.stage.backoff_keys]
         return np.concatenate([flatten(numbers), scales, fractions, [self.intervals]])
@@ -83,7 +82,7 @@ def transcribe(
     numbers: SceneNumbers,
     intervals: int,
     *,
-    active: Active | None = None,
+    active: IndexedRows | None = None,
     derivable: bool = False,
 ) -> Transcription:
     """The transcription of a structure; `numbers` only shows the shapes.
@@ -99,7 +98,7 @@ def transcribe(
 
 
 @lru_cache(maxsize=32)
-def _transcribe(stage: StageFunctions, intervals: int, active: Active | None) -> Transcription:
+def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | None) -> Transcription:
     whole, layout = stage.sizes, stage.layout
     rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
     end_rows, end_blocks = _active_rows(whole.end_blocks, active, 0)
@@ -183,12 +182,12 @@ def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, 
 
 
 def _active_rows(
-    all_blocks: tuple[Block, ...], active: Active | None, fixed: int
+    all_blocks: tuple[Block, ...], active: IndexedRows | None, fixed: int
 ) -> tuple[np.ndarray, tuple[Block, ...]]:
     """Indices of the rows that take part, the first `fixed` always, and the active blocks at their new places."""
     rows, blocks = list(range(fixed)), []
     for block in all_blocks:
-        if active is None or block.row_id in active:
+        if active is None or block.row in active:
             blocks.append(Block(block.constraint, block.subject, len(rows), block.count, block.repetition))
             rows += range(block.first, block.first + block.count)
     return np.array(rows, dtype=int), tuple(blocks)

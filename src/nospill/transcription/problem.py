@@ -5,18 +5,21 @@ Parameters, scales, bounds, and the way in and out of its variables.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout
-from nospill.transcription.nlp import Active, Backoff, Transcription, transcribe
+from nospill.transcription.nlp import Transcription, transcribe
+from nospill.transcription.stage import RowIndex
 from nospill.transcription.stages import Stages
 
 _SHORTEST = 0.05
@@ -32,6 +35,10 @@ DERIVING_SOLVERS = ("fatrop",)
 """Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
 
 
+Backoff = Mapping[RowId, float]
+"""Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
+
+
 @dataclass(frozen=True, slots=True)
 class Problem:
     """One nonlinear programme.
@@ -45,6 +52,7 @@ class Problem:
         scales: (layout.size,) physical size of a scaled one.
         lower, upper: (n,) bounds of the scaled variables.
         self_motion: as in `Stages`.
+        rows: row of the structure -> row of the scene, whether it takes part or not.
     """
 
     scene: Scene
@@ -56,6 +64,11 @@ class Problem:
     lower: np.ndarray
     upper: np.ndarray
     self_motion: np.ndarray | None
+    rows: Mapping[RowIndex, RowId]
+
+    def with_backoff(self, backoff: Backoff) -> np.ndarray:
+        """Parameters with another back-off."""
+        return self.transcription.parameters(self.numbers, self.scales, _indexed(self.rows, backoff))
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
@@ -85,7 +98,7 @@ def build_problem(
     *,
     nominal_duration: float,
     backoff: Backoff,
-    active: Active | None = None,
+    active: Set[RowId] | None = None,
     payload: Sequence[Cargo] | None = None,
     exact_rest: bool = True,
     self_motion: np.ndarray | None = None,
@@ -98,7 +111,7 @@ def build_problem(
         intervals: N.
         nominal_duration: expected end time, s, for the scales only.
         backoff: fraction of each budget kept from the optimiser.
-        active: which (constraint, subject) rows take part, on the final state as elsewhere; None for all.
+        active: which rows take part, on the final state as elsewhere; None for all.
         payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;
             None where it is the cargo itself.
         exact_rest: whether liquids that end at rest do so exactly, by bounds of the variables. Several variants of one
@@ -111,8 +124,10 @@ def build_problem(
     numbers = numbers_of(scene, payload)
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
+    rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
+    taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(
-        structure, numbers, intervals, active=active, derivable=scene.planning.solver in DERIVING_SOLVERS
+        structure, numbers, intervals, active=taking_part, derivable=scene.planning.solver in DERIVING_SOLVERS
     )
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals, exact_rest=exact_rest)
@@ -125,12 +140,24 @@ def build_problem(
         structure=structure,
         numbers=numbers,
         transcription=transcription,
-        parameters=transcription.parameters(numbers, scales, backoff),
+        parameters=transcription.parameters(numbers, scales, _indexed(rows, backoff)),
         scales=scales,
         lower=lower,
         upper=upper,
         self_motion=self_motion,
+        rows=rows,
     )
+
+
+def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
+    """Every row of a scene with the index of its subject."""
+    for constraint in CONSTRAINTS:
+        for index, subject in enumerate(constraint.subjects(scene)):
+            yield index, RowId(constraint.name, subject)
+
+
+def _indexed(rows: Mapping[RowIndex, RowId], backoff: Backoff) -> dict[RowIndex, float]:
+    return {index: backoff.get(row, 0.0) for index, row in rows.items()}
 
 
 def _scales(

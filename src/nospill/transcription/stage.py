@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, frame_at_rest
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, RowId, smooth_rows
+from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
 from nospill.laws.contact import Wrench
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_objects, split_states
@@ -20,6 +21,18 @@ from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Chain, Layout
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.tray_state import tray_state
+
+
+class RowIndex(NamedTuple):
+    """A row of a structure, whose subjects have no names yet.
+
+    Attributes:
+        constraint: its name.
+        subject: index of its subject.
+    """
+
+    constraint: str
+    subject: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +54,15 @@ class Block:
     repetition: int
 
     @property
-    def row_id(self) -> RowId:
+    def row(self) -> RowIndex:
         """Constraint and subject."""
-        return RowId(self.constraint, self.subject)
+        return RowIndex(self.constraint, self.subject)
 
 
 class RowCollector:
     """Gathers smooth rows and remembers which constraint and subject each belongs to."""
 
-    def __init__(self, backoff: Mapping[RowId, SX]) -> None:
+    def __init__(self, backoff: Mapping[RowIndex, SX]) -> None:
         self._backoff = backoff
         self.values: list[SX] = []
         self.lower: list[np.ndarray] = []
@@ -65,7 +78,7 @@ class RowCollector:
             for subject, budgets in enumerate(constraint.budgets(sample)):
                 first = self._count
                 for budget in budgets:
-                    value, lower, upper = smooth_rows(budget, self._backoff[RowId(constraint.name, subject)])
+                    value, lower, upper = smooth_rows(budget, self._backoff[RowIndex(constraint.name, subject)])
                     self.values.append(value)
                     self.lower.append(lower)
                     self.upper.append(upper)
@@ -110,7 +123,7 @@ def stage_expressions(
     stage: SX,
     *,
     scales: SX,
-    backoff: Mapping[RowId, SX],
+    backoff: Mapping[RowIndex, SX],
     intervals: SX,
 ) -> StageExpressions:
     """One stage: `stage` (layout.size, 1) in physical units, `scales` of the same shape."""
@@ -198,7 +211,7 @@ def terminal_rows(
     layout: Layout,
     numbers: SceneNumbers,
     state: SX,
-    backoff: Mapping[RowId, SX],
+    backoff: Mapping[RowIndex, SX],
 ) -> RowCollector:
     """Rows on the final state, the tray at rest and level; slosh accelerations are not read there."""
     slosh = split_states(structure, state[layout.displacement], state[layout.velocity], SX.zeros(layout.coordinates))

@@ -12,10 +12,9 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
 from nospill.transcription.layout import Layout, layout_of
-from nospill.transcription.stage import Block, stage_expressions, terminal_rows
+from nospill.transcription.stage import Block, RowIndex, stage_expressions, terminal_rows
 
 Triplets = tuple[np.ndarray, np.ndarray]
 """Row and column of every structural nonzero, column by column."""
@@ -73,7 +72,7 @@ class StageFunctions:
 
     layout: Layout
     sizes: StageSizes
-    backoff_keys: tuple[RowId, ...]
+    backoff_keys: tuple[RowIndex, ...]
     constraints: Any
     constraint_jacobian: Any
     cost_gradient: Any
@@ -84,10 +83,10 @@ class StageFunctions:
     compiled: bool
 
 
-def backoff_keys(structure: Structure) -> tuple[RowId, ...]:
+def backoff_keys(structure: Structure) -> tuple[RowIndex, ...]:
     """Every (constraint, subject) the structure can have, in a fixed order."""
     counts = max(len(structure.objects), len(structure.joints), 3)
-    return tuple(RowId(constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
+    return tuple(RowIndex(constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
 
 
 def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, int]:

@@ -54,11 +54,22 @@ class RowId(NamedTuple):
 
     Attributes:
         constraint: its name.
-        subject_index: its place in what `Constraint.subjects` gives for the scene.
+        subject: what it applies to, as `Constraint.subjects` names it.
     """
 
     constraint: str
-    subject_index: int
+    subject: str
+
+    @property
+    def label(self) -> str:
+        """As records name it: "slip | c1"."""
+        return f"{self.constraint} | {self.subject}"
+
+    @classmethod
+    def of(cls, label: str) -> RowId:
+        """The row of a label."""
+        constraint, _, subject = label.partition(" | ")
+        return cls(constraint, subject)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.laws.constraints.base import RowId
 from nospill.transcription.problem import Problem
 from nospill.transcription.stages import Stages
 
@@ -37,7 +38,7 @@ class Solution:
     bound_multipliers: np.ndarray
     objective: float
     violation: float
-    slack: dict[tuple[str, int], float]
+    slack: dict[RowId, float]
     converged: bool
     status: str
     iterations: int
@@ -55,22 +56,22 @@ def violation(problem: Problem, values: np.ndarray) -> float:
     return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
 
 
-def row_slack(problem: Problem, stages: Stages) -> dict[tuple[str, int], float]:
+def row_slack(problem: Problem, stages: Stages) -> dict[RowId, float]:
     """`Solution.slack` of any motion on the problem's grid, solved or not."""
     values = problem.transcription.constraint_function(problem.encode(stages), problem.parameters)
     return least_slack(problem, np.asarray(values).ravel())
 
 
-def least_slack(problem: Problem, values: np.ndarray) -> dict[tuple[str, int], float]:
+def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     """`Solution.slack` from the values (m,) of the constraints."""
     transcription = problem.transcription
     distance = np.minimum(values - transcription.lower, transcription.upper - values)
     stages, end = np.split(distance, [transcription.intervals * transcription.rows_per_stage])
     least = np.min(stages.reshape(-1, transcription.rows_per_stage), axis=0)
-    slack: dict[tuple[str, int], float] = {}
+    slack: dict[RowId, float] = {}
     for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
         for block in blocks:
-            key = (block.constraint, block.subject)
+            key = problem.rows[block.row]
             own = float(np.min(distances[block.first : block.first + block.count]))
             slack[key] = min(own, slack.get(key, np.inf))
     return slack
