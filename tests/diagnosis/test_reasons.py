@@ -14,10 +14,10 @@ from nospill.cli import app
 from nospill.diagnosis import last_resort, motion, with_change
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planning.active_set import Task
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
-from nospill.planning.task import Task
-from nospill.planning.trial import Searcher
+from nospill.planning.search import Searcher
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import USUAL_START

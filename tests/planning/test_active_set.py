@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 
 from nospill.judge.certificate import Judgement
-from nospill.judge.verdict import Row
+from nospill.judge.verdict import Certificate, Row
+from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import flange_load
-from nospill.planning.active_set import ActiveSet
-from nospill.planning.backoff import first_backoff
+from nospill.planning.active_set import ActiveSet, Task
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from
-from nospill.planning.task import Task
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 
@@ -32,9 +31,8 @@ def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
 
 def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
     """The part of a judgement that an active set reads."""
-    replay = SimpleNamespace(joint_position=Q)
-    found: Any = SimpleNamespace(certificate=SimpleNamespace(rows=rows), corners=corners, replay=replay)
-    return found
+    replay: Any = SimpleNamespace(joint_position=Q)
+    return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, corners)
 
 
 def grid_of_cups(**tolerance: Any) -> Scene:
@@ -80,18 +78,26 @@ def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Sce
     )
     assert ("slip", "c2") not in active.rows and ("slip", "c1") in active.rows
     violated = judgement(row("slip", "c2", -0.004))
-    joined = active.after(task, violated)
+    joined = active.after(violated)
     assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
-    tightened = joined.after(task, violated)
+    tightened = joined.after(violated)
     assert tightened.backoff["slip", "c2"] > joined.backoff["slip", "c2"] + 0.004
     assert tightened.raised() == {"slip | c2": tightened.backoff["slip", "c2"]}
+
+
+def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
+    active = ActiveSet.of(Task.of(scene), Q)
+    for margin in (1e-3, 0.0, -0.01, -5.0):
+        missing = 1.5e-3 - margin
+        added = active.after(judgement(row("slip", "c1", margin))).backoff["slip", "c1"] - active.backoff["slip", "c1"]
+        assert min(missing, 0.1 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.1 + 1e-12)
 
 
 def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:
     task = Task.of(scene, {"slip"})
     active = ActiveSet.of(task, Q)
-    assert active.after(task, judgement(row("path position", "tray", -0.1), row("slip", "c1", -0.1))) is active
-    assert active.after(task, judgement(row("slosh height", "c1", 0.1))) is active
+    assert active.after(judgement(row("path position", "tray", -0.1), row("slip", "c1", -0.1))) is active
+    assert active.after(judgement(row("slosh height", "c1", 0.1))) is active
 
 
 def test_rows_on_the_final_state_stay(scene: Scene) -> None:
@@ -109,7 +115,7 @@ def test_known_back_off_goes_to_a_tray_in_another_order_and_is_never_lowered(sce
     turned = replace(scene, cargo=scene.cargo[::-1])
     known = {("tip", "c4"): 0.07, ("slip", "c1"): 0.0, ("slip", "nobody"): 0.5}
     other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)
-    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == first_backoff("slip")
+    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == BY_NAME["slip"].backoff
     assert other.raised() == {"tip | c4": 0.07}
 
 
@@ -141,16 +147,16 @@ def test_the_published_tray_is_planned_as_it_is(scene: Scene) -> None:
 def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
     task = Task.of(grid_of_cups())
     active = ActiveSet.of(task, Q).with_backoff({("slip", "c1"): 0.02})
-    grown = active.after(task, judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
+    grown = active.after(judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
     assert members(grown) == ["c1", "c3", "c5", "c7", "c9"]
-    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == first_backoff("slip")
+    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == BY_NAME["slip"].backoff
     assert ("slip", "c1") not in grown.rows and {("slip", "c5"), ("tip", "c9")} <= grown.rows
 
 
 def test_a_slight_violation_outside_the_problem_tightens_all_within() -> None:
     task = Task.of(grid_of_cups())
     active = ActiveSet.of(task, Q)
-    tightened = active.after(task, judgement(row("slip", "c5", -0.004)))
+    tightened = active.after(judgement(row("slip", "c5", -0.004)))
     assert tightened.members == active.members
     assert raised(active, tightened) == {("slip", name) for name in members(active)}
 
@@ -165,22 +171,22 @@ def test_like_objects_are_thinned_out_with_tolerances_too(uncertain: Task) -> No
 
 def test_the_worst_variant_of_an_object_joins(uncertain: Task) -> None:
     active = ActiveSet.of(uncertain, Q)
-    low, *_, high = (item for item in uncertain.families[0] if "fill" in item.text)
+    low, *_, high = (item for item in uncertain.variants[0] if "fill" in item.text)
     corners = (row("slosh height", "c1", -0.1, low.text), row("slosh height", "c1", -0.2, high.text))
-    grown = active.after(uncertain, judgement(corners=corners))
+    grown = active.after(judgement(corners=corners))
     assert grown.members == active.members | {("c1", high.text)}
     assert members(grown)[:2] == ["c1", f"c1 at {high.text}"]
 
 
 def test_a_variant_outside_tightens_the_members_of_its_object(uncertain: Task) -> None:
     active = ActiveSet.of(uncertain, Q)
-    low = next(item for item in uncertain.families[0] if "fill" in item.text)
-    tightened = active.after(uncertain, judgement(corners=(row("slosh height", "c1", -0.003, low.text),)))
+    low = next(item for item in uncertain.variants[0] if "fill" in item.text)
+    tightened = active.after(judgement(corners=(row("slosh height", "c1", -0.003, low.text),)))
     assert raised(active, tightened) == {("slosh height", "c1")}
 
 
 def test_members_near_a_limit_are_in_the_problem_of_a_restart(uncertain: Task) -> None:
-    low, *_, high = (item for item in uncertain.families[0] if "fill" in item.text)
+    low, *_, high = (item for item in uncertain.variants[0] if "fill" in item.text)
     corners = (row("slosh height", "c1", 0.01, low.text), row("slosh height", "c3", 0.3, high.text))
     assert ActiveSet.of(uncertain, Q).near_members(judgement(corners=corners)) == {("c1", low.text)}
 
@@ -192,7 +198,7 @@ def test_what_is_violated_outside_the_problem_joins_and_the_answer_is_that_of_th
     assert found.certificate.ok and set(found.trajectory.slosh) == {cargo.name for cargo in scene.cargo}
     task, log, q = Task.of(scene), Log(None, 120.0), found.trajectory.joint_position
     for first in (frozenset({("c5", "")}), frozenset((cargo.name, "") for cargo in scene.cargo)):
-        begun = solved_from(task, ActiveSet.of(task, q, first), found.trajectory, log)
+        begun = solved_from(ActiveSet.of(task, q, first), found.trajectory, log)
         assert begun is not None and begun.active.members == first
         judged = certified_by_refinement(begun, log)
         assert judged.judgement.certificate.ok

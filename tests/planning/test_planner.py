@@ -14,8 +14,8 @@ import pytest
 from nospill.errors import NoSolutionError
 from nospill.judge.certificate import certify
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.backoff import first_backoff
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
@@ -128,9 +128,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
     path = joint_paths(scene.robot, scene.path, **tool)[0]
     layout = layout_of(structure_of(scene))
-    reserves = {
-        (item.name, i): first_backoff(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))
-    }
+    backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)
     durations = []
     for index in range(12):
@@ -141,7 +139,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
             swing = random.normal(scale=0.005, size=table[1:-1, layout.displacement].shape)
             table[1:-1, layout.displacement] = swing
             motion = Stages(motion.interval, table)
-        problem = build_problem(scene, intervals, nominal_duration=motion.duration, backoff=reserves)
+        problem = build_problem(scene, intervals, nominal_duration=motion.duration, backoff=backoff)
         solution = solve(problem, motion, solver="ipopt", options=SolveOptions(max_iterations=150, max_time=30.0))
         if solution.converged and solution.violation < 1e-5:
             durations.append(solution.stages.duration)

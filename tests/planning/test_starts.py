@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from nospill.planning.log import alike
 from nospill.planning.starts import attempts
+from nospill.plans.plan import Starts
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import USUAL_START
 
@@ -34,4 +34,5 @@ def test_both_globalisations_take_turns() -> None:
 
 
 def test_answers_near_the_best_are_counted() -> None:
-    assert [alike(durations) for durations in ([1.4], [1.4, 1.4069], [1.4, 1.408], [1.5, 1.4, 1.404])] == [1, 2, 1, 2]
+    cases = ([1.4], [1.4, 1.4069], [1.4, 1.408], [1.5, 1.4, 1.404])
+    assert [Starts.of(3, durations).agreed for durations in cases] == [1, 2, 1, 2]

@@ -1,5 +1,7 @@
 """Why there is no motion, and the smallest single change that would give one: at rest, for the robot, in motion."""
 
+from nospill.diagnosis.certification import infeasible_with_more as infeasible_with_more
+from nospill.diagnosis.certification import not_playable as not_playable
 from nospill.diagnosis.changes import changed_table as changed_table
 from nospill.diagnosis.changes import with_change as with_change
 from nospill.diagnosis.motion import last_resort as last_resort

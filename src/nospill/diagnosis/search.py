@@ -19,7 +19,7 @@ from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
-from nospill.transcription.problem import Backoff, Problem
+from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import USUAL_START, Start
@@ -49,11 +49,6 @@ class Answer(Protocol):
     @property
     def solution(self) -> Solution:
         """What the solver returned."""
-        ...
-
-    @property
-    def backoff(self) -> Backoff:
-        """Fraction of every budget that was kept from the optimiser."""
         ...
 
     def problem(self) -> Problem:
@@ -202,12 +197,11 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     problem = answer.problem()
     transcription = problem.transcription
     variables = problem.encode(stages)
-    stepped = {key: value + _STEP for key, value in answer.backoff.items()}
     values = [
         np.asarray(transcription.constraint_function(variables, parameters)).ravel()
         for parameters in (
             problem.parameters,
-            problem.with_backoff(stepped),
+            problem.with_more_backoff(_STEP),
         )
     ]
     if len(solution.multipliers) != len(values[0]):

@@ -33,6 +33,15 @@ class Judgement:
     replay: Replay
     corners: tuple[Row, ...] = ()
 
+    @property
+    def variant_rows(self) -> tuple[Row, ...]:
+        """The rows of every variant of every object, and the rows that are of no object."""
+        rows = self.certificate.rows
+        if not self.corners:
+            return rows
+        objects = {row.constraint for row in self.corners}
+        return (*self.corners, *(row for row in rows if row.constraint not in objects))
+
 
 def certify(
     trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE

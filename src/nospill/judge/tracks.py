@@ -11,6 +11,8 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.scene.scene import Scene
+from nospill.scene.tolerances import corner_scenes
+from nospill.scene.variants import VariantId
 
 
 def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]) -> dict[str, SloshTrack]:
@@ -32,4 +34,19 @@ def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]
         if item.oscillators and cargo.name in names:
             parts = (played.slosh_displacement[::every, own], played.slosh_velocity[::every, own])
             found[names[cargo.name]] = SloshTrack(*parts, heights[cargo.name])
+    return found
+
+
+def variant_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[VariantId, str]) -> dict[str, SloshTrack]:
+    """The liquids of some variants of a scene's objects along a motion, likewise.
+
+    Args:
+        trajectory: the motion.
+        scene: whose objects; where they are certain, there is nothing to add to the trajectory's own liquids.
+        names: variant -> what its track is called; others are left out.
+    """
+    found = dict(trajectory.slosh)
+    for corner in corner_scenes(scene):
+        wanted = {name: names[name, text] for name, text in corner.texts.items() if (name, text) in names}
+        found |= liquid_tracks(trajectory, corner.scene, wanted) if wanted else {}
     return found

@@ -58,6 +58,18 @@ class Row:
         """`limit_use` at that instant."""
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
 
+    @property
+    def shortfall(self) -> float:
+        """What is missing, in the row's unit, of what a finer grid may find; above zero where the row falls short.
+
+        A row about the record leaves nothing to find: it falls short only where it fails.
+        """
+        constraint = BY_NAME.get(self.constraint)
+        if constraint is None:
+            return -self.worst_margin
+        found = constraint.judge_resolution * abs(self.limit) + constraint.integration_error
+        return found - self.worst_margin
+
 
 def _urgency(row: Row) -> tuple[bool, float]:
     return not row.ok, row.use

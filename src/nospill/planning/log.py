@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from nospill.transcription.solvers import Solution
-
-_ALIKE = 5e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +57,9 @@ class Log:
     durations: list[float] = field(default_factory=list)
 
     @property
-    def elapsed(self) -> float:
-        """Time since the call began, s."""
-        return time.perf_counter() - self.began
-
-    @property
     def time_left(self) -> float:
         """Rest of the time for the search, s; negative when it is up."""
-        return self.max_time - self.elapsed
+        return self.began + self.max_time - time.perf_counter()
 
     @property
     def out_of_time(self) -> bool:
@@ -93,8 +86,3 @@ class Log:
         """Count the effort of a solve."""
         self.solve_time += solution.solve_time_s
         self.iterations += solution.iterations
-
-
-def alike(durations: Sequence[float]) -> int:
-    """Number of durations within 0.5 % of the shortest."""
-    return sum(duration <= min(durations) * (1 + _ALIKE) for duration in durations)

@@ -1,29 +1,26 @@
-"""From a scene to a plan: a path for the joints, the fastest motion along it, its certificate.
-
-joint path -> search from several starts on a coarse grid -> mesh refinement -> certificate
-^-- constraint generation and tightening --'
-"""
+"""From a scene to a plan: joint path, search on a coarse grid, refinement until the certificate holds."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import time
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
+from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log, Progress, alike
+from nospill.planning.log import Log, Progress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import certified_by_refinement
-from nospill.planning.search import found_motion
-from nospill.planning.task import Task
-from nospill.planning.trial import Searcher
+from nospill.planning.search import Searcher, found_motion
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
-from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
+from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, has_free_base, settled_base
 from nospill.scene.scene import Scene
 
@@ -69,74 +66,53 @@ def _planned(
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:
-        scene = _with_base(scene, ignore, log)
+        with log.phase("base yaw"), _advised(scene, ignore, log):
+            scene = settled_base(scene)
     task = Task.of(scene, ignore)
     candidate = None
     if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
         candidate = restarted(task, warm, last, log)
     if candidate is None:
-        candidate = found_motion(task, _joint_path(task, log), log)
-    judged = certified_by_refinement(candidate, log)
-    found = Plan(
-        scene=scene,
-        trajectory=judged.trajectory,
-        certificate=judged.judgement.certificate,
-        maxima=motion_maxima(judged.judgement, scene),
-        report=_report(log, judged.candidate),
-        judgement=judged.judgement,
-    )
-    if scene.approach is not None:
-        with log.phase("approach"):
-            found = with_approach(found)
-    report = replace(
-        _report(log, judged.candidate),
-        branch=branch_in_words(judged.trajectory.joint_position[0]),
-        base_yaw=base_yaw_text(scene) if base_is_free else None,
-    )
-    return replace(found, report=report), judged.candidate
-
-
-def _with_base(scene: Scene, ignore: Collection[str], log: Log) -> Scene:
-    """The scene with a base yaw in place of "free"."""
-    with log.phase("base yaw"):
-        try:
-            return settled_base(scene)
-        except ScenarioError as error:
-            raise diagnosis.advised(scene, error, Searcher(Task.of(scene, ignore), log)) from None
-
-
-def _joint_path(task: Task, log: Log) -> JointPath:
-    """The joint path along which the motion is searched."""
-    scene = task.scene
-    with log.phase("kinematics"):
-        try:
+        with log.phase("kinematics"), _advised(scene, ignore, log):
             paths = joint_paths(
                 scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
             )
-        except ScenarioError as error:
-            raise diagnosis.advised(scene, error, Searcher(task, log)) from None
-        return preferred_path(paths, scene.robot, scene.start_near)
-
-
-def _report(log: Log, candidate: Candidate) -> PlanningReport:
-    """What planning cost."""
-    return PlanningReport(
-        plan_time=log.elapsed,
+        candidate = found_motion(task, preferred_path(paths, scene.robot, scene.start_near), log)
+    judged = certified_by_refinement(candidate, log)
+    report = PlanningReport(
+        plan_time=time.perf_counter() - log.began,
         solve_time=log.solve_time,
         iterations=log.iterations,
         rounds=log.rounds,
-        starts=Starts(log.tried, len(log.durations), alike(log.durations), tuple(log.durations)),
-        phases=dict(log.phases),
-        solver_status=candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
-        backoff=candidate.active.raised(),
+        starts=Starts.of(log.tried, log.durations),
+        phases=log.phases,
+        solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
+        backoff=judged.candidate.active.raised(),
+        branch=branch_in_words(judged.trajectory.joint_position[0]),
+        base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
+    certificate, maxima = judged.judgement.certificate, motion_maxima(judged.judgement, scene)
+    found = Plan(scene, judged.trajectory, certificate, maxima, report, judged.judgement)
+    with log.phase("approach") if scene.approach is not None else nullcontext():
+        found = with_approach(found)
+    return replace(
+        found, report=replace(report, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
+    ), judged.candidate
+
+
+@contextmanager
+def _advised(scene: Scene, ignore: Collection[str], log: Log) -> Iterator[None]:
+    """Add what would help to the error of an arm that cannot follow its path."""
+    try:
+        yield
+    except ScenarioError as error:
+        raise diagnosis.advised(scene, error, Searcher(Task.of(scene, ignore), log)) from None
 
 
 class Planner:
     """Plans scene after scene, each from the answer before where the structure is the same.
 
     Not thread-safe: one per thread.
-    Compiled functions are shared by all planners of a process; what a planner keeps is the last plan.
     """
 
     def __init__(self, last: Plan | None = None) -> None:

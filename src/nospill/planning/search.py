@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.errors import NoSolutionError
-from nospill.planning.active_set import ActiveSet
+from nospill.planning.active_set import ActiveSet, Task
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
 from nospill.planning.starts import Attempt, attempts
-from nospill.planning.task import Task, starting_motion
-from nospill.planning.trial import Searcher
 from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.scene import Scene
 from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
-from nospill.transcription.starting_motions import estimate_duration
+from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import Start, coarse_start, estimate_duration
 
 _LONG = 0.79
 """Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""
@@ -58,14 +58,11 @@ def best_of(
     for tried, attempt in enumerate(tries):
         if (tried >= scene.planning.starts and best is not None) or (tried and log.out_of_time):
             break
-        motion = starting_motion(active.scene, joint_path, attempt.start)
+        motion = coarse_start(active.scene, joint_path, attempt.start)
         rows = active.possible if attempt.all_rows else active.rows
-        active = with_near_rows(task, active.with_rows(rows), motion)
-        options = {
-            "max_iterations": attempt.iterations,
-            "kkt_error_globalization": attempt.kkt_error_globalization,
-        }
-        last = solved_lazily(task, active, motion, log, options)
+        active = with_near_rows(active.with_rows(rows), motion)
+        options = {"max_iterations": attempt.iterations, "kkt_error_globalization": attempt.kkt_error_globalization}
+        last = solved_lazily(active, motion, log, options)
         active = last.active
         log.tried += 1
         if usable(last.solution):
@@ -80,16 +77,10 @@ def best_of(
 def found_motion(task: Task, joint_path: JointPath, log: Log, *, search: Search = search) -> Candidate:
     """The best motion on the fine grid, on a way past the singularities on which the arm keeps its branch.
 
-    Args:
-        task: what for.
-        joint_path: along which.
-        log: counts the effort.
-        search: finds the answer on the coarse grid.
-
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
-    ways = passages(task.scene, joint_path, starting_motion(task.scene, joint_path))
+    ways = passages(task.scene, joint_path, coarse_start(task.scene, joint_path))
     *first, last = (replace(task, passage=passage) for passage in ways)
     for way in first:
         try:
@@ -103,3 +94,64 @@ def found_motion(task: Task, joint_path: JointPath, log: Log, *, search: Search 
             if fine.is_playable:
                 return fine
     return to_fine_grid(search(last, joint_path, log), log)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One changed scene along one joint path."""
+
+    active: ActiveSet
+    joint_path: JointPath
+    log: Log
+
+    @property
+    def scene(self) -> Scene:
+        """The objects of the problem at their stated numbers, with the least friction."""
+        return self.active.scene
+
+    def start(self, start: Start) -> Stages:
+        """A smooth starting motion."""
+        return coarse_start(self.active.scene, self.joint_path, start)
+
+    def solve(self, start: Stages, *, iterations: int) -> Candidate:
+        """The answer from a start."""
+        active = with_near_rows(self.active, start)
+        return solved_lazily(active, start, self.log, {"max_iterations": iterations})
+
+
+@dataclass(frozen=True, slots=True)
+class Searcher:
+    """A search, as the diagnosis of its failure sees it."""
+
+    task: Task
+    log: Log
+
+    @property
+    def scene(self) -> Scene:
+        """What is searched for."""
+        return self.task.searched_scene
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the time of the search is up; a trial has a time of its own."""
+        return self.log.out_of_time
+
+    def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
+        """A changed scene along a joint path; nothing that is learnt of it comes back to the search."""
+        task = Task.of(scene, self.task.ignored)
+        ways = passages(scene, joint_path, coarse_start(scene, joint_path))
+        way = ways[min(1, len(ways) - 1)] if self.task.passage.determinant is not None else ways[0]
+        task = replace(task, passage=way)
+        return Trial(ActiveSet.of(task, joint_path.q).with_rows(()), joint_path, self.log)
+
+    def last_resort(self, joint_path: JointPath, last: Candidate | None) -> Candidate:
+        """The motion that the search has overlooked: it is found where the time is left open, and short enough.
+
+        Raises:
+            NoSolutionError: there is none; names the constraint in the way.
+        """
+        found = diagnosis.last_resort(self, joint_path, last)
+        assert isinstance(found, Candidate)  # as `Trial.solve` returns it
+        self.log.durations.append(found.stages.duration)
+        active = ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows)
+        return Candidate(active, found.solution)

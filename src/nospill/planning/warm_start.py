@@ -6,11 +6,10 @@ from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved, started_from
+from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
 from nospill.planning.log import Log
-from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, has_converged
-from nospill.planning.task import Task
+from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.solvers import Solution
@@ -23,33 +22,29 @@ _BROKEN_ITERATIONS = 50
 
 
 def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
-    """Solve from an earlier plan, with its multipliers where they are at hand; None where neither converges.
+    """Solve from an earlier plan of a similar scene; None where that does not converge.
 
-    Args:
-        task: the new one.
-        earlier: plan of a similar scene.
-        last: the candidate which that plan was made from.
-        log: counts the effort.
+    `last` is the candidate that plan was made from: its multipliers are used where it is at hand.
     """
     q = earlier.trajectory.joint_position
     if last is not None and not task.ignored:
         active = ActiveSet.of(task, q, last.active.members)
         same = structure_of(active.scene) == structure_of(last.active.scene)
-        if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
+        if same and fine_intervals(active, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            found = _solved_again(task, active, last.stages, log, warm=last.solution)
+            found = _solved_again(active, last.stages, log, warm=last.solution)
             if found is not None:
                 return found
     with log.phase("certify"):
         judgement = judge(earlier.trajectory, task.scene) if is_uncertain(task.scene) else None
     active = ActiveSet.of(task, q)
     if judgement is not None:
-        active = active.joined(task, active.members | active.near_members(judgement), judgement)
+        active = active.joined(active.members | active.near_members(judgement), judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
-    start = started_from(task, active, earlier.trajectory, fine_intervals(active.scene, earlier.duration))
-    return _solved_again(task, active, start, log, warm=None)
+    start = started_from(active, earlier.trajectory)
+    return _solved_again(active, start, log, warm=None)
 
 
 def _cautious(active: ActiveSet) -> ActiveSet:
@@ -57,21 +52,21 @@ def _cautious(active: ActiveSet) -> ActiveSet:
     return active.with_backoff({key: BY_NAME[key.constraint].restart_backoff for key in active.backoff})
 
 
-def _solved_again(task: Task, active: ActiveSet, start: Stages, log: Log, *, warm: Solution | None) -> Candidate | None:
+def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     log.tried += 1
-    problem = problem_about(task, active, start)
+    problem = problem_about(active, start)
     if is_broken(problem, start):
         start = slow_enough(problem, start)
         options = {"bound_push": _PUSH_IF_BROKEN, "max_iterations": _BROKEN_ITERATIONS, "loose_tolerances": True}
-        found = solved(task, active, start, log, options, warm=warm)
+        found = solved(active, start, log, options, warm=warm)
         if not found.solution.converged:
-            found = solved(task, active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
+            found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
     else:
         barrier = _WARM_BARRIER if warm else BARRIERS[0]
         options = {**near_optimum(barrier, REFINE_ITERATIONS), "loose_tolerances": True}
-        found = solved(task, active, start, log, options, warm=warm)
-    if not (has_converged(found.solution) and found.keeps_branch):
+        found = solved(active, start, log, options, warm=warm)
+    if not (found.has_converged and found.keeps_branch):
         return None
     log.durations.append(found.stages.duration)
     return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,9 @@ class MotionMaxima:
     residual_height: dict[str, float]
 
 
+_AGREED = 5e-3
+
+
 @dataclass(frozen=True, slots=True)
 class Starts:
     """What the starting points led to.
@@ -56,6 +59,12 @@ class Starts:
     converged: int
     agreed: int
     durations: tuple[float, ...]
+
+    @classmethod
+    def of(cls, tried: int, durations: Sequence[float]) -> Starts:
+        """What a number of starts led to; s."""
+        agreed = sum(duration <= min(durations) * (1 + _AGREED) for duration in durations)
+        return cls(tried, len(durations), agreed, tuple(durations))
 
 
 @dataclass(frozen=True, slots=True)

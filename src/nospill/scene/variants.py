@@ -17,8 +17,8 @@ tried (docs/uncertainty.md), which is no proof.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -41,6 +41,10 @@ _FINEST = 1e-5
 """m; levels in between are rounded to this."""
 
 
+VariantId = tuple[str, str]
+"""Name of an object and text of its variant."""
+
+
 @dataclass(frozen=True, slots=True)
 class Variant:
     """A perturbed object.
@@ -54,6 +58,11 @@ class Variant:
     name: str
     text: str
     cargo: Cargo
+
+    @property
+    def id(self) -> VariantId:
+        """What names it."""
+        return self.name, self.text
 
     @property
     def label(self) -> str:
@@ -134,3 +143,17 @@ def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
 def variants_by_object(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
     """`variants` of every object, in the order of the cargo."""
     return tuple(variants(cargo, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+
+
+def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
+    """Name of every variant where several of one object stand in a scene; the stated one has that of the object."""
+    return {item.id: item.label if index else item.name for family in by_object for index, item in enumerate(family)}
+
+
+def scene_of(scene: Scene, by_object: Iterable[Sequence[Variant]], chosen: Collection[VariantId]) -> Scene:
+    """A certain scene whose cargo are chosen variants, in the order of the objects; itself where that is its cargo."""
+    names = labels(by_object)
+    variants = [(names[item.id], item.cargo) for family in by_object for item in family if item.id in chosen]
+    cargo = tuple(own if own.name == name else replace(own, name=name) for name, own in variants)
+    same = len(cargo) == len(scene.cargo) and all(a is b for a, b in zip(cargo, scene.cargo, strict=True))
+    return scene if same else replace(scene, cargo=cargo)

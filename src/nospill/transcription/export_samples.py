@@ -50,15 +50,22 @@ class TraySamples:
     body: np.ndarray
 
 
-def export_samples(scene: Scene, stages: Stages) -> Trajectory:
+def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None) -> Trajectory:
     """Sample a solved motion at the scene's output rate, until the first sample at or after its end.
 
     s and tilt follow their own polynomials exactly; the joints are solved on every sample from the tray's pose, their
     speeds and accelerations from its twist. Past the end the motion stands still.
 
+    Args:
+        scene: of the motion.
+        stages: the motion.
+        along: joint path that leads through a singularity, where no instant says on which branch the one before was.
+
     Raises:
         ModelError: the joints cannot follow (does not happen on a feasible motion).
     """
+    if along is not None:
+        stages = with_joints_solved(scene, stages, along)
     layout = layout_of(structure_of(scene))
     count = int(np.ceil(stages.duration * scene.output_rate - 1e-9)) + 1
     t = np.arange(count) / scene.output_rate

@@ -60,3 +60,13 @@ def stage_determinants(scene: Scene, stages: Stages) -> np.ndarray:
     """Determinant of the Jacobian at the nodes but the last, shape (N,)."""
     layout = layout_of(structure_of(scene))
     return determinants(scene.robot, stages.table[:-1, layout.joint_position], stages.self_motion)
+
+
+def keeps_branch_at_nodes(scene: Scene, stages: Stages) -> bool:
+    """Whether the arm stays on its branch at the nodes."""
+    return keeps_branch(stage_determinants(scene, stages))
+
+
+def keeps_branch_between(scene: Scene, stages: Stages, q: np.ndarray) -> bool:
+    """Whether it does so at exported samples q (m, n), rad, as well."""
+    return keeps_branch(determinants(scene.robot, q, stages.self_motion))

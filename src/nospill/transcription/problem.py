@@ -53,6 +53,7 @@ class Problem:
         lower, upper: (n,) bounds of the scaled variables.
         self_motion: as in `Stages`.
         rows: row of the structure -> row of the scene, whether it takes part or not.
+        backoff: fraction of each budget that is kept from the optimiser.
     """
 
     scene: Scene
@@ -65,10 +66,12 @@ class Problem:
     upper: np.ndarray
     self_motion: np.ndarray | None
     rows: Mapping[RowIndex, RowId]
+    backoff: Backoff
 
-    def with_backoff(self, backoff: Backoff) -> np.ndarray:
-        """Parameters with another back-off."""
-        return self.transcription.parameters(self.numbers, self.scales, _indexed(self.rows, backoff))
+    def with_more_backoff(self, step: float) -> np.ndarray:
+        """Parameters with every back-off larger by a step."""
+        stepped = {row: value + step for row, value in self.backoff.items()}
+        return self.transcription.parameters(self.numbers, self.scales, _indexed(self.rows, stepped))
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
@@ -146,6 +149,7 @@ def build_problem(
         upper=upper,
         self_motion=self_motion,
         rows=rows,
+        backoff=backoff,
     )
 
 

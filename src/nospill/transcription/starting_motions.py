@@ -13,6 +13,7 @@ from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
+from nospill.transcription.resampling import resolving_intervals
 from nospill.transcription.stages import Stages
 
 
@@ -30,6 +31,10 @@ class Start:
     skew: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
 
+
+_COARSEST = 25
+_COARSE_SWING = 2.5
+"""Most of a liquid's swing in an interval, rad."""
 
 USUAL_START = Start(stretch=0.7)
 """The start that is tried first."""
@@ -100,6 +105,12 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
             table[:, layout.joint_derivative(order - 1)], duration / intervals, axis=0
         )
     return Stages(duration / intervals, table, direction)
+
+
+def coarse_start(scene: Scene, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
+    """A smooth motion along the path on the coarse grid, on which starts are compared."""
+    fewest = resolving_intervals(scene, estimate_duration(scene, joint_path), _COARSE_SWING)
+    return smooth_start(scene, joint_path, max(_COARSEST, scene.planning.intervals // 4, fewest), start)
 
 
 def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role
+import numpy as np
+
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, RowId
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -29,3 +31,19 @@ class JointPosition(Constraint):
         assert q is not None
         lower, upper = numbers.joint_lower, numbers.joint_upper
         return tuple((Range(q[i], lower[i], upper[i], upper[i] - lower[i]),) for i in range(q.numel()))
+
+
+def range_backoff(scene: Scene, q: np.ndarray) -> dict[RowId, float]:
+    """First back-off of joint ranges, which leaves no less than the path needs where it gives the joints.
+
+    That is on all of it for a level tray, at its ends for one that tilts.
+
+    Args:
+        scene: the task.
+        q: (m, n) rad, joint positions along the path.
+    """
+    robot = scene.robot
+    given = q[[0, -1]] if scene.motion.tilt_free else q
+    nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
+    shares = np.minimum(np.maximum(nearest, 0.0) / (robot.upper - robot.lower), JointPosition.backoff)
+    return {RowId(JointPosition.name, joint): float(share) for joint, share in zip(robot.joints, shares, strict=True)}
