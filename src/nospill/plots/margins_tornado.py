@@ -21,7 +21,7 @@ _BINS = 40
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """One number: margin as planned and at the worst and best place of its range (1), those places, who limits."""
+    """One number: margin as planned and at the worst and best place of its range (1), those places, and the constraint that limits."""
 
     name: str
     nominal: float
