@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import nospill
+from nospill.judge.verdict import APPROACH
 from nospill.laws.constraints import BY_NAME
 
 PACKAGE = Path(nospill.__file__).parent
@@ -26,6 +27,7 @@ OTHER_MEANINGS = {
     "tilt": {
         "judge/record_checks.py": "column of a trajectory",
         "judge/traces.py": "name of a symbol",
+        "plans/plan.py": "attribute of the largest figures",
         "plots/figures.py": "name of a figure",
         "report/page.py": "name of a figure",
         "studio/fields.py": "key of a scenario",
@@ -45,9 +47,9 @@ def literals(source: str) -> Iterator[tuple[int, str]]:
 
 
 def names_in(text: str) -> set[str]:
-    """Constraints that a string names: it is the name, or holds a name of several words as "NAME of" does."""
-    whole = {name for name in BY_NAME if text == name}
-    return whole | {name for name in BY_NAME if " " in name and (f"{name} of " in text or text.endswith(f" {name}"))}
+    """Constraints that a string names, by itself, as a row of an approach or as in "joint speed of ..."."""
+    whole = text.removeprefix(APPROACH)
+    return {name for name in BY_NAME if whole == name or (" " in name and f"{name} of " in text)}
 
 
 def test_the_search_finds_what_it_should() -> None:

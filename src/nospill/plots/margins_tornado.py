@@ -21,7 +21,7 @@ _BINS = 40
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """One number: margin as planned and at the worst and best place of its range (1), those places, who limits."""
+    """One number: margin as planned and at both ends of its effect (1), where they are, and the limiting constraint."""
 
     name: str
     nominal: float

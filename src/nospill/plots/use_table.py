@@ -16,7 +16,7 @@ _LONGEST_NAME = 20
 
 
 def draw_use_table(axes: Axes, evidence: Evidence) -> None:
-    """One line per constraint: who, bar of use, value, limit, when; a failing row is hatched and says so."""
+    """One line per constraint: subject, bar of use, value, limit, when; a failing row is hatched and says so."""
     rows = evidence.judgement.certificate.worst_rows()
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)

@@ -13,7 +13,7 @@ from nospill.scene.scene import Scene
 STILL_FRACTION = 0.02
 """Displacement (for `still`, velocity over frequency too) that counts as zero at the end, over max_slosh_height.
 
-The optimiser holds it at zero exactly; the judge, who integrates with another method, must find it this small."""
+The optimiser holds it at zero exactly; the judge integrates with another method and must find it this small."""
 
 _SMOOTHING = 0.02
 """Of the bound, as a fraction of its limit: it adds 0.01 % for a mode that reaches it, 1.4 % for one at rest."""
