@@ -81,7 +81,7 @@ def test_published_data_of_the_liquid_experiment() -> None:
     assert scene.motion.residual_fraction == 0.2 and scene.output_rate == 500 and scene.gravity == STANDARD_GRAVITY
     assert scene.robot.name == "comau-smart-six"
     assert scene.path.length == pytest.approx(1.8379, abs=5e-5)
-    assert np.array_equal(scene.tray.size, [0.335, 0.25]) and np.array_equal(scene.tray.offset, [0, 0, 0.108])
+    assert np.array_equal(scene.tray.size, [0.335, 0.25]) and np.array_equal(scene.tray.tool.position, [0, 0, 0.108])
     centres = [item.position.tolist() for item in scene.cargo]
     assert centres == [[-0.09216, -0.06878], [0.09216, 0.06878], [-0.09216, 0.06878], [0.09216, -0.06878]]
     assert [item.name for item in scene.cargo] == ["c1", "c2", "c3", "c4"]
@@ -125,7 +125,7 @@ def test_defaults() -> None:
     assert scene.fidelity == "full" and scene.slosh_modes == 1 and scene.output_rate == 500
     assert scene.motion.max_tilt == math.radians(30) and scene.motion.end == "residual" and not scene.motion.tilt_free
     assert scene.planning.intervals == 100 and scene.planning.starts == 3 and scene.planning.solver == "ipopt"
-    assert np.array_equal(scene.tray.offset, [0, 0, 0])
+    assert np.array_equal(scene.tray.tool.position, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
     assert scene.cargo[0].footprint_reserve == 0.05
     filling = one(CUP).filling
@@ -134,7 +134,7 @@ def test_defaults() -> None:
 
 def test_numbers_are_read_only() -> None:
     scene = scene_with()
-    for array in (scene.tray.size, scene.tray.offset, scene.cargo[0].position, scene.cargo[0].total.centre):
+    for array in (scene.tray.size, scene.tray.tool.position, scene.cargo[0].position, scene.cargo[0].total.centre):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
 
@@ -143,7 +143,7 @@ def test_own_friction_offset_and_seed() -> None:
     tray = {**VALID["tray"], "offset": ["1 mm", 0, "108 mm"], "yaw_on_flange": "90 deg", "friction_reserve": "20 %"}
     entry = {"name": "c", "at": [0, 0], **CUP, "friction": 0.2, "friction_reserve": 0, "yaw": "45 deg"}
     scene = scene_with(tray=tray, cargo=[entry])
-    assert scene.tray.offset == pytest.approx([0.001, 0, 0.108]) and scene.tray.yaw_on_flange == math.pi / 2
+    assert scene.tray.tool.position == pytest.approx([0.001, 0, 0.108]) and scene.tray.tool.yaw == math.pi / 2
     assert scene.cargo[0].planned_friction == 0.2 and scene.cargo[0].yaw == math.pi / 4
 
 

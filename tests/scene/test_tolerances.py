@@ -48,7 +48,7 @@ def texts(cargo: Cargo, scene: Scene) -> list[str]:
 
 def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
     """A motion without a solver, fast enough for some limits and too fast for others."""
-    path = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)[0]
+    path = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
     return export_samples(scene, smooth_start(scene, path, 200, Start(stretch, tilt=(0.1, 0.05))))
 
 

@@ -44,9 +44,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
     from scipy.spatial.transform import Rotation  # slow to load
 
     tray, robot = scene.tray, scene.robot
-    position, rotation = kinematics(robot).poses(
-        samples.position, tool_position=tray.offset, tool_yaw=tray.yaw_on_flange
-    )
+    position, rotation = kinematics(robot).poses(samples.position, tool=tray.tool)
     quaternion = Rotation.from_matrix(rotation).as_quat()
     # q and -q are one attitude: a receiver that interpolates wants neighbours on the same side.
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
@@ -110,8 +108,7 @@ def _solved(positions: np.ndarray, rotations: np.ndarray, start: np.ndarray, sce
                 positions[row : row + 1],
                 rotations[row : row + 1],
                 guess[None],
-                tool_position=tray.offset,
-                tool_yaw=tray.yaw_on_flange,
+                tool=tray.tool,
             )
         except ModelError as error:
             raise PlanFolderError(f"{path}, row {row + 1}: the arm does not reach this pose of the tray") from error

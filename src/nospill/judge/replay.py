@@ -133,8 +133,7 @@ def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = Non
     """
     motions = kinematics(scene.robot).motions(
         *joints,
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
+        tool=scene.tray.tool,
         function=function,
     )
     back = np.swapaxes(motions.rotation, 1, 2)

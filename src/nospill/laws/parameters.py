@@ -79,14 +79,13 @@ class SceneNumbers:
     Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
     and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
     origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
-    zero where there is none or a motion has not been chosen yet.
+    zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
     """
 
     gravity: Number
     path_breaks: Number
     path_coefficients: Number
-    tray_offset: Number
-    tray_yaw_on_flange: Number
+    tool: Number
     joint_lower: Number
     joint_upper: Number
     joint_speed_limit: Number

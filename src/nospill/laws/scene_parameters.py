@@ -102,8 +102,7 @@ def _numbers(known: _Known) -> SceneNumbers:
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
         path_coefficients=scene.path.coefficients,
-        tray_offset=scene.tray.offset,
-        tray_yaw_on_flange=scene.tray.yaw_on_flange,
+        tool=scene.tray.tool.row,
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         joint_speed_limit=scene.robot.max_speed,
@@ -130,13 +129,13 @@ def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:
     On the tray stands `payload`, the cargo of the scene where there is none.
     """
     tray = scene.tray
-    turn = rotation_of((0.0, 0.0, tray.yaw_on_flange))
+    turn = tray.tool.rotation
     x, y = tray.size
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
-    load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
+    load = load_of(tray.mass, np.asarray(tray.tool.position), plate, rotation=turn)
     for cargo in scene.cargo if payload is None else payload:
         own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
-        centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+        centre = tray.tool.position + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
         load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
     return load
 

@@ -111,7 +111,7 @@ def _joint_path(task: Task, log: Log) -> JointPath:
     with log.phase("kinematics"):
         try:
             paths = joint_paths(
-                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
+                scene.robot, scene.path, tool=scene.tray.tool
             )
         except ScenarioError as error:
             raise diagnosis.advised(scene, error, Searcher(task, log)) from None

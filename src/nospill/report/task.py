@@ -122,9 +122,9 @@ def _written(value: object) -> str:
 def _tray(scene: Scene) -> str:
     tray = scene.tray
     sides = " x ".join(f"{1e3 * side:.4g}" for side in tray.size)
-    offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.offset)
+    offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.tool.position)
     board = f", board of {tray.mass:.3g} kg" if tray.mass else ""
-    turned = f", turned by {np.degrees(tray.yaw_on_flange):.3g} deg" if tray.yaw_on_flange else ""
+    turned = f", turned by {np.degrees(tray.tool.yaw):.3g} deg" if tray.tool.yaw else ""
     return f"{sides} mm, surface at ({offset}) mm of the flange{turned}{board}"
 
 

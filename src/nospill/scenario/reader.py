@@ -19,6 +19,7 @@ from nospill.core.files import atomic_text
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.examples import EXAMPLES, example_path
@@ -158,8 +159,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         path = scenario.path.model_copy(update=read_in).build()
     tray = Tray(
         size=_constant(scenario.tray.size),
-        offset=_constant(scenario.tray.offset),
-        yaw_on_flange=scenario.tray.yaw_on_flange,
+        tool=Tool(_constant(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
     cargo = _cargo(scenario, label)

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
+from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import overhang, overlap
@@ -74,7 +75,7 @@ def tray_size(table: Mapping[str, Any]) -> tuple[float, float] | None:
 def place_objects(table: Mapping[str, Any]) -> list[Placed]:
     """Every object whose place and sides can be read, whatever else is wrong with it."""
     size = tray_size(table)
-    tray = None if size is None else Tray(np.array(size), np.zeros(3), 0.0)
+    tray = None if size is None else Tray(np.array(size), Tool())
     bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
     names = [label_of(entry, index) for index, entry in enumerate(table["cargo"])]
     met: dict[int, list[str]] = {index: [] for index in bodies}
@@ -108,7 +109,7 @@ def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[floa
     others = [other for item in table["cargo"] if (other := _body(item)) is not None]
     if size is None or body is None:
         return 0.0, 0.0
-    tray = Tray(np.array(size), np.zeros(3), 0.0)
+    tray = Tray(np.array(size), Tool())
     most = [min(int(side / 2 / _SEARCH), _MOST_STEPS) for side in size]
     places = [
         (_SEARCH * column, _SEARCH * row)
