@@ -24,7 +24,7 @@ from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import overhang, overlap
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 
@@ -186,7 +186,7 @@ def test_whole_is_cup_and_frozen_liquid(entry: dict[str, Any], empty_mass: float
         c = body.centre
         return body.inertia + body.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
-    frozen = SHAPES[entry["shape"]](
+    frozen = CONTAINERS[entry["shape"]](
         **{key: keys[key] for key in ("radius", "length", "width") if key in keys}, height=0.049
     ).solid_properties(liquid_mass)
     assert about_bottom(item.total) == pytest.approx(about_bottom(item.empty) + about_bottom(frozen), abs=1e-15)
@@ -315,8 +315,8 @@ def test_overhang_and_touching() -> None:
 
 
 def test_every_shape_has_its_keys() -> None:
-    assert set(CARGO_TABLES) == set(SHAPES)
-    for shape, container in SHAPES.items():
+    assert set(CARGO_TABLES) == set(CONTAINERS)
+    for shape, container in CONTAINERS.items():
         assert {field.name for field in dataclasses.fields(container) if field.init} <= set(
             CARGO_TABLES[shape].model_fields
         )

@@ -110,9 +110,7 @@ def _joint_path(task: Task, log: Log) -> JointPath:
     scene = task.scene
     with log.phase("kinematics"):
         try:
-            paths = joint_paths(
-                scene.robot, scene.path, tool=scene.tray.tool
-            )
+            paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
         except ScenarioError as error:
             raise diagnosis.advised(scene, error, Searcher(task, log)) from None
         return preferred_path(paths, scene.robot, scene.start_near)

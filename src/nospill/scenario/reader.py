@@ -15,6 +15,7 @@ import numpy as np
 import tomli_w
 from pydantic import ValidationError
 
+from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
@@ -158,8 +159,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
     tray = Tray(
-        size=_constant(scenario.tray.size),
-        tool=Tool(_constant(scenario.tray.offset), scenario.tray.yaw_on_flange),
+        size=read_only(scenario.tray.size),
+        tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
     cargo = _cargo(scenario, label)
@@ -297,9 +298,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, bool | str):
         return value
     return int(value) if isinstance(value, int) else float(value)
-
-
-def _constant(values: tuple[float, ...]) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.flags.writeable = False
-    return array

@@ -223,10 +223,10 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
         return {}
     function = _functions(structure, Shapes(numbers))["crests"]
     table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
-    tracks, start = {}, 0
-    carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
-    for row, (cargo, item) in enumerate(carriers):
-        own = slice(start, start + item.coordinates)
-        start += item.coordinates
+    tracks = {}
+    carriers = [
+        (cargo, own) for cargo, own in zip(scene.cargo, structure.slosh_slices, strict=True) if cargo.oscillators
+    ]
+    for row, (cargo, own) in enumerate(carriers):
         tracks[cargo.name] = SloshTrack(samples.displacement[:, own], samples.velocity[:, own], table[row])
     return tracks

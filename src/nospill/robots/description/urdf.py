@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity, quantity
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import (
@@ -115,10 +116,10 @@ def read_arm(
         urdf=write_tree(_based(tree, base)),
         joints=names,
         tip=tip,
-        lower=_column([joint.lower for joint in moving]),
-        upper=_column([joint.upper for joint in moving]),
-        speed=_column(_speeds(moving)),
-        torque=_column(_torques(moving)),
+        lower=read_only([joint.lower for joint in moving]),
+        upper=read_only([joint.upper for joint in moving]),
+        speed=read_only(_speeds(moving)),
+        torque=read_only(_torques(moving)),
         inertia_fault=fault,
         notes=tuple(notes),
     )
@@ -316,9 +317,3 @@ def _free(name: str, taken: Mapping[str, object] | Sequence[str]) -> str:
     while name in taken:
         name += "_"
     return name
-
-
-def _column(values: Sequence[float]) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

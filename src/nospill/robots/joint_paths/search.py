@@ -16,6 +16,7 @@ from itertools import product
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.hermite import cubic_hermite
 from nospill.core.paths import Path
 from nospill.errors import ScenarioError
@@ -193,12 +194,7 @@ def _within_limits(
             turned = q + TURN * np.array(turns)
             margin = float(np.minimum(turned - robot.lower, robot.upper - turned).min())
             off_middle = float((np.abs(turned.mean(axis=0) - middle) / (robot.upper - robot.lower)).sum())
-            joint_path = JointPath(branch_in_words(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
+            joint_path = JointPath(branch_in_words(turned[0]), s, read_only(turned), read_only(dq_ds), figure, margin)
             # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
             found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
     return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
-
-
-def _constant(array: np.ndarray) -> np.ndarray:
-    array.setflags(write=False)
-    return array

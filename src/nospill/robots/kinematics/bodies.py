@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.arrays import parallel_axis
 from nospill.robots.description.urdf_tree import Inertial, UrdfJoint, UrdfTree, rotation_of
 
 _LIGHTEST = 1e-6  # kg
@@ -132,14 +133,9 @@ def _carried(
             centre = position + rotation @ np.array(own.centre)
             mass += own.mass
             moment = moment + own.mass * centre
-            inertia = inertia + rotation @ own.inertia() @ rotation.T + own.mass * about_point(centre)
+            inertia = inertia + rotation @ own.inertia() @ rotation.T + own.mass * parallel_axis(centre)
         for joint in children.get(name, []):
             if joint.name not in moving:
                 place = position + rotation @ np.array(joint.position)
                 waiting.append((joint.child, place, rotation @ rotation_of(joint.rpy)))
     return mass, moment, inertia
-
-
-def about_point(arm: np.ndarray) -> np.ndarray:
-    """Return the inertia (3, 3) of a unit point mass at `arm` (3,), m, about the origin (parallel-axis theorem)."""
-    return float(arm @ arm) * np.eye(3) - np.outer(arm, arm)

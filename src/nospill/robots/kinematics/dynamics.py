@@ -19,10 +19,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.core.arrays import parallel_axis
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import Body, about_point, chain_bodies, inertia_fault
+from nospill.robots.kinematics.bodies import Body, chain_bodies, inertia_fault
 from nospill.robots.kinematics.forward import Chain
 from nospill.robots.robot import Robot
 
@@ -64,7 +65,7 @@ def load_of(
     """
     turn = np.eye(3) if rotation is None else rotation
     about_centre = np.zeros((3, 3)) if inertia is None else turn @ inertia @ turn.T
-    return Load(mass, mass * centre, about_centre + mass * about_point(centre))
+    return Load(mass, mass * centre, about_centre + mass * parallel_axis(centre))
 
 
 NO_LOAD = Load(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -174,7 +175,7 @@ class Dynamics:
         inertia = turn @ ca.SX(load.inertia) @ turn.T
         cross = lever @ moment.T
         inertia = inertia + (2.0 * ca.trace(cross)) * ca.SX.eye(3) - cross - cross.T
-        inertia = inertia + load.mass * _constant(about_point(self._chain.flange_position))
+        inertia = inertia + load.mass * _constant(parallel_axis(self._chain.flange_position))
         return Load(load.mass, moment + load.mass * lever, inertia)
 
     def torques(
@@ -251,7 +252,7 @@ def _regrouped(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
         # the symmetric part in the frame before
         turn, lever = body.rotation, body.position
         moved = turn @ along
-        inertia = turn @ across @ turn.T + mass * about_point(lever) + _about_moment(lever, moved)
+        inertia = turn @ across @ turn.T + mass * parallel_axis(lever) + _about_moment(lever, moved)
         moment = moved + mass * lever
     return tuple(kept[::-1])
 
