@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.attitudes import matrices
 from nospill.core.files import atomic_text
 from nospill.errors import ModelError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
@@ -66,8 +67,6 @@ def _read(path: Path, scene: Scene) -> JointSamples:
     reason = _reason_against(scene, 0.0)
     if reason is not None:
         raise PlanFolderError(f"{path}: {reason}")
-    from scipy.spatial.transform import Rotation  # slow to load
-
     lines = text_of(path).rstrip().splitlines()
     start = _start(lines, scene, path)
     if HEADER not in lines:
@@ -84,7 +83,7 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         raise PlanFolderError(
             f"{path}, line {first + row + 1}: the quaternion has length {lengths[row]:.9g}, 1 is needed"
         )
-    joints = _solved(table[:, 1:4], Rotation.from_quat(table[:, 4:]).as_matrix(), start, scene, path)
+    joints = _solved(table[:, 1:4], matrices(table[:, 4:]), start, scene, path)
     return checked_samples(JointSamples(table[:, 0], joints), path)
 
 

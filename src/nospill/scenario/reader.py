@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 import tomllib
@@ -17,6 +16,7 @@ from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
+from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
@@ -105,8 +105,8 @@ def _locate(label: str) -> FilePath:
         raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
     if exists:
         raise report(label, [("", "is not a regular file; give a TOML file")])
-    near = difflib.get_close_matches(label, EXAMPLES, n=1)
-    hint = f'did you mean "{near[0]}"?' if near else _KNOWN_EXAMPLES
+    near = nearest(label, EXAMPLES)
+    hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
     raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
 
 

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from nospill.core.attitudes import matrices
+from nospill.core.piecewise import interpolating_spline
 from nospill.errors import ModelError, ScenarioError
 from nospill.simulation.motion_file import Motion
 
@@ -20,14 +22,14 @@ _LARGEST_FORCE = 200.0
 
 def pose_spline(motion: Motion) -> Any:
     """Quintic spline t -> (..., 7) of position and quaternion; least squares where samples outnumber the knots."""
-    from scipy.interpolate import make_interp_spline, make_lsq_spline
+    from scipy.interpolate import make_lsq_spline
 
     poses = np.hstack([motion.position, motion.quaternion])
     usual = float(np.median(np.diff(motion.t)))
     every = max(1, round(KNOT_SPACING / usual))
     inner = motion.t[every : len(motion.t) - every : every]
     if every == 1 or len(inner) + _DEGREE + 1 > len(motion.t):
-        return make_interp_spline(motion.t, poses, k=_DEGREE)
+        return interpolating_spline(motion.t, poses, _DEGREE)
     ends = np.repeat(motion.t[0], _DEGREE + 1), np.repeat(motion.t[-1], _DEGREE + 1)
     return make_lsq_spline(motion.t, poses, np.concatenate([ends[0], inner, ends[1]]), k=_DEGREE)
 
@@ -38,22 +40,18 @@ def body_rows(spline: Any, t: np.ndarray, gravity: float) -> np.ndarray:
     With an unnormalised quaternion Q(t) = (v, w): R' = R [omega]x gives omega = 2 vec(Q* Q')/|Q|^2 and, derived once
     more, alpha = 2 vec(Q* Q'')/|Q|^2 - 2 omega (Q.Q')/|Q|^2.
     """
-    from scipy.spatial.transform import Rotation
-
     pose, speed, change = spline(t), spline(t, 1), spline(t, 2)
     q, qd, qdd = pose[:, 3:], speed[:, 3:], change[:, 3:]
     square = np.sum(q * q, axis=1)[:, None]
     omega = 2 * _relative(q, qd) / square
     alpha = 2 * _relative(q, qdd) / square - 2 * omega * np.sum(q * qd, axis=1)[:, None] / square
     lifted = change[:, :3] + np.array([0.0, 0.0, gravity])
-    return np.hstack([omega, alpha, Rotation.from_quat(q).inv().apply(lifted)]).T
+    return np.hstack([omega, alpha, np.einsum("mji,mj->mi", matrices(q), lifted)]).T
 
 
 def world_up(motion: Motion) -> np.ndarray:
     """The world's vertical in the container's axes at the first sample, (3,)."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_quat(motion.quaternion[0]).inv().apply([0.0, 0.0, 1.0])
+    return matrices(motion.quaternion[:1])[0, 2]
 
 
 def check_pressed(t: np.ndarray, body: np.ndarray, liquid_height: float) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
 from nospill.robots.robot import Robot
@@ -41,8 +41,8 @@ def load_robot(name: str) -> Robot:
         ScenarioError: no arm has that name; the message lists the names and the nearest one.
     """
     if name not in ROBOTS:
-        near = difflib.get_close_matches(name, ROBOTS, n=1, cutoff=0.5)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        near = nearest(name, ROBOTS, likeness=0.5)
+        hint = f"; did you mean {near!r}?" if near else ""
         raise ScenarioError(f"robot model {name!r} is not in the catalogue (known: {', '.join(sorted(ROBOTS))}){hint}")
     folder = resources.files("nospill.robots") / "data"
     facts = tomllib.loads((folder / f"{ROBOTS[name]}.toml").read_text(encoding="utf-8"))

@@ -55,9 +55,6 @@ class LimitChanges:
     torque_scale: float | None = None
 
 
-UNCHANGED = LimitChanges()
-
-
 def changed_limits(robot: Robot, changes: LimitChanges, *, inertia_fault: str | None = None) -> Robot:
     """Return the arm with other limits.
 

@@ -1,10 +1,10 @@
-"""Inverse kinematics: all solutions at one pose, many poses from guesses, and the joint paths that follow a tray path.
+"""Joint paths: the continuous joint motions that carry the level tray along a path, and the choice among them.
 
-`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that
-exists at the start of the path is followed along all of it with a level tray, by Newton continuation with step
-control, so that a branch never jumps. Seven joints have a family of branches for every position of the redundant
-joint: a number of positions is tried, each kept along the path, and only where none leads through, the joints are left
-to move as little as they can. That gives the planner its start; it may move the redundant joint as it likes.
+Every branch of the inverse kinematics that exists at the start of the path is followed along all of it with a level
+tray, by Newton continuation with step control, so that a branch never jumps. Seven joints have a family of branches for
+every position of the redundant joint: a number of positions is tried, each kept along the path, and only where none
+leads through, the joints are left to move as little as they can. That gives the planner its start; it may move the
+redundant joint as it likes.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class BodyChain:
     """Bodies from base to tip, and the flange (3,), m, (3, 3) in the last joint's frame."""
 
     bodies: tuple[Body, ...]
@@ -44,7 +44,7 @@ class Chain:
     flange_rotation: np.ndarray
 
 
-def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> Chain:
+def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
     """Lump every link of a description into the bodies of a chain; joints that are not named stay at zero.
 
     Args:
@@ -75,7 +75,7 @@ def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> Chain:
         position, rotation = np.zeros(3), lay.T
     for step in pending:
         position, rotation = position + rotation @ np.array(step.position), rotation @ rotation_of(step.rpy)
-    return Chain(tuple(bodies), position, rotation)
+    return BodyChain(tuple(bodies), position, rotation)
 
 
 def inertia_fault(tree: UrdfTree, joints: Sequence[str]) -> str | None:

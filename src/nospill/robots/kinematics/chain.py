@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.robots.kinematics.bodies import Chain
+from nospill.robots.kinematics.bodies import BodyChain
 
 _RIGHT_ANGLE = 1e-10
 
@@ -36,7 +36,7 @@ class ChainExpressions:
     jacobian: SX
 
 
-def chain_expressions(chain: Chain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> ChainExpressions:
+def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> ChainExpressions:
     """Motion of a tool frame: `tool` (4, 1) is its origin in flange axes and its turn about the flange's z."""
     position, rotation = SX.zeros(3), SX.eye(3)
     velocity = omega = acceleration = alpha = SX(3, 1)

@@ -24,7 +24,7 @@ from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import Body, chain_bodies, inertia_fault
-from nospill.robots.kinematics.forward import Chain
+from nospill.robots.kinematics.forward import ArmChain
 from nospill.robots.robot import Robot
 
 STANDARD_GRAVITY = 9.80665
@@ -203,7 +203,7 @@ class Dynamics:
         return np.ascontiguousarray(torque.T)
 
 
-def torque_expression(chain: Chain, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
+def torque_expression(chain: ArmChain, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
     """`joint_torque` for a chain whose inertias are known to be real, without asking again."""
     return _dynamics(chain.urdf, chain.joints, chain.tip).torque(q, qd, qdd, load, gravity=gravity)
 

@@ -16,8 +16,7 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import Chain as BodyChain
-from nospill.robots.kinematics.bodies import chain_bodies
+from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
 from nospill.robots.kinematics.chain import chain_expressions
 from nospill.robots.tool import FLANGE, Tool
 
@@ -166,7 +165,7 @@ class Kinematics:
         return np.ascontiguousarray(evaluate(function, columns, tool).T)
 
 
-class Chain(Protocol):
+class ArmChain(Protocol):
     """What forward kinematics needs to know of an arm; a `Robot` is one."""
 
     @property
@@ -185,7 +184,7 @@ class Chain(Protocol):
         ...
 
 
-def kinematics(robot: Chain) -> Kinematics:
+def kinematics(robot: ArmChain) -> Kinematics:
     """Return the forward kinematics of an arm; built once per chain.
 
     Raises:
