@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from nospill.planning.run import PlanningRun
 from typer.testing import CliRunner
 
 from nospill.cli import app
