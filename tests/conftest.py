@@ -80,7 +80,7 @@ class SmoothMotion:
 @cache
 def _joint_path(name: str) -> JointPath:
     scene = read_scenario(name)
-    return joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)[0]
+    return joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
 
 
 @cache

@@ -73,7 +73,7 @@ def failure_of(error: NospillError, scene: Scene) -> Failure:
         return Failure(IMPOSSIBLE if error.kind == REST else NOT_FOUND, str(error), error.kind, blamed)
     if isinstance(error, ScenarioError):
         try:
-            joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+            joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
         except ScenarioError:
             return Failure(OUT_OF_REACH, str(error))
         return Failure(REFUSED, str(error))
@@ -224,7 +224,7 @@ def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[
         return best
 
     log = Log(None, scene.planning.max_plan_time)
-    paths = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+    paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     return certified_by_refinement(found_motion(Task.of(scene), joint_path, log, search=search), log)
 

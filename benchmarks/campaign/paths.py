@@ -21,6 +21,7 @@ from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.closed_form import inverse_solutions
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scenario import scene_from_table
 
 if TYPE_CHECKING:
@@ -106,9 +107,9 @@ def reachable_base(table: dict[str, Any], random: np.random.Generator, known: Di
             base, yaw = _base(scene_path, robot, random, roll, _RADIAL)
             moved = _moved(scene_path, base, yaw)
             if _ends_reached(robot, moved, drawn):
-                offset = np.array([0.0, 0.0, drawn["tray"]["offset"]])
+                tool = Tool(np.array([0.0, 0.0, drawn["tray"]["offset"]]))
                 try:
-                    joint_paths(robot, moved, tool_position=offset)
+                    joint_paths(robot, moved, tool=tool)
                 except ScenarioError:
                     continue
                 return _placed(drawn, base, yaw)
@@ -168,16 +169,14 @@ def _moved(path: Path, base: np.ndarray, yaw: float) -> Path:
 
 def _ends_reached(robot: Robot, path: Path, table: dict[str, Any]) -> bool:
     """Whether begin, middle and end are in reach within the limits: quick, and sorts out most bases."""
-    offset = np.array([0.0, 0.0, table["tray"]["offset"]])
+    tool = Tool(np.array([0.0, 0.0, table["tray"]["offset"]]))
     joint = redundant_joint(robot)
     if joint is None:
         choices: list[tuple[int, float] | None] = [None]
     else:
         choices = [(joint, float(value)) for value in np.linspace(robot.lower[joint], robot.upper[joint], 7)[1:-1]]
     for position, rotation in zip(*tray_poses(path, np.array([0.0, 1.0, 0.5])), strict=True):
-        if not any(
-            len(inverse_solutions(robot, position, rotation, tool_position=offset, held=held)) for held in choices
-        ):
+        if not any(len(inverse_solutions(robot, position, rotation, tool=tool, held=held)) for held in choices):
             return False
     return True
 

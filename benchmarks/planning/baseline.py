@@ -161,9 +161,7 @@ def level_rows(scene: Scene) -> Any:
 
 def joint_table(scene: Scene) -> Any:
     """(s) -> q (n, 1), rad, of the level tray: a spline through the inverse kinematics."""
-    found = joint_paths(
-        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange, samples=101
-    )[0]
+    found = joint_paths(scene.robot, scene.path, tool=scene.tray.tool, samples=101)[0]
     return ca.interpolant("joints", "bspline", [found.s.tolist()], found.q.ravel().tolist())
 
 
@@ -246,7 +244,7 @@ def closed_chain(scene: Scene) -> Any:
     table = np.array(joint_table(scene)(ca.DM(np.linspace(0, 1, 101)).T))
     near = table[:, 50]
     rotation = about_z(place[3]) @ about_y(tilt[1]) @ about_x(tilt[0])
-    wrist = place[:3] - (float(scene.tray.offset[2]) + 0.095) * rotation[:, 2]
+    wrist = place[:3] - (float(scene.tray.tool.position[2]) + 0.095) * rotation[:, 2]
     q1 = -ca.atan2(wrist[1], wrist[0])
     out, up = ca.sqrt(wrist[0] ** 2 + wrist[1] ** 2) - 0.150, wrist[2] - 0.450
     upper, fore, bend = 0.590, float(np.hypot(0.130, 0.64707)), float(np.arctan2(0.130, 0.64707))
@@ -254,7 +252,7 @@ def closed_chain(scene: Scene) -> Any:
     elbow *= float(np.sign(-near[2] - bend))
     q2 = ca.atan2(out, up) - ca.atan2(fore * ca.sin(elbow), upper + fore * ca.cos(elbow))
     forearm = q2 + elbow + bend
-    turn = (about_z(-q1) @ about_y(forearm)).T @ rotation @ about_z(-scene.tray.yaw_on_flange)
+    turn = (about_z(-q1) @ about_y(forearm)).T @ rotation @ about_z(-scene.tray.tool.yaw)
     side = float(np.sign(near[4]))
     q5 = side * ca.acos(turn[2, 2])
     q4 = _angle_near(near[3], -side * turn[1, 2], side * turn[0, 2])

@@ -28,9 +28,7 @@ def solve(scene: Scene) -> float:
     """
     toppra.setup_logging("ERROR")
     s = np.linspace(0, 1, GRID)
-    joints = joint_paths(
-        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange, samples=GRID
-    )[0]
+    joints = joint_paths(scene.robot, scene.path, tool=scene.tray.tool, samples=GRID)[0]
     path = toppra.SplineInterpolator(s, np.hstack([scene.path.at(s), joints.q]))
     free = np.full(4, 1e3)
     speeds = np.concatenate([free, scene.robot.max_speed])

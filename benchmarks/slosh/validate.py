@@ -14,7 +14,7 @@ import argparse
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +101,7 @@ def compare_published_experiment(folder: Path) -> dict[str, tuple[Comparison, ..
     joints = np.loadtxt(folder / "executed-joints-liquid.csv", delimiter=",", skiprows=1)
     # The laboratory's flange is turned by half a turn against the catalogue's.
     position, rotation = kinematics(scene.robot).poses(
-        joints[:, 1:], tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange + np.pi
+        joints[:, 1:], tool=replace(scene.tray.tool, yaw=scene.tray.tool.yaw + np.pi)
     )
     found = {}
     for cargo in scene.cargo:

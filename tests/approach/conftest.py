@@ -30,8 +30,8 @@ def asked(changed_scene) -> Callable[..., Asked]:
     @cache
     def start(name: str) -> np.ndarray:
         scene = changed_scene(name, {})
-        tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-        return joint_paths(scene.robot, scene.path, **tool)[0].q[0]
+        tool = scene.tray.tool
+        return joint_paths(scene.robot, scene.path, tool=tool)[0].q[0]
 
     def make(name: str = "matrix-liquid", *, shift: list[float] | None = None, **table: Any) -> Asked:
         own = start(name)
@@ -40,8 +40,8 @@ def asked(changed_scene) -> Callable[..., Asked]:
         scene = changed_scene(name, {"approach": entry})
         assert scene.approach is not None
         if shift is None:
-            tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-            own = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, scene.start_near).q[0]
+            tool = scene.tray.tool
+            own = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, scene.start_near).q[0]
         return Asked(scene, scene.approach, own)
 
     return make

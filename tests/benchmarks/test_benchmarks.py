@@ -81,10 +81,10 @@ def test_level_rows_agree_with_the_package(liquid: Scene, point: np.ndarray) -> 
     displacement = slosh.reshape(4, 4)[:, :2]
     np.testing.assert_allclose(np.array(heights).ravel(), gain**2 * np.sum(displacement**2, axis=1), atol=1e-14)
     # The joint table is a cubic spline through 101 samples; between them it stays within a few hundredths of a mrad.
-    arm, tool = kinematics(liquid.robot), {"tool_position": liquid.tray.offset, "tool_yaw": liquid.tray.yaw_on_flange}
+    arm, tool = kinematics(liquid.robot), liquid.tray.tool
     q, qd = np.array(joints).T, np.array(speeds).T
     position, velocity = numbers(state.position, state.velocity)
-    motion = arm.motions(q, qd, np.zeros((1, 6)), **tool)
+    motion = arm.motions(q, qd, np.zeros((1, 6)), tool=tool)
     np.testing.assert_allclose(motion.position[0], position.ravel(), atol=1e-4)
     np.testing.assert_allclose(motion.velocity[0], velocity.ravel(), atol=1e-2)
 
@@ -124,8 +124,8 @@ def test_tilting_rows_agree_with_the_package(rigid: Scene, point: np.ndarray) ->
     none = split_states(structure_of(rigid), SX.zeros(0), SX.zeros(0), SX.zeros(0))
     np.testing.assert_allclose(np.array(waiter).ravel(), waiter_rows(rigid, state, none), atol=1e-10)
 
-    arm, tool = kinematics(rigid.robot), {"tool_position": rigid.tray.offset, "tool_yaw": rigid.tray.yaw_on_flange}
-    motion = arm.motions(np.array(joints).T, np.array(speeds).T, np.zeros((1, 6)), **tool)
+    arm, tool = kinematics(rigid.robot), rigid.tray.tool
+    motion = arm.motions(np.array(joints).T, np.array(speeds).T, np.zeros((1, 6)), tool=tool)
     position, rotation, velocity = numbers(state.position, state.rotation, state.velocity)
     omega = rotation @ numbers(state.motion.angular_velocity)[0].ravel()
     np.testing.assert_allclose(motion.position[0], position.ravel(), atol=1e-9)

@@ -43,7 +43,7 @@ def test_tables_survive_json_and_the_reader(cases: list[Case]) -> None:
 def test_reachable_scenarios_are_reached(cases: list[Case]) -> None:
     for case in (case for case in cases if not case.unreachable and "franka" not in case.structure):
         scene = scene_from_table(case.table, name="x")
-        found = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset)
+        found = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
         assert found[0].limit_margin >= 0.0
 
 
@@ -84,8 +84,8 @@ def test_moving_the_path_is_moving_the_base(roll: float) -> None:
     plain = scene_from_table(table, name="plain")
     moved: TrayPath = campaign_paths._moved(scene.path, np.array([0.3, -0.2, 0.4]), 0.7)
     q = np.random.default_rng(0).uniform(-2.0, 2.0, (1, 6))
-    here = kinematics(scene.robot).poses_and_jacobians(q, tool_position=scene.tray.offset)
-    there = kinematics(plain.robot).poses_and_jacobians(q, tool_position=scene.tray.offset)
+    here = kinematics(scene.robot).poses_and_jacobians(q, tool=scene.tray.tool)
+    there = kinematics(plain.robot).poses_and_jacobians(q, tool=scene.tray.tool)
     turn = campaign_paths._turn(0.7)
     np.testing.assert_allclose(here[0][0], turn @ there[0][0] + [0.3, -0.2, 0.4], atol=1e-9)
     np.testing.assert_allclose(here[1][0], turn @ there[1][0], atol=1e-9)

@@ -86,8 +86,8 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
 
 def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1, "planning.max_plan_time": 1e-3})
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    tool = scene.tray.tool
+    way = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, None)
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)
@@ -102,8 +102,8 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
 
 def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1})
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    way = preferred_path(joint_paths(scene.robot, scene.path, **tool), scene.robot, None)
+    tool = scene.tray.tool
+    way = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, None)
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)

@@ -385,9 +385,11 @@ class TestSpoiledScene:
 
     def test_tray_mounted_elsewhere(self, solid):
         scene, trajectory = solid
-        higher = replace(scene, tray=replace(scene.tray, offset=scene.tray.offset + np.array((0, 0, 0.001))))
+        tool = scene.tray.tool
+        raised = replace(tool, position=tool.position + np.array((0, 0, 0.001)))
+        higher = replace(scene, tray=replace(scene.tray, tool=raised))
         assert {"path position", "recorded position"} <= failed(certify(trajectory, higher))
-        turned = replace(scene, tray=replace(scene.tray, yaw_on_flange=scene.tray.yaw_on_flange + 0.001))
+        turned = replace(scene, tray=replace(scene.tray, tool=replace(tool, yaw=tool.yaw + 0.001)))
         assert {"path attitude", "recorded attitude"} <= failed(certify(trajectory, turned))
 
     def test_other_rate_of_the_controller(self, solid):
@@ -407,7 +409,7 @@ class TestSpoiledScene:
 def test_too_fast_motion_names_what_gives_way():
     """A third of the duration: cups slide and spill, joints run too fast, all at once; the record itself is fine."""
     scene = read_scenario("matrix-liquid-soft-end")
-    arm = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)[0]
+    arm = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
     trajectory = export_samples(scene, smooth_start(scene, arm, 200, Start(stretch=0.35)))
     broken = failed(certify(trajectory, scene))
     assert {"slosh height", "residual height", "slip", "joint speed"} <= broken

@@ -61,7 +61,7 @@ def integrated(scene: Scene, trajectory: Trajectory, index: int, t: np.ndarray) 
     # The motion of the object's frame on a fine grid that has every knot of the spline, a cubic in between.
     fine = np.linspace(0, trajectory.t[-1], 20 * (len(trajectory.t) - 1) + 1)
     joints = [spline(fine, order) for order in range(3)]
-    tray = arm.motions(*joints, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)
+    tray = arm.motions(*joints, tool=scene.tray.tool)
     turn = np.swapaxes(tray.rotation @ own, 1, 2)
     lever = tray.rotation @ arm_at
     spin, change = tray.angular_velocity, tray.angular_acceleration
@@ -194,7 +194,7 @@ def test_slosh_of_the_published_joints_is_the_laboratorys_own_prediction(measure
     if not record.exists():
         pytest.skip(f"measured data missing: {record}; set NOSPILL_DATA")
     scene = read_scenario("matrix-liquid")
-    scene = replace(scene, tray=replace(scene.tray, yaw_on_flange=np.pi))
+    scene = replace(scene, tray=replace(scene.tray, tool=replace(scene.tray.tool, yaw=np.pi)))
     q = np.loadtxt(record, delimiter=",", skiprows=1)[:, 1:]
     # The published horizon goes on for a while after the arm has stopped.
     q = np.vstack([q, np.repeat(q[-1:], 300, axis=0)])

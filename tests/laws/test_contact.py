@@ -13,7 +13,7 @@ from nospill.laws.constraints import Tip, Twist
 from nospill.laws.constraints.base import figures
 from nospill.laws.parameters import Shapes, flatten, symbolic
 from nospill.laws.sample import Sample, sample_objects, split_states
-from nospill.laws.scene_parameters import grip_radius, numbers_of, structure_of, twist_radius
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Box, Cylinder
@@ -211,7 +211,7 @@ def test_twist_radius_is_the_mean_distance_from_the_middle(container):
     else:
         points = points * (container.length / 2, container.width / 2)
     mean = np.linalg.norm(points, axis=1).mean()
-    assert twist_radius(container.footprint) == pytest.approx(mean, rel=3e-3)
+    assert container.footprint.twist_radius == pytest.approx(mean, rel=3e-3)
 
 
 @pytest.mark.parametrize("sides", [None, (1.0, 1.0), (1.0, 0.25)], ids=["disc", "square", "long"])
@@ -232,6 +232,6 @@ def test_the_friction_ellipsoid_lies_inside_what_uniform_pressure_gives(sides):
             slip /= np.linalg.norm(slip, axis=1)[:, None]
             force = np.linalg.norm(slip.mean(axis=0))
             moment = np.mean(points[:, 0] * slip[:, 1] - points[:, 1] * slip[:, 0])
-            uses.append(np.hypot(force, moment / grip_radius(footprint)))
+            uses.append(np.hypot(force, moment / footprint.grip_radius))
     assert min(uses) >= 1 - 2e-4
     assert min(uses) == pytest.approx(1.0, abs=1e-3)

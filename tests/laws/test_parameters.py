@@ -11,6 +11,7 @@ import pytest
 from nospill.laws.parameters import Shapes, constants, flatten, symbolic
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
+from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,7 +93,12 @@ def test_structures_are_keys_and_say_what_differs():
     assert level == structure_of(read_scenario("matrix-liquid")) and hash(level) == hash(level)
     assert len({level, soft, tilting}) == 3
     mixed = structure_of(read_scenario("mixed-tray"))
-    assert [item.footprint for item in mixed.objects] == ["disc", "disc", "rectangle", "disc"]
+    assert [item.footprint for item in mixed.objects] == [
+        DiscFootprint,
+        DiscFootprint,
+        RectangleFootprint,
+        DiscFootprint,
+    ]
     assert [item.coordinates for item in mixed.objects] == [2, 2, 2, 0]
     assert mixed.objects[2].oscillators == ((0,), (1,))
 
@@ -129,8 +135,8 @@ def test_deliverable_fidelity_is_one_point_that_resists_yaw():
     np.testing.assert_allclose(numbers.first_moment, (0, 0, 0.197 * 0.0281))
     np.testing.assert_allclose(numbers.inertia, 0.197 * 0.0281**2 * np.diag((1, 1, 0)), atol=1e-18)
     assert numbers.spin_inertia == scene.cargo[0].total.inertia[2, 2] > 0
-    assert numbers.friction == pytest.approx(0.419677, rel=1e-5)
+    assert numbers.planned_friction == pytest.approx(0.419677, rel=1e-5)
     assert numbers.twist_radius == pytest.approx(2 / 3 * 0.035)
-    np.testing.assert_allclose(numbers.footprint, 0.035)
+    np.testing.assert_allclose(numbers.half_lengths, 0.035)
     assert numbers.footprint_reserve == scene.cargo[0].footprint_reserve == 0.05
     np.testing.assert_allclose(numbers.position, (-0.09216, -0.06878, 0))

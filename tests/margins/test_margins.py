@@ -33,6 +33,10 @@ NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0
 STILL = np.zeros(len(FACTORS))
 
 
+def _numbers(cargo, scene):
+    return object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
+
+
 def off(**changes: float) -> np.ndarray:
     draw = STILL.copy()
     for name, value in changes.items():
@@ -63,7 +67,7 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
     rows = {(row.constraint, row.subject): row for row in plan.certificate.rows}
     motion = tray_motion(plan.trajectory, plan.scene)
     for index, cargo in enumerate(plan.scene.cargo):
-        [(count, found)] = object_margins(plan.scene, index, (object_numbers(cargo, plan.scene),), motion)
+        [(count, found)] = object_margins(plan.scene, index, (_numbers(cargo, plan.scene),), motion)
         assert count == 1 and len(found.constraints) >= 4
         for column, constraint in enumerate(found.constraints):
             row = rows[constraint, cargo.name]
@@ -76,8 +80,8 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
 def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
     scene = read_scenario(name)
     for cargo in scene.cargo:
-        mine = object_numbers(drawn_object(cargo, STILL, scene), scene)
-        theirs = object_numbers(replace(cargo, friction_reserve=0.0, footprint_reserve=0.0), scene)
+        mine = _numbers(drawn_object(cargo, STILL, scene), scene)
+        theirs = _numbers(replace(cargo, friction_reserve=0.0, footprint_reserve=0.0), scene)
         assert flatten(mine) == pytest.approx(flatten(theirs), rel=1e-9, abs=1e-15)
 
 
@@ -122,9 +126,7 @@ def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Pl
 def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-rigid")
     scene, motion = plan.scene, tray_motion(plan.trajectory, plan.scene)
-    numbers = tuple(
-        object_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25)
-    )
+    numbers = tuple(_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25))
     [(_, found)] = object_margins(scene, 0, numbers, motion)
     use = 1.0 - found.margin[:, found.constraints.index("slip")]
     assert use[[0, 2]] == pytest.approx(use[1] / np.array([0.8, 1.25]), rel=1e-9)

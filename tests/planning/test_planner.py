@@ -125,8 +125,8 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     """On the coarse grid, where the starts compete: 25 intervals, all rows, the reserves every plan begins with."""
     found = example_plan("matrix-liquid-still")
     scene, intervals = found.scene, 25
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, **tool)[0]
+    tool = scene.tray.tool
+    path = joint_paths(scene.robot, scene.path, tool=tool)[0]
     layout = layout_of(structure_of(scene))
     backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)

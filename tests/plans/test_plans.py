@@ -31,8 +31,8 @@ def row(constraint: str, value: float, limit: float, margin: float, unit: str = 
 def judged() -> tuple[Plan, Judgement]:
     """A slow smooth motion of the liquid experiment; no solver is involved."""
     scene = read_scenario("matrix-liquid")
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, samples=41, **tool)[0]
+    tool = scene.tray.tool
+    path = joint_paths(scene.robot, scene.path, samples=41, tool=tool)[0]
     trajectory = export_samples(scene, smooth_start(scene, path, 40, Start(stretch=1.5)))
     judgement = judge(trajectory, scene)
     starts = Starts(2, 2, 1, (1.8, 1.9))

@@ -88,8 +88,8 @@ EIGHT = [
 
 def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     """A smooth motion along the path, judged; no solver is involved, so the limits may or may not hold."""
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, samples=41, **tool)[0]
+    tool = scene.tray.tool
+    path = joint_paths(scene.robot, scene.path, samples=41, tool=tool)[0]
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = export_samples(scene, smooth_start(scene, path, 40, start))
     judgement = judge(trajectory, scene)

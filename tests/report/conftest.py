@@ -53,7 +53,7 @@ TABLE: dict[str, object] = {
 def smooth_plan(stretch: float) -> Plan:
     """A quintic motion along the path: the longer the `stretch`, the gentler."""
     scene = scene_from_table(TABLE, name="x")
-    path = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset)[0]
+    path = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
     trajectory = export_samples(scene, smooth_start(scene, path, 200, Start(stretch=stretch, skew=0.2)))
     judgement = judge(trajectory, scene)
     effort = PlanningReport(1.5, 0.5, 10, 1, Starts(3, 2, 2, (1.0, 1.1)), {"solve": 0.5}, "none", {"slip | cup": 0.01})

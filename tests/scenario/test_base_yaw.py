@@ -15,8 +15,8 @@ from nospill.scene.scene import Scene
 
 
 def best_figure(scene: Scene) -> float:
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    return joint_paths(scene.robot, scene.path, **tool)[0].speed_figure
+    tool = scene.tray.tool
+    return joint_paths(scene.robot, scene.path, tool=tool)[0].speed_figure
 
 
 def test_a_base_that_is_given_is_left_alone(changed_scene):

@@ -24,7 +24,7 @@ from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import overhang, overlap
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 
@@ -81,7 +81,7 @@ def test_published_data_of_the_liquid_experiment() -> None:
     assert scene.motion.residual_fraction == 0.2 and scene.output_rate == 500 and scene.gravity == STANDARD_GRAVITY
     assert scene.robot.name == "comau-smart-six"
     assert scene.path.length == pytest.approx(1.8379, abs=5e-5)
-    assert np.array_equal(scene.tray.size, [0.335, 0.25]) and np.array_equal(scene.tray.offset, [0, 0, 0.108])
+    assert np.array_equal(scene.tray.size, [0.335, 0.25]) and np.array_equal(scene.tray.tool.position, [0, 0, 0.108])
     centres = [item.position.tolist() for item in scene.cargo]
     assert centres == [[-0.09216, -0.06878], [0.09216, 0.06878], [-0.09216, 0.06878], [0.09216, -0.06878]]
     assert [item.name for item in scene.cargo] == ["c1", "c2", "c3", "c4"]
@@ -125,7 +125,7 @@ def test_defaults() -> None:
     assert scene.fidelity == "full" and scene.slosh_modes == 1 and scene.output_rate == 500
     assert scene.motion.max_tilt == math.radians(30) and scene.motion.end == "residual" and not scene.motion.tilt_free
     assert scene.planning.intervals == 100 and scene.planning.starts == 3 and scene.planning.solver == "ipopt"
-    assert np.array_equal(scene.tray.offset, [0, 0, 0])
+    assert np.array_equal(scene.tray.tool.position, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
     assert scene.cargo[0].footprint_reserve == 0.05
     filling = one(CUP).filling
@@ -134,7 +134,7 @@ def test_defaults() -> None:
 
 def test_numbers_are_read_only() -> None:
     scene = scene_with()
-    for array in (scene.tray.size, scene.tray.offset, scene.cargo[0].position, scene.cargo[0].total.centre):
+    for array in (scene.tray.size, scene.tray.tool.position, scene.cargo[0].position, scene.cargo[0].total.centre):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
 
@@ -143,7 +143,7 @@ def test_own_friction_offset_and_seed() -> None:
     tray = {**VALID["tray"], "offset": ["1 mm", 0, "108 mm"], "yaw_on_flange": "90 deg", "friction_reserve": "20 %"}
     entry = {"name": "c", "at": [0, 0], **CUP, "friction": 0.2, "friction_reserve": 0, "yaw": "45 deg"}
     scene = scene_with(tray=tray, cargo=[entry])
-    assert scene.tray.offset == pytest.approx([0.001, 0, 0.108]) and scene.tray.yaw_on_flange == math.pi / 2
+    assert scene.tray.tool.position == pytest.approx([0.001, 0, 0.108]) and scene.tray.tool.yaw == math.pi / 2
     assert scene.cargo[0].planned_friction == 0.2 and scene.cargo[0].yaw == math.pi / 4
 
 
@@ -186,7 +186,7 @@ def test_whole_is_cup_and_frozen_liquid(entry: dict[str, Any], empty_mass: float
         c = body.centre
         return body.inertia + body.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
-    frozen = SHAPES[entry["shape"]](
+    frozen = CONTAINERS[entry["shape"]](
         **{key: keys[key] for key in ("radius", "length", "width") if key in keys}, height=0.049
     ).solid_properties(liquid_mass)
     assert about_bottom(item.total) == pytest.approx(about_bottom(item.empty) + about_bottom(frozen), abs=1e-15)
@@ -315,8 +315,8 @@ def test_overhang_and_touching() -> None:
 
 
 def test_every_shape_has_its_keys() -> None:
-    assert set(CARGO_TABLES) == set(SHAPES)
-    for shape, container in SHAPES.items():
+    assert set(CARGO_TABLES) == set(CONTAINERS)
+    for shape, container in CONTAINERS.items():
         assert {field.name for field in dataclasses.fields(container) if field.init} <= set(
             CARGO_TABLES[shape].model_fields
         )

@@ -14,7 +14,7 @@ from nospill.core.paths import PRESETS
 from nospill.robots.description.catalog import ROBOTS
 from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.changes import choose
 from nospill.studio.checks import check
@@ -182,7 +182,7 @@ def test_solids_become_cups_and_back(draft_of: DraftOf, liquid: str) -> None:
 
 def test_shapes_keep_their_width(draft_of: DraftOf) -> None:
     draft = draft_of("pp-two-cups")
-    assert set(SHAPES) == {"cylinder", "box"}
+    assert set(CONTAINERS) == {"cylinder", "box"}
     boxed = check(chosen(draft, ("cargo", 0, "shape"), "box").table).scene
     assert boxed is not None
     assert (draft.cargo[0]["length"], draft.cargo[0]["width"]) == ("70 mm", "70 mm")

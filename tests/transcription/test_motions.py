@@ -27,7 +27,7 @@ STARTS = [
 
 
 def joint_path_of(scene):
-    return joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)[0]
+    return joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
 
 
 @pytest.fixture(scope="module")
@@ -100,9 +100,7 @@ def test_smooth_start_is_a_motion_from_rest_to_rest(tilting, start):
     assert gaps.max() < 1e-10
     np.testing.assert_allclose(table[-1, :3], [1.0, 0.0, 0.0], atol=1e-10)
     np.testing.assert_array_equal(table[:, layout.displacement], 0.0)
-    positions, _ = kinematics(scene.robot).poses(
-        table[:-1, layout.joint_position], tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-    )
+    positions, _ = kinematics(scene.robot).poses(table[:-1, layout.joint_position], tool=scene.tray.tool)
     # The joints are those of the level tray.
     np.testing.assert_allclose(positions, scene.path.at(table[:-1, 0])[:, :3], atol=2e-4)
 
@@ -168,10 +166,10 @@ def test_samples_inside_follow_the_polynomials(smooth_motion):
 def test_export_agrees_with_the_path_and_the_arm(smooth_motion, name, tilt):
     motion = smooth_motion(name, intervals=80, tilt=tilt)
     scene, trajectory = motion.scene, motion.trajectory
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    tool = scene.tray.tool
     path = scene.path.at(trajectory.s)
     attitude = Rotation.from_euler("ZYX", np.column_stack([path[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]]))
-    positions, rotations = kinematics(scene.robot).poses(trajectory.joint_position, **tool)
+    positions, rotations = kinematics(scene.robot).poses(trajectory.joint_position, tool=tool)
     assert np.abs(positions - path[:, :3]).max() < 1e-9
     assert np.abs(rotations - attitude.as_matrix()).max() < 1e-9
     assert np.abs(trajectory.tray_position - path[:, :3]).max() < 1e-12
@@ -179,7 +177,7 @@ def test_export_agrees_with_the_path_and_the_arm(smooth_motion, name, tilt):
     assert (written.inv() * attitude).magnitude().max() < 1e-9
     # Speeds and accelerations carry the tray as s, s' and s'' say.
     motions = kinematics(scene.robot).motions(
-        trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration, **tool
+        trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration, tool=tool
     )
     slope, bend = scene.path.derivative(trajectory.s, 1), scene.path.derivative(trajectory.s, 2)
     velocity = slope * trajectory.s_rate[:, None]
@@ -215,7 +213,7 @@ def test_joints_are_solved_on_another_grid(tilting, leaning):
     for stages in (carried, solved):
         position = stages.table[:, layout.joint_position]
         planned = scene.path.at(np.clip(stages.table[:, 0], 0.0, 1.0))[:, :3]
-        reached = kinematics(scene.robot).poses(position, tool_position=scene.tray.offset)[0]
+        reached = kinematics(scene.robot).poses(position, tool=scene.tray.tool)[0]
         errors.append(np.max(np.abs(reached - planned)[:-1]))
     assert errors[0] > 1e-3 and errors[1] < 1e-9
     np.testing.assert_array_equal(

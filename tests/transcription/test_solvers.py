@@ -45,8 +45,8 @@ class Task:
 def task(changed_scene: Callable[..., Scene]) -> Task:
     scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed"})
     scene = dataclasses.replace(scene, cargo=scene.cargo[:1])
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, **tool)[0]
+    tool = scene.tray.tool
+    path = joint_paths(scene.robot, scene.path, tool=tool)[0]
     return Task(scene, smooth_start(scene, path, INTERVALS))
 
 

@@ -19,8 +19,8 @@ from nospill.viewer.film import Film, make_film
 
 def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:
     """A smooth motion along the path of a scene, judged and cut; its limits may or may not hold."""
-    tool: dict[str, Any] = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, **tool)[0]
+    tool = scene.tray.tool
+    path = joint_paths(scene.robot, scene.path, tool=tool)[0]
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.15, 0.1) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = export_samples(scene, smooth_start(scene, path, 200, start))
     judgement = judge(trajectory, scene)

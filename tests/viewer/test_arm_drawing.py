@@ -8,10 +8,11 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.tool import Tool
 from nospill.scene.tray import Tray
 from nospill.viewer.robot_model import TRAY_THICKNESS, drawn_links, read_chain
 
-TRAY = Tray(size=np.array([0.3, 0.2]), offset=np.array([0.0, 0.0, 0.05]), yaw_on_flange=0.0)
+TRAY = Tray(size=np.array([0.3, 0.2]), tool=Tool(np.array([0.0, 0.0, 0.05])))
 
 
 def configurations(name: str, count: int = 20) -> np.ndarray:
@@ -54,7 +55,7 @@ def test_links_reach_from_joint_to_joint(name: str) -> None:
 def test_what_turns_with_the_tray_stays_below_it(name: str, height: float) -> None:
     robot = load_robot(name)
     chain = read_chain(robot.urdf, robot.joints, robot.tip)
-    tray = Tray(size=TRAY.size, offset=np.array([0.0, 0.0, height]), yaw_on_flange=0.0)
+    tray = Tray(size=TRAY.size, tool=Tool(np.array([0.0, 0.0, height])))
     bodies = drawn_links(chain, tray)
     frames = chain.frames(np.zeros((1, len(robot.joints))))
     flange, turned = frames[-1][0][0], frames[-1][1][0]

@@ -11,7 +11,7 @@ from nospill.cli import app
 from nospill.export import EXPORTERS
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.robots.description.catalog import robot_table
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill_docs.places import Places, write_if_changed
 from nospill_docs.scenario_reference import scenario_reference
@@ -80,7 +80,7 @@ def exporters_table() -> str:
 def shapes_table() -> str:
     """Name of every container shape and what its class says of itself."""
     return markdown_table(
-        ("`shape`", "what it is"), [(f'`"{k}"`', _sentence(v.__doc__ or "")) for k, v in SHAPES.items()]
+        ("`shape`", "what it is"), [(f'`"{k}"`', _sentence(v.__doc__ or "")) for k, v in CONTAINERS.items()]
     )
 
 

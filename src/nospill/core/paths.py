@@ -10,6 +10,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.files import UnreadableError, bounded_text
 from nospill.core.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolating_pieces, refined, spline_of_curve
 from nospill.core.units import as_written
@@ -388,9 +389,7 @@ def _assemble(position: Pieces, yaw: object) -> Path:
     )
     if np.max(np.abs(coefficients[:-1])) <= SAME_KNOT:
         raise ScenarioError("the path neither moves nor turns; give it points that differ or a yaw that changes")
-    breaks.flags.writeable = False
-    coefficients.flags.writeable = False
-    return Path(breaks, coefficients)
+    return Path(read_only(breaks), read_only(coefficients))
 
 
 def _text(point: np.ndarray) -> str:

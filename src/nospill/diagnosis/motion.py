@@ -215,7 +215,7 @@ def _less_turn(trials: Trials) -> list[tuple[float, Change]]:
 
 def _is_fast_enough(trials: Trials, option: Option, amount: float) -> bool:
     scene, moved = trials.run.scene, option.moved(amount)
-    paths = try_joint_paths(moved.robot, moved.path, tool_position=moved.tool_position, tool_yaw=moved.tool_yaw).paths
+    paths = try_joint_paths(moved.robot, moved.path, tool=moved.tool).paths
     if not paths or trials.over:
         return False
     best = preferred_path(paths, scene.robot, scene.start_near)

@@ -15,6 +15,7 @@ from nospill.diagnosis.joint_relaxations import own_robot
 from nospill.errors import Change, Reason
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scene.scene import Scene
 
 _LEAST_SHIFT, _GROWTH, _LARGEST_SHIFT = 0.01, 1.5, 1.5
@@ -47,8 +48,7 @@ class Task:
 
     robot: Robot
     path: Path
-    tool_position: np.ndarray
-    tool_yaw: float
+    tool: Tool
 
 
 def families(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
@@ -64,7 +64,7 @@ def families(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
 
 
 def _task(scene: Scene) -> Task:
-    return Task(scene.robot, scene.path, scene.tray.offset, scene.tray.yaw_on_flange)
+    return Task(scene.robot, scene.path, scene.tray.tool)
 
 
 def _robot_table(scene: Scene) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def _longer(amount: float) -> float:
 
 def _lower_tray(scene: Scene) -> list[Option]:
     """The tray nearer to the flange."""
-    task, offset = _task(scene), scene.tray.offset
+    task, offset = _task(scene), np.asarray(scene.tray.tool.position)
     height = float(offset[2])
     if abs(height) < _LEAST_SHIFT:
         return []
@@ -129,7 +129,7 @@ def _lower_tray(scene: Scene) -> list[Option]:
         return offset - np.array([0.0, 0.0, math.copysign(min(amount, abs(height)), height)])
 
     def moved(amount: float) -> Task:
-        return replace(task, tool_position=nearer(amount))
+        return replace(task, tool=replace(task.tool, position=nearer(amount)))
 
     def change(amount: float) -> Change:
         value = np.round(nearer(amount), 4)
@@ -171,10 +171,10 @@ def _turned_tray(scene: Scene) -> list[Option]:
     """The tray mounted in another direction."""
     task = _task(scene)
     return _both_ways(
-        scene.tray.yaw_on_flange,
+        scene.tray.tool.yaw,
         "turn of the tray",
         "tray.yaw_on_flange",
-        lambda angle: replace(task, tool_yaw=task.tool_yaw + angle),
+        lambda angle: replace(task, tool=replace(task.tool, yaw=task.tool.yaw + angle)),
     )
 
 

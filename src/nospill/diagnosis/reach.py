@@ -111,11 +111,9 @@ def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm)
 
 
 def _follows(task: Task, limit: float) -> bool:
-    if farthest_reached(task.robot, task.path, task.tool_position, task.tool_yaw) < 1.0:
+    if farthest_reached(task.robot, task.path, task.tool) < 1.0:
         return False
-    tried = try_joint_paths(
-        task.robot, task.path, tool_position=task.tool_position, tool_yaw=task.tool_yaw, samples=_SAMPLES
-    )
+    tried = try_joint_paths(task.robot, task.path, tool=task.tool, samples=_SAMPLES)
     if not tried.paths or _TILTING * _least_time(tried.paths[0], task.robot) > limit:
         return False
     return redundant_joint(task.robot) is not None or keeps_branch(determinants(task.robot, tried.paths[0].q, None))
@@ -132,7 +130,5 @@ def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
     except ScenarioError:  # beyond the bounds of its key
         return False
     changed = replace(scene, robot=changed.robot, path=changed.path, tray=changed.tray, source=changed.source)
-    tried = try_joint_paths(
-        changed.robot, changed.path, tool_position=changed.tray.offset, tool_yaw=changed.tray.yaw_on_flange
-    )
+    tried = try_joint_paths(changed.robot, changed.path, tool=changed.tray.tool)
     return bool(tried.paths) and confirm(changed, tried.paths[0])

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.attitudes import matrices
 from nospill.core.files import atomic_text
 from nospill.errors import ModelError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, numbers, require_joints, text_of
@@ -44,9 +45,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
     from scipy.spatial.transform import Rotation  # slow to load
 
     tray, robot = scene.tray, scene.robot
-    position, rotation = kinematics(robot).poses(
-        samples.position, tool_position=tray.offset, tool_yaw=tray.yaw_on_flange
-    )
+    position, rotation = kinematics(robot).poses(samples.position, tool=tray.tool)
     quaternion = Rotation.from_matrix(rotation).as_quat()
     # q and -q are one attitude: a receiver that interpolates wants neighbours on the same side.
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
@@ -68,8 +67,6 @@ def _read(path: Path, scene: Scene) -> JointSamples:
     reason = _reason_against(scene, 0.0)
     if reason is not None:
         raise PlanFolderError(f"{path}: {reason}")
-    from scipy.spatial.transform import Rotation  # slow to load
-
     lines = text_of(path).rstrip().splitlines()
     start = _start(lines, scene, path)
     if HEADER not in lines:
@@ -86,7 +83,7 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         raise PlanFolderError(
             f"{path}, line {first + row + 1}: the quaternion has length {lengths[row]:.9g}, 1 is needed"
         )
-    joints = _solved(table[:, 1:4], Rotation.from_quat(table[:, 4:]).as_matrix(), start, scene, path)
+    joints = _solved(table[:, 1:4], matrices(table[:, 4:]), start, scene, path)
     return checked_samples(JointSamples(table[:, 0], joints), path)
 
 
@@ -110,8 +107,7 @@ def _solved(positions: np.ndarray, rotations: np.ndarray, start: np.ndarray, sce
                 positions[row : row + 1],
                 rotations[row : row + 1],
                 guess[None],
-                tool_position=tray.offset,
-                tool_yaw=tray.yaw_on_flange,
+                tool=tray.tool,
             )
         except ModelError as error:
             raise PlanFolderError(f"{path}, row {row + 1}: the arm does not reach this pose of the tray") from error

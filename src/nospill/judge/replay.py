@@ -20,7 +20,7 @@ from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
-from nospill.laws.slosh.motion import modal_acceleration
+from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import ToolMotions, kinematics
@@ -133,8 +133,7 @@ def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = Non
     """
     motions = kinematics(scene.robot).motions(
         *joints,
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
+        tool=scene.tray.tool,
         function=function,
     )
     back = np.swapaxes(motions.rotation, 1, 2)
@@ -163,22 +162,11 @@ def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
     """Accelerations of all slosh coordinates (k, 1) from displacements and velocities, m/s^2."""
-    rates, start = [], 0
-    for item, own in zip(structure.objects, numbers.objects, strict=True):
-        motion = object_motion(own, tray)
-        for oscillator, directions in zip(own.oscillators, item.oscillators, strict=True):
-            part = slice(start, start + len(directions))
-            start = part.stop
-            rates.append(
-                modal_acceleration(
-                    oscillator,
-                    directions,
-                    motion,
-                    q[part],
-                    qd[part],
-                    damp_against_spin=structure.fidelity == "deliverable",
-                )
-            )
+    deliverable = structure.fidelity == "deliverable"
+    rates = [
+        modal_accelerations(item, own, object_motion(own, tray), q[part], qd[part], damp_against_spin=deliverable)
+        for item, own, part in zip(structure.objects, numbers.objects, structure.slosh_slices, strict=True)
+    ]
     return ca.vertcat(*rates)
 
 

@@ -27,11 +27,9 @@ def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]
     every = round(played.rate / trajectory.rate)
     traces = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.OBJECT,))
     heights = {trace.subject: trace.value[::every] for trace in traces if trace.constraint == SloshHeight.name}
-    found, first = {}, 0
-    for cargo, item in zip(scene.cargo, structure_of(scene).objects, strict=True):
-        own = slice(first, first + item.coordinates)
-        first = own.stop
-        if item.oscillators and cargo.name in names:
+    found = {}
+    for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
+        if cargo.oscillators and cargo.name in names:
             parts = (played.slosh_displacement[::every, own], played.slosh_velocity[::every, own])
             found[names[cargo.name]] = SloshTrack(*parts, heights[cargo.name])
     return found

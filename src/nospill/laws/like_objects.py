@@ -24,7 +24,7 @@ def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
     """The objects of a scene but those in the convex hull of others just like them, tolerances included."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, cargo in enumerate(scene.cargo):
-        numbers = replace(object_numbers(cargo, scene), position=np.zeros(3))
+        numbers = replace(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity), position=np.zeros(3))
         key = tuple(float(f"{value:.{_DIGITS}g}") for value in flatten(numbers))
         groups.setdefault((*key, len(numbers.oscillators), cargo.tolerance), []).append(index)
     outer: set[int] = set()

@@ -8,12 +8,15 @@ vector, `symbolic` makes the same record with the entries of an SX vector as lea
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar
+from itertools import accumulate, pairwise
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
 
+from nospill.scene.containers.footprints import Footprint
 from nospill.scene.scene import EndCondition, Fidelity
 
 Number = Any
@@ -45,11 +48,10 @@ class ObjectNumbers:
             is small or negative.
         spin_inertia: kg m^2, an inertia that counts for turns about the z axis only.
         weight: of everything, N, the scale of forces.
-        friction: coefficient the plan may use.
-        footprint: (2,) m: radius twice for a disc, half lengths for a rectangle. footprint_reserve: part of it that the
-            plan keeps from tipping.
-        twist_radius: mean lever arm of friction under uniform pressure, m; 2R/3 for a disc.
-        grip_radius: radius of gyration of the footprint about its weaker axis, m; R/2 for a disc.
+        planned_friction: coefficient the plan may use: the stated one less its reserve.
+        half_lengths: (2,) of the footprint, m.
+        footprint_reserve: part of them that the plan keeps from tipping.
+        twist_radius, grip_radius: of the footprint, m, see `Footprint`.
         liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
         oscillators: the modal masses.
     """
@@ -61,8 +63,8 @@ class ObjectNumbers:
     inertia: Number
     spin_inertia: Number
     weight: Number
-    friction: Number
-    footprint: Number
+    planned_friction: Number
+    half_lengths: Number
     footprint_reserve: Number
     twist_radius: Number
     grip_radius: Number
@@ -79,14 +81,13 @@ class SceneNumbers:
     Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
     and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
     origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
-    zero where there is none or a motion has not been chosen yet.
+    zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
     """
 
     gravity: Number
     path_breaks: Number
     path_coefficients: Number
-    tray_offset: Number
-    tray_yaw_on_flange: Number
+    tool: Number
     joint_lower: Number
     joint_upper: Number
     joint_speed_limit: Number
@@ -108,15 +109,25 @@ class SceneNumbers:
 
 @dataclass(frozen=True, slots=True)
 class ObjectStructure:
-    """Kind of footprint and, per oscillator, the horizontal directions it moves in (0 = x, 1 = y)."""
+    """What decides the shape of one object's expressions.
 
-    footprint: Literal["disc", "rectangle"]
+    Attributes:
+        footprint: its class.
+        oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
+    """
+
+    footprint: type[Footprint]
     oscillators: tuple[tuple[int, ...], ...]
 
     @property
     def coordinates(self) -> int:
         """Number of slosh coordinates of the object."""
         return sum(len(directions) for directions in self.oscillators)
+
+    @property
+    def oscillator_slices(self) -> tuple[slice, ...]:
+        """Of each oscillator, among the slosh coordinates of the object."""
+        return _consecutive([len(directions) for directions in self.oscillators])
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +152,16 @@ class Structure:
     joint_limits: tuple[str, ...] = ()
     redundant: bool = False
     regular: bool = False
+
+    @property
+    def slosh_slices(self) -> tuple[slice, ...]:
+        """Of each object, among the slosh coordinates of all; empty for a solid."""
+        return _consecutive([item.coordinates for item in self.objects])
+
+
+def _consecutive(lengths: Sequence[int]) -> tuple[slice, ...]:
+    ends = list(accumulate(lengths, initial=0))
+    return tuple(slice(start, stop) for start, stop in pairwise(ends))
 
 
 def flatten(record: object) -> np.ndarray:

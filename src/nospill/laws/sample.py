@@ -78,15 +78,19 @@ def sample_objects(
 
 def split_states(structure: Structure, position: SX, velocity: SX, acceleration: SX) -> SloshStates:
     """Slosh states from stacked coordinates, each (total, 1), object by object, oscillator by oscillator."""
-    states, start = [], 0
-    for item in structure.objects:
-        own = []
-        for directions in item.oscillators:
-            part = slice(start, start + len(directions))
-            own.append(OscillatorState(position[part], velocity[part], acceleration[part]))
-            start += len(directions)
-        states.append(tuple(own))
-    return tuple(states)
+    return tuple(
+        object_states(item, position[own], velocity[own], acceleration[own])
+        for item, own in zip(structure.objects, structure.slosh_slices, strict=True)
+    )
+
+
+def object_states(
+    structure: ObjectStructure, position: SX, velocity: SX, acceleration: SX
+) -> tuple[OscillatorState, ...]:
+    """Slosh states of one object from its stacked coordinates, oscillator by oscillator."""
+    return tuple(
+        OscillatorState(position[own], velocity[own], acceleration[own]) for own in structure.oscillator_slices
+    )
 
 
 def coordinate_count(structure: Structure) -> int:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from nospill.core.arrays import parallel_axis, read_only
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import Load, load_of
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.base import DiscFootprint, Footprint, MassProperties
-from nospill.scene.scene import Scene
+from nospill.scene.containers.base import MassProperties
+from nospill.scene.scene import Fidelity, Scene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,16 +39,6 @@ def structure_of(scene: Scene) -> Structure:
 @lru_cache(maxsize=8)
 def _structure(known: _Known) -> Structure:
     scene = known.scene
-    axes = {"x": 0, "y": 1}
-    objects = []
-    for cargo in scene.cargo:
-        oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
-        objects.append(
-            ObjectStructure(
-                footprint="disc" if isinstance(cargo.container.footprint, DiscFootprint) else "rectangle",
-                oscillators=tuple(tuple(axes[d] for d in oscillator.directions) for oscillator in oscillators),
-            )
-        )
     return Structure(
         fidelity=scene.fidelity,
         tilt_free=scene.motion.tilt_free,
@@ -58,9 +48,18 @@ def _structure(known: _Known) -> Structure:
         urdf=scene.robot.urdf,
         joints=scene.robot.joints,
         tip=scene.robot.tip,
-        objects=tuple(objects),
+        objects=tuple(object_structure(cargo) for cargo in scene.cargo),
         joint_limits=tuple(name for name, limit in _further_limits(scene).items() if limit is not None),
         redundant=len(scene.robot.joints) > 6,
+    )
+
+
+def object_structure(cargo: Cargo) -> ObjectStructure:
+    """The structure of one object."""
+    axes = {"x": 0, "y": 1}
+    return ObjectStructure(
+        footprint=type(cargo.container.footprint),
+        oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
     )
 
 
@@ -85,9 +84,7 @@ def flat_numbers(scene: Scene, payload: Sequence[Cargo] | None = None) -> np.nda
 
 @lru_cache(maxsize=8)
 def _flat(known: _Known) -> np.ndarray:
-    flat = flatten(_numbers(known))
-    flat.setflags(write=False)
-    return flat
+    return read_only(flatten(_numbers(known)))
 
 
 @lru_cache(maxsize=8)
@@ -102,8 +99,7 @@ def _numbers(known: _Known) -> SceneNumbers:
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
         path_coefficients=scene.path.coefficients,
-        tray_offset=scene.tray.offset,
-        tray_yaw_on_flange=scene.tray.yaw_on_flange,
+        tool=scene.tray.tool.row,
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         joint_speed_limit=scene.robot.max_speed,
@@ -120,7 +116,7 @@ def _numbers(known: _Known) -> SceneNumbers:
         path_jerk_weight=scene.planning.path_jerk_weight,
         tilt_jerk_weight=scene.planning.tilt_jerk_weight,
         residual_fraction=scene.motion.residual_fraction,
-        objects=tuple(object_numbers(cargo, scene) for cargo in scene.cargo),
+        objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
 
 
@@ -130,21 +126,21 @@ def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:
     On the tray stands `payload`, the cargo of the scene where there is none.
     """
     tray = scene.tray
-    turn = rotation_of((0.0, 0.0, tray.yaw_on_flange))
+    turn = tray.tool.rotation
     x, y = tray.size
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
-    load = load_of(tray.mass, np.asarray(tray.offset), plate, rotation=turn)
+    load = load_of(tray.mass, np.asarray(tray.tool.position), plate, rotation=turn)
     for cargo in scene.cargo if payload is None else payload:
         own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
-        centre = tray.offset + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+        centre = tray.tool.position + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
         load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
     return load
 
 
-def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
-    """The numbers of one object for the scene's fidelity."""
+def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> ObjectNumbers:
+    """The numbers of one object at a fidelity, under a gravity in m/s^2."""
     footprint, filling = cargo.container.footprint, cargo.filling
-    mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, scene)
+    mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, fidelity)
     return ObjectNumbers(
         position=np.append(cargo.position, 0.0),
         yaw=cargo.yaw,
@@ -152,12 +148,12 @@ def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
         first_moment=first_moment,
         inertia=inertia,
         spin_inertia=spin_inertia,
-        weight=cargo.total.mass * scene.gravity,
-        friction=cargo.planned_friction,
-        footprint=_half_lengths(footprint),
+        weight=cargo.total.mass * gravity,
+        planned_friction=cargo.planned_friction,
+        half_lengths=footprint.half_lengths,
         footprint_reserve=cargo.footprint_reserve,
-        twist_radius=twist_radius(footprint),
-        grip_radius=grip_radius(footprint),
+        twist_radius=footprint.twist_radius,
+        grip_radius=footprint.grip_radius,
         liquid_height=filling.liquid_height if filling else 0.0,
         max_slosh_height=filling.max_slosh_height if filling else 0.0,
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
@@ -170,17 +166,17 @@ def object_numbers(cargo: Cargo, scene: Scene) -> ObjectNumbers:
                 damping=mode.damping,
                 surface_gain=mode.surface_gain,
             )
-            for mode in (filling.modes.oscillators if filling else ())
+            for mode in cargo.oscillators
         ),
     )
 
 
-def _rigid_part(cargo: Cargo, scene: Scene) -> tuple[float, np.ndarray, np.ndarray, float]:
+def _rigid_part(cargo: Cargo, fidelity: Fidelity) -> tuple[float, np.ndarray, np.ndarray, float]:
     """Mass, first moment and inertia about the bottom centre of what moves with the container, and the spin inertia."""
     total = cargo.total
-    if scene.fidelity == "deliverable":
+    if fidelity == "deliverable":
         # The published object is a point mass at its centre of mass with an inertia against yaw.
-        point = total.mass * _parallel_axis(total.centre)
+        point = total.mass * parallel_axis(total.centre)
         return total.mass, total.mass * total.centre, point, float(total.inertia[2, 2])
     if not cargo.filling:
         return total.mass, total.mass * total.centre, _about_bottom(total), 0.0
@@ -194,40 +190,4 @@ def _rigid_part(cargo: Cargo, scene: Scene) -> tuple[float, np.ndarray, np.ndarr
 
 
 def _about_bottom(body: MassProperties) -> np.ndarray:
-    return body.inertia + body.mass * _parallel_axis(body.centre)
-
-
-def _parallel_axis(offset: np.ndarray) -> np.ndarray:
-    return float(offset @ offset) * np.eye(3) - np.outer(offset, offset)
-
-
-def _half_lengths(footprint: Footprint) -> np.ndarray:
-    if isinstance(footprint, DiscFootprint):
-        return np.array([footprint.radius, footprint.radius])
-    return np.array([footprint.half_x, footprint.half_y])
-
-
-def twist_radius(footprint: Footprint) -> float:
-    """Mean distance of the footprint's points from its centre, m: friction moment per mu N under uniform pressure.
-
-    2R/3 for a disc; for a rectangle with half lengths a, b and d = sqrt(a^2 + b^2):
-    (d + a^2/(2b) log((b + d)/a) + b^2/(2a) log((a + d)/b)) / 3.
-    """
-    if isinstance(footprint, DiscFootprint):
-        return 2.0 / 3.0 * footprint.radius
-    a, b = footprint.half_x, footprint.half_y
-    d = math.hypot(a, b)
-    return (d + a * a / (2 * b) * math.log((b + d) / a) + b * b / (2 * a) * math.log((a + d) / b)) / 3.0
-
-
-def grip_radius(footprint: Footprint) -> float:
-    """Radius of gyration of the footprint about its weaker principal axis, m.
-
-    R/2 for a disc, half the short side over sqrt(3) for a rectangle.
-    Under uniform pressure and slip about a far centre at distance c, friction loses r^2/(2 c^2) of its force and gains
-    a moment r^2/c per unit, so the ellipsoid |f|^2 + (M/r)^2 with this r touches the limit curve there from inside and
-    stays inside everywhere.
-    """
-    if isinstance(footprint, DiscFootprint):
-        return footprint.radius / 2.0
-    return min(footprint.half_x, footprint.half_y) / math.sqrt(3.0)
+    return body.inertia + body.mass * parallel_axis(body.centre)

@@ -107,7 +107,12 @@ def margins(
     for index, cargo in enumerate(scene.cargo):
         changed = [drawn_object(cargo, item, scene) for item in np.vstack([draws[:, index], swept[:, index], nominal])]
         parts = []
-        for count, part in object_margins(scene, index, tuple(object_numbers(item, scene) for item in changed), motion):
+        for count, part in object_margins(
+            scene,
+            index,
+            tuple(object_numbers(item, fidelity=scene.fidelity, gravity=scene.gravity) for item in changed),
+            motion,
+        ):
             parts.append(part)
             done += count
             if progress is not None:

@@ -74,9 +74,7 @@ def _planned(
         candidate = restarted(task, warm, last, log)
     if candidate is None:
         with log.phase("kinematics"), _advised(scene, ignore, log):
-            paths = joint_paths(
-                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-            )
+            paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
         candidate = found_motion(task, preferred_path(paths, scene.robot, scene.start_near), log)
     judged = certified_by_refinement(candidate, log)
     report = PlanningReport(

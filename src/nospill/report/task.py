@@ -18,7 +18,6 @@ from nospill.motion.trajectory import Trajectory
 from nospill.plots.style import superscript
 from nospill.plots.text_pages import TextTable
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.base import DiscFootprint
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import tolerance_text
 
@@ -122,9 +121,9 @@ def _written(value: object) -> str:
 def _tray(scene: Scene) -> str:
     tray = scene.tray
     sides = " x ".join(f"{1e3 * side:.4g}" for side in tray.size)
-    offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.offset)
+    offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.tool.position)
     board = f", board of {tray.mass:.3g} kg" if tray.mass else ""
-    turned = f", turned by {np.degrees(tray.yaw_on_flange):.3g} deg" if tray.yaw_on_flange else ""
+    turned = f", turned by {np.degrees(tray.tool.yaw):.3g} deg" if tray.tool.yaw else ""
     return f"{sides} mm, surface at ({offset}) mm of the flange{turned}{board}"
 
 
@@ -185,10 +184,7 @@ def _jerks(scene: Scene) -> str:
 def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
     footprint = item.container.footprint
     height = f"{1e3 * item.container.height:.4g} high"
-    if isinstance(footprint, DiscFootprint):
-        size = f"{2e3 * footprint.radius:.4g} across, {height}"
-    else:
-        size = f"{2e3 * footprint.half_x:.4g} x {2e3 * footprint.half_y:.4g}, {height}"
+    size = " x ".join(f"{1e3 * side:.4g}" for side in footprint.sides) + f" across, {height}"
     turned = f", {np.degrees(item.yaw):.3g} deg" if item.yaw else ""
     contents = "solid"
     if item.filling is not None:

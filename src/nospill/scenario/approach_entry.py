@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import ConfigDict, Field
 
+from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.robot import Robot
@@ -68,11 +69,11 @@ class ApproachTable(Table):
             )
         jerk = _stated(self.jerk, "jerk", robot, robot.max_jerk)
         return ApproachRules(
-            start=_constant(self._start(robot)),
+            start=read_only(self._start(robot)),
             loaded=self.tray == "loaded",
             max_speed=robot.max_speed,
-            max_acceleration=_constant(acceleration),
-            max_jerk=_constant(acceleration / BUILD_UP if jerk is None else jerk),
+            max_acceleration=read_only(acceleration),
+            max_jerk=read_only(acceleration / BUILD_UP if jerk is None else jerk),
             speed_scale=self.speed_scale,
             acceleration_scale=self.acceleration_scale,
         )
@@ -126,9 +127,3 @@ def _require_count(given: tuple[float, ...], key: str, robot: Robot) -> None:
         values = "1 value" if len(given) == 1 else f"{len(given)} values"
         names = ", ".join(robot.joints)
         raise ScenarioError(f"{key} has {values} where {len(robot.joints)} are needed, one for each of {names}")
-
-
-def _constant(values: np.ndarray) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

@@ -37,10 +37,9 @@ def settled_base(scene: Scene) -> Scene:
     nearest: tuple[float, int, Scene] | None = None
     for order, turn in enumerate(turns):
         candidate = _turned(scene, turn)
-        tool, yaw = candidate.tray.offset, candidate.tray.yaw_on_flange
-        reached = farthest_reached(candidate.robot, candidate.path, tool, yaw)
+        reached = farthest_reached(candidate.robot, candidate.path, candidate.tray.tool)
         if reached == 1.0:  # else following it, which takes much longer, leads nowhere
-            tried = try_joint_paths(candidate.robot, candidate.path, tool_position=tool, tool_yaw=yaw)
+            tried = try_joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
             reached += tried.reached
             if tried.paths:
                 best = tried.paths[0]
@@ -78,6 +77,4 @@ def _turned(scene: Scene, turn: int) -> Scene:
 
 def _failure(scene: Scene) -> ScenarioError:
     """Why an arm cannot follow its path."""
-    return try_joint_paths(
-        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-    ).failure()
+    return try_joint_paths(scene.robot, scene.path, tool=scene.tray.tool).failure()

@@ -23,7 +23,7 @@ from nospill.scenario.fields import (
     Table,
 )
 from nospill.scenario.tolerance_entry import ToleranceTable
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
 from nospill.scene.liquids import LIQUIDS
 
@@ -102,7 +102,7 @@ class CargoTable(Table):
 
     def container(self) -> Container:
         """The geometry."""
-        shape = SHAPES[self.shape]
+        shape = CONTAINERS[self.shape]
         return shape(**{field.name: getattr(self, field.name) for field in dataclasses.fields(shape) if field.init})
 
 

@@ -7,13 +7,14 @@ import math
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
 from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
-from nospill.scene.containers.base import Container, DiscFootprint, MassProperties
+from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 
@@ -66,7 +67,7 @@ def read_cargo(
         name=entry.name,
         shape=entry.shape,
         container=container,
-        position=_constant(entry.at),
+        position=read_only(entry.at),
         yaw=entry.yaw,
         total=total,
         empty=empty,
@@ -159,7 +160,7 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
     else:
         return total, total
     _check_height(key, shown, float(total.centre[2]), container.height)
-    outside = _beyond_footprint(container, total.centre[:2])
+    outside = container.footprint.gap(total.centre[:2])
     if outside >= 0.0:
         raise ScenarioError(
             f"{key} {shown} is {_mm(outside)} outside the footprint: the object tips over at rest; move it inside"
@@ -214,23 +215,9 @@ def _check_height(key: str, shown: str, height: float, rim: float) -> None:
         )
 
 
-def _beyond_footprint(container: Container, point: np.ndarray) -> float:
-    """How far `point` (2,) lies outside the footprint, m; negative inside."""
-    footprint = container.footprint
-    if isinstance(footprint, DiscFootprint):
-        return math.hypot(*point) - footprint.radius
-    return max(abs(float(point[0])) - footprint.half_x, abs(float(point[1])) - footprint.half_y)
-
-
 def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
-    return dataclasses.replace(body, centre=_constant(centre))
+    return dataclasses.replace(body, centre=read_only(centre))
 
 
 def _mm(length: float) -> str:
     return format_quantity(length, "length", digits=4)
-
-
-def _constant(values: object) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.flags.writeable = False
-    return array

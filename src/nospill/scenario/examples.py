@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 
+from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 
 EXAMPLES: dict[str, str] = {
@@ -30,7 +30,7 @@ def example_path(name: str) -> Path:
         ScenarioError: no example has that name; the message lists the names.
     """
     if name not in EXAMPLES:
-        near = difflib.get_close_matches(name, EXAMPLES, n=1)
-        hint = f'; did you mean "{near[0]}"?' if near else ""
+        near = nearest(name, EXAMPLES)
+        hint = f'; did you mean "{near}"?' if near else ""
         raise ScenarioError(f'there is no bundled example "{name}" (known: {", ".join(EXAMPLES)}){hint}')
     return _FOLDER / f"{name}.toml"

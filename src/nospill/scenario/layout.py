@@ -11,7 +11,6 @@ import numpy as np
 from nospill.core.units import as_written, format_quantity
 from nospill.scenario.messages import Fault
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.base import DiscFootprint
 from nospill.scene.tray import Tray
 
 _TOUCHING = 1e-9
@@ -56,32 +55,31 @@ def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
 
 def overhang(item: Cargo, tray: Tray) -> float:
     """How far the footprint sticks out over the tray's edge, m; negative: the gap that is left."""
-    centre, corners, radius = _footprint(item)
-    farthest = np.max(np.abs(corners if corners is not None else centre), axis=0) + radius
+    farthest = np.max(np.abs(footprint_core(item)), axis=0) + item.container.footprint.rounding
     return float(np.max(farthest - tray.size / 2.0))
 
 
 def overlap(first: Cargo, second: Cargo) -> float:
     """How far two footprints reach into each other, m (the shortest move that parts them); negative or zero: apart."""
-    centre_1, corners_1, radius_1 = _footprint(first)
-    centre_2, corners_2, radius_2 = _footprint(second)
-    if corners_1 is not None and corners_2 is not None:
-        return _polygon_overlap(corners_1, corners_2)
-    if corners_1 is not None:
-        return radius_2 - _distance_to_polygon(centre_2[0], corners_1)
-    if corners_2 is not None:
-        return radius_1 - _distance_to_polygon(centre_1[0], corners_2)
-    return radius_1 + radius_2 - math.hypot(*(centre_1[0] - centre_2[0]))
+    radii = first.container.footprint.rounding + second.container.footprint.rounding
+    return radii - _distance(footprint_core(first), footprint_core(second))
 
 
-def _footprint(item: Cargo) -> tuple[np.ndarray, np.ndarray | None, float]:
-    """Centre (1, 2) on the tray; then the corners (n, 2) and no radius or, for a disc, no corners and its radius."""
-    centre = item.position[None, :]
-    if isinstance(item.container.footprint, DiscFootprint):
-        return centre, None, item.container.footprint.radius
+def footprint_core(item: Cargo) -> np.ndarray:
+    """Corners (n, 2) of an object's footprint on the tray, without its rounding, m; of a disc the middle alone."""
     cosine, sine = math.cos(item.yaw), math.sin(item.yaw)
-    turn = np.array([[cosine, -sine], [sine, cosine]])
-    return centre, centre + item.container.outline @ turn.T, 0.0
+    return item.position + item.container.footprint.core @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _distance(first: np.ndarray, second: np.ndarray) -> float:
+    """Signed distance of two convex polygons, each a single point or (n, 2) corners, m; negative where they overlap."""
+    if len(first) == len(second) == 1:
+        return math.hypot(*(first[0] - second[0]))
+    if len(first) == 1:
+        return _distance_to_polygon(first[0], second)
+    if len(second) == 1:
+        return _distance_to_polygon(second[0], first)
+    return -_polygon_overlap(first, second)
 
 
 def _normals(corners: np.ndarray) -> np.ndarray:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, listed
 from nospill.errors import Reason, ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
@@ -83,8 +83,8 @@ def _entries(context: Mapping[str, Any]) -> str:
 
 def _tag(shown: str, context: Mapping[str, Any]) -> str:
     key, choices = _choices(context)
-    near = difflib.get_close_matches(str(context["tag"]), choices, n=1)
-    hint = f'; did you mean "{near[0]}"?' if near else ""
+    near = nearest(str(context["tag"]), choices)
+    hint = f'; did you mean "{near}"?' if near else ""
     expected = listed([as_written(choice) for choice in choices])
     return f"has the unknown {key} {as_written(context['tag'])}; choose one of {expected}{hint}"
 
@@ -176,9 +176,9 @@ def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
     key = str(keys[-1])
     allowed = list(_fields(model)) if model else []
     text = f"unknown key {as_written(key)}" + (f" in {_key_path(keys[:-1])}" if len(keys) > 1 else "")
-    near = difflib.get_close_matches(key, allowed, n=1, cutoff=0.7)
+    near = nearest(key, allowed, likeness=0.7)
     if near:
-        return f'{text}; did you mean "{near[0]}"?'
+        return f'{text}; did you mean "{near}"?'
     owner = next((name for name in Scenario.model_fields if _owns(name, key) and _table_model(name) is not model), None)
     hint = f"; it belongs to [{owner}]" if owner else ""
     return f"{text}{hint}; allowed here: {', '.join(allowed)}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 import tomllib
@@ -15,10 +14,13 @@ import numpy as np
 import tomli_w
 from pydantic import ValidationError
 
+from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
+from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.examples import EXAMPLES, example_path
@@ -103,8 +105,8 @@ def _locate(label: str) -> FilePath:
         raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
     if exists:
         raise report(label, [("", "is not a regular file; give a TOML file")])
-    near = difflib.get_close_matches(label, EXAMPLES, n=1)
-    hint = f'did you mean "{near[0]}"?' if near else _KNOWN_EXAMPLES
+    near = nearest(label, EXAMPLES)
+    hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
     raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
 
 
@@ -157,9 +159,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
     tray = Tray(
-        size=_constant(scenario.tray.size),
-        offset=_constant(scenario.tray.offset),
-        yaw_on_flange=scenario.tray.yaw_on_flange,
+        size=read_only(scenario.tray.size),
+        tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
     cargo = _cargo(scenario, label)
@@ -297,9 +298,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, bool | str):
         return value
     return int(value) if isinstance(value, int) else float(value)
-
-
-def _constant(values: tuple[float, ...]) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.flags.writeable = False
-    return array

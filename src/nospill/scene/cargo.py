@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.containers.modes import SloshModes
+from nospill.scene.containers.modes import Oscillator, SloshModes
 from nospill.scene.liquids import Liquid
 
 
@@ -77,6 +78,11 @@ class Cargo:
         """Friction the plan may use: measured value less the reserve."""
         return self.friction * (1.0 - self.friction_reserve)
 
+    @property
+    def oscillators(self) -> tuple[Oscillator, ...]:
+        """Modal masses of the liquid; none of a solid."""
+        return self.filling.modes.oscillators if self.filling else ()
+
 
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:
     """The liquid at rest up to a height (m) as a solid; a container is a prism, cut off at the surface."""
@@ -108,7 +114,5 @@ def _joined(first: MassProperties, second: MassProperties) -> MassProperties:
     inertia = np.zeros((3, 3))
     for body in (first, second):
         arm = body.centre - centre
-        inertia += body.inertia + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    for values in (centre, inertia):
-        values.flags.writeable = False
-    return MassProperties(mass, centre, inertia)
+        inertia += body.inertia + body.mass * parallel_axis(arm)
+    return MassProperties(mass, read_only(centre), read_only(inertia))

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.robots.tool import Tool
+
 
 @dataclass(frozen=True, slots=True)
 class Tray:
@@ -13,12 +15,10 @@ class Tray:
 
     Attributes:
         size: (2,) side lengths along x and y, m.
-        offset: (3,) origin of the tray frame in the flange frame, m.
-        yaw_on_flange: turn of the tray frame about the flange's z, rad.
+        tool: placement of the tray frame on the flange.
         mass: of the board itself, without its load, kg; spread evenly, at the height of the surface.
     """
 
     size: np.ndarray
-    offset: np.ndarray
-    yaw_on_flange: float
+    tool: Tool
     mass: float = 0.0

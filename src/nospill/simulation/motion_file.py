@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.files import UnreadableError, atomic_text, bounded_text
 from nospill.errors import ScenarioError
 
@@ -90,9 +91,7 @@ def checked_motion(
     # q and -q are the same attitude; a spline needs neighbours on the same side.
     flips = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
     quaternion[1:][np.cumsum(flips) % 2 == 1] *= -1.0
-    for array in (t, position, quaternion):
-        array.flags.writeable = False
-    return Motion(t, position, quaternion)
+    return Motion(read_only(t), read_only(position), read_only(quaternion))
 
 
 def read_motion(path: str | os.PathLike[str]) -> Motion:
@@ -131,9 +130,7 @@ def checked_heights(t: np.ndarray, height: np.ndarray, *, label: str = "heights"
     if t.ndim != 1 or height.shape != t.shape:
         raise ScenarioError(f"{label}: shapes of t {t.shape} and height {height.shape}; (m,) and (m,) are needed")
     _check_clock(t, height[:, None], label=label, first_line=first_line)
-    for array in (t, height):
-        array.flags.writeable = False
-    return Heights(t, height)
+    return Heights(read_only(t), read_only(height))
 
 
 def write_heights(path: str | os.PathLike[str], heights: Heights) -> None:

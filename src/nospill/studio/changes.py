@@ -11,7 +11,7 @@ from typing import Any
 from nospill.core.paths import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, OWN_ROBOT, Field
 
@@ -101,7 +101,7 @@ def _shape(draft: Draft, key: Key, shape: str) -> dict[Key, Any]:
 
 def _sides(shape: object) -> list[str]:
     """The keys of a shape's sizes."""
-    known = SHAPES.get(str(shape))
+    known = CONTAINERS.get(str(shape))
     return [side.name for side in dataclasses.fields(known) if side.init] if known else []
 
 

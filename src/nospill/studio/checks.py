@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from nospill.core.units import as_written
 from nospill.errors import ModelError, ScenarioError
+from nospill.robots.tool import Tool
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.layout import layout_faults
@@ -122,8 +123,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
             cargo.append(item)
     tray = Tray(
         size=np.array(scenario.tray.size),
-        offset=np.array(scenario.tray.offset),
-        yaw_on_flange=scenario.tray.yaw_on_flange,
+        tool=Tool(np.array(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
     return faults + [_placed(where, text, table) for where, text in layout_faults(cargo, tray)]

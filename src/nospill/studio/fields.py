@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from nospill.core.paths import PRESETS
 from nospill.robots.description.catalog import ROBOTS
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault
 from nospill.studio.draft import Draft, Key
@@ -150,7 +150,7 @@ def object_fields(draft: Draft, index: int) -> list[Field]:
     """The fields of one object; which ones depends on its shape and whether it holds a liquid."""
     entry = draft.cargo[index]
     shape = str(entry.get("shape"))
-    sides = [side.name for side in dataclasses.fields(SHAPES[shape]) if side.init] if shape in SHAPES else []
+    sides = [side.name for side in dataclasses.fields(CONTAINERS[shape]) if side.init] if shape in CONTAINERS else []
     filled = entry.get("liquid") is not None
     own = isinstance(entry.get("liquid"), dict)
     liquids = (NO_LIQUID, *([OWN_LIQUID] if own else []), *LIQUIDS)
@@ -165,7 +165,7 @@ def object_fields(draft: Draft, index: int) -> list[Field]:
 
     return [
         Field(at("name"), "Name", "text", hint="letters, digits, - and _"),
-        Field(at("shape"), "Shape", "choice", tuple(SHAPES)),
+        Field(at("shape"), "Shape", "choice", tuple(CONTAINERS)),
         Field(at("at", 0), "x", hint="of the bottom's centre from the tray's centre, for example 45 mm"),
         Field(at("at", 1), "y", hint="of the bottom's centre from the tray's centre, for example -70 mm"),
         *(

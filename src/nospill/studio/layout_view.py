@@ -102,9 +102,7 @@ class LayoutView:
         self._tray_place, self._turn = points[0, :3], float(points[0, 3])
         chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
         try:
-            q = joint_paths(
-                scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-            )[0].q[0]
+            q = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0].q[0]
         except NospillError as error:
             q = None
             self._said(" ".join(str(error).split()))

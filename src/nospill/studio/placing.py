@@ -13,11 +13,11 @@ from pydantic import ValidationError
 
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
+from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.cargo_reader import read_cargo
-from nospill.scenario.layout import overhang, overlap
+from nospill.scenario.layout import footprint_core, overhang, overlap
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.base import DiscFootprint
 from nospill.scene.tray import Tray
 from nospill.studio.draft import label_of
 
@@ -74,7 +74,7 @@ def tray_size(table: Mapping[str, Any]) -> tuple[float, float] | None:
 def place_objects(table: Mapping[str, Any]) -> list[Placed]:
     """Every object whose place and sides can be read, whatever else is wrong with it."""
     size = tray_size(table)
-    tray = None if size is None else Tray(np.array(size), np.zeros(3), 0.0)
+    tray = None if size is None else Tray(np.array(size), Tool())
     bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
     names = [label_of(entry, index) for index, entry in enumerate(table["cargo"])]
     met: dict[int, list[str]] = {index: [] for index in bodies}
@@ -85,15 +85,14 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
     found = []
     for index, body in bodies.items():
         out = overhang(body, tray) if tray is not None else 0.0
-        footprint = body.container.footprint
-        round_one = isinstance(footprint, DiscFootprint)
+        radius = body.container.footprint.rounding
         found.append(
             Placed(
                 index=index,
                 label=names[index],
                 position=body.position,
-                radius=footprint.radius if isinstance(footprint, DiscFootprint) else None,
-                corners=None if round_one else _corners(body),
+                radius=radius or None,
+                corners=None if radius else footprint_core(body),
                 filled=table["cargo"][index].get("liquid") is not None,
                 off_tray=out if out > _TOUCHING else 0.0,
                 overlaps=tuple(met[index]),
@@ -108,7 +107,7 @@ def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[floa
     others = [other for item in table["cargo"] if (other := _body(item)) is not None]
     if size is None or body is None:
         return 0.0, 0.0
-    tray = Tray(np.array(size), np.zeros(3), 0.0)
+    tray = Tray(np.array(size), Tool())
     most = [min(int(side / 2 / _SEARCH), _MOST_STEPS) for side in size]
     places = [
         (_SEARCH * column, _SEARCH * row)
@@ -120,11 +119,6 @@ def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[floa
         if overhang(there, tray) <= 0.0 and all(overlap(there, other) <= 0.0 for other in others):
             return place
     return 0.0, 0.0
-
-
-def _corners(body: Cargo) -> np.ndarray:
-    cosine, sine = math.cos(body.yaw), math.sin(body.yaw)
-    return body.position + body.container.outline @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def _body(entry: Mapping[str, Any]) -> Cargo | None:

@@ -185,20 +185,20 @@ def _joint_samples(
     chains: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Joint positions, speeds and accelerations (m, n) that carry the tray, the self-motion as its chain says."""
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
+    tool = scene.tray.tool
     grid = np.arange(stages.intervals) * stages.interval
     start = np.column_stack([np.interp(t, grid, column) for column in stages.table[:-1, layout.joint_position].T])
     arm = kinematics(scene.robot)
     held = None
     if stages.self_motion is not None:
         held = Held(stages.self_motion, chains[:, -3])
-    position = solve_joints(scene.robot, tray.position, tray.rotation, start, held=held, **tool)
-    jacobian, twist = arm.jacobians(position, **tool), tray.twist
+    position = solve_joints(scene.robot, tray.position, tray.rotation, start, held=held, tool=tool)
+    jacobian, twist = arm.jacobians(position, tool=tool), tray.twist
     if held is not None:
         jacobian, _ = held.added(jacobian, twist, position)
         twist = np.hstack([twist, chains[:, -2:-1]])
     speed = np.linalg.solve(jacobian, twist[:, :, None])[:, :, 0]
-    bias = arm.motions(position, speed, np.zeros_like(speed), **tool)
+    bias = arm.motions(position, speed, np.zeros_like(speed), tool=tool)
     change = tray.twist_change - np.hstack([bias.acceleration, bias.angular_acceleration])
     if held is not None:
         change = np.hstack([change, chains[:, -1:]])
@@ -230,10 +230,10 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
         return {}
     function = _functions(structure, Shapes(numbers))["crests"]
     table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
-    tracks, start = {}, 0
-    carriers = [(cargo, item) for cargo, item in zip(scene.cargo, structure.objects, strict=True) if item.oscillators]
-    for row, (cargo, item) in enumerate(carriers):
-        own = slice(start, start + item.coordinates)
-        start += item.coordinates
+    tracks = {}
+    carriers = [
+        (cargo, own) for cargo, own in zip(scene.cargo, structure.slosh_slices, strict=True) if cargo.oscillators
+    ]
+    for row, (cargo, own) in enumerate(carriers):
         tracks[cargo.name] = SloshTrack(samples.displacement[:, own], samples.velocity[:, own], table[row])
     return tracks

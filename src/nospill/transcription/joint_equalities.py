@@ -31,9 +31,8 @@ def joint_equalities(
     """
     joints = [stage[layout.joint_derivative(order)] for order in range(layout.orders + 1)]
     arm = kinematics(structure)
-    tool = {"tool_position": numbers.tray_offset, "tool_yaw": numbers.tray_yaw_on_flange}
-    position, rotation = arm.pose(joints[0], **tool)
-    velocity, omega = arm.twist(joints[0], joints[1], **tool)
+    position, rotation = arm.pose(joints[0], tool=numbers.tool)
+    velocity, omega = arm.twist(joints[0], joints[1], tool=numbers.tool)
     turn = tray.rotation.T @ rotation
     equations = [
         position - tray.position,
@@ -41,15 +40,14 @@ def joint_equalities(
         velocity - tray.velocity,
         tray.rotation.T @ omega - tray.motion.angular_velocity,
     ]
-    flange = ca.vertcat(numbers.tray_offset, numbers.tray_yaw_on_flange)
     if layout.orders > 1:
         equations.append(
-            _twist_change(structure)(*joints[:3], flange) - ca.vertcat(*tray.acceleration(numbers.gravity))
+            _twist_change(structure)(*joints[:3], numbers.tool) - ca.vertcat(*tray.acceleration(numbers.gravity))
         )
     if layout.orders > 2:
         jerks = stage[layout.jerks]
         equations.append(
-            _twist_jerk(structure)(*joints, flange) - _tray_jerk(structure, numbers, layout, chains, jerks)
+            _twist_jerk(structure)(*joints, numbers.tool) - _tray_jerk(structure, numbers, layout, chains, jerks)
         )
     if layout.redundant:
         own = (*chains[-1], stage[layout.jerks][-1])

@@ -60,7 +60,7 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     offset = max((float(np.hypot(*item.position[:2])) for item in objects), default=0.0)
     turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
     demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
-    allowed = min(0.5 * item.friction * STANDARD_GRAVITY for item in objects)
+    allowed = min(0.5 * item.planned_friction * STANDARD_GRAVITY for item in objects)
     for item in objects:
         for mode in item.oscillators[:1]:
             allowed = min(allowed, 0.5 * item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))

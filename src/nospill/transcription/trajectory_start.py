@@ -40,20 +40,15 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
         table[:, 3 * index : 3 * index + 3] = at(chain)
         table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
     table[:, layout.interval] = interval
-    first = layout.displacement.start
-    for cargo, item in zip(scene.cargo, structure.objects, strict=True):
-        count = item.coordinates
+    for cargo, columns in zip(scene.cargo, structure.slosh_slices, strict=True):
         track = trajectory.slosh.get(cargo.name)
-        if track is not None and track.displacement.shape[1] == count:
-            shift = first - layout.displacement.start
-            columns = slice(shift, shift + count)
+        if track is not None and track.displacement.shape[1] == columns.stop - columns.start:
             table[:, layout.displacement][:, columns] = at(track.displacement)
             table[:, layout.velocity][:, columns] = at(track.velocity)
             change = np.gradient(track.velocity, trajectory.t, axis=0)
             for point in range(2):
                 inside = np.minimum(times + POINTS[point] * interval, duration)
                 table[:, layout.acceleration(point)][:, columns] = at(change, inside)
-        first += count
     further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)

@@ -76,10 +76,10 @@ def bodies_of(scene: Scene) -> tuple[Body, ...]:
 
 
 def _body(cargo: Cargo, scene: Scene) -> Body:
-    numbers = object_numbers(cargo, scene)
+    numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
     total = float(numbers.weight / scene.gravity)
     axes = {"x": 0, "y": 1}
-    oscillators = cargo.filling.modes.oscillators if cargo.filling else ()
+    oscillators = cargo.oscillators
     swinging = sum(mode.mass for mode in oscillators)
     stays = max(0.0, 1.0 - (1.0 - _LEAST_RIGID_FRACTION) * total / swinging) if swinging else 0.0
     mass, first = float(numbers.mass) + stays * swinging, np.array(numbers.first_moment, dtype=float)

@@ -85,8 +85,7 @@ def tray_motion(joints: PlayedJoints, scene: Scene, *, step: float, before: floa
     t = joints.start - before + step * np.arange(count)
     found = kinematics(scene.robot).motions(
         *(joints.motion(t, order) for order in range(3)),
-        tool_position=scene.tray.offset,
-        tool_yaw=scene.tray.yaw_on_flange,
+        tool=scene.tray.tool,
     )
     lifted = found.acceleration + np.array([0.0, 0.0, scene.gravity])
     turned = [

@@ -105,12 +105,11 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
 
 
 def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[str, LiquidTrack]:
-    tracks, start = {}, 0
-    for number, (cargo, item) in enumerate(zip(scene.cargo, structure_of(scene).objects, strict=True)):
+    tracks = {}
+    for number, (cargo, part) in enumerate(zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)):
         if cargo.filling is None:
             continue
-        own = coordinates[:, start : start + item.coordinates]
-        start += item.coordinates
+        own = coordinates[:, part]
         lean = leans[:, 2 * number : 2 * number + 2]
         together = np.column_stack([own, lean if scene.fidelity == "full" else np.zeros_like(lean)])
         height = liquid_surface(cargo).crest(together)

@@ -175,7 +175,7 @@ def drawn_links(chain: Chain, tray: Tray | None = None, *, only_holder: bool = F
 
 def _holder(tray: Tray, radius: float) -> Mesh:
     """From the flange to the underside of the board, flange frame."""
-    end = np.asarray(tray.offset, dtype=float) - np.array([0.0, 0.0, TRAY_THICKNESS])
+    end = np.asarray(tray.tool.position, dtype=float) - np.array([0.0, 0.0, TRAY_THICKNESS])
     plate = tube(end - np.array([0.0, 0.0, 0.35 * radius]), end, (1.9 * radius, 1.9 * radius))
     if np.linalg.norm(end) < 1e-3:
         return plate
@@ -190,7 +190,7 @@ def _keep_below_tray(chain: Chain, parts: dict[str, list[Mesh]], tray: Tray, rad
     for later in chain.joints[last + 1 :]:
         position = position + rotation @ later.position
         rotation = rotation @ later.rotation
-    below = position + rotation @ (np.asarray(tray.offset) - np.array([0.0, 0.0, TRAY_THICKNESS]))
+    below = position + rotation @ (np.asarray(tray.tool.position) - np.array([0.0, 0.0, TRAY_THICKNESS]))
     room = float(abs(below @ joint.axis))
     usual = 1.25 * radii[last + 1]
     if room < usual:

@@ -216,12 +216,12 @@ class PlanView:
         self._base = scene.add_frame(root, show_axes=False, position=position)
         scene.add_frame(f"{root}/arm", show_axes=False)
         self.arm = ArmView(scene, whole.robot, root=f"{root}/arm", tray=whole.tray, chain=chain, meshes=meshes)
-        half = whole.tray.yaw_on_flange / 2
+        half = whole.tray.tool.yaw / 2
         tray_node = f"{self.arm.flange}/tray"
         scene.add_frame(
             tray_node,
             show_axes=False,
-            position=tuple(whole.tray.offset),
+            position=tuple(whole.tray.tool.position),
             wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)),
         )
         scene.add_frame(f"{root}/names", show_axes=False)

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.base import DiscFootprint
-from nospill.scene.containers.modes import Oscillator
+from nospill.scene.containers.footprints import Footprint
 from nospill.viewer.geometry import Mesh, shrunk, wall_thickness
 
 _RING_POINTS = 32
@@ -35,7 +34,7 @@ class LiquidSurface:
         basis: (u, k + 2): rise in m of every upper vertex per slosh coordinate (k, in the order of the trajectory) and
             per lean of the apparent gravity along x and y.
         wall: (2, k + 2): the same at the wall on the positive side of x and of y.
-        disc: whether the wall is circular.
+        footprint: of the container, whose edge the wall follows.
         floor: height of the floor inside, m, below which no surface is drawn.
     """
 
@@ -44,7 +43,7 @@ class LiquidSurface:
     points: np.ndarray
     basis: np.ndarray
     wall: np.ndarray
-    disc: bool
+    footprint: Footprint
     floor: float
 
     def rise(self, coordinates: np.ndarray) -> np.ndarray:
@@ -53,8 +52,8 @@ class LiquidSurface:
 
     def crest(self, coordinates: np.ndarray) -> np.ndarray:
         """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2)."""
-        at_wall = np.abs(coordinates @ self.wall.T)
-        return np.hypot(*at_wall.T) if self.disc else at_wall.sum(axis=1)
+        vectors = self.footprint.crest_vectors((coordinates @ self.wall.T).T)
+        return np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
 
     def vertices(self, coordinates: np.ndarray) -> np.ndarray:
         """All vertices (n, 3), m, for (k + 2,) coordinates and leans."""
@@ -88,7 +87,7 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
         points=true,
         basis=_basis(cargo, true),
         wall=_basis(cargo, np.diag(np.max(np.abs(outline), axis=0))),
-        disc=isinstance(cargo.container.footprint, DiscFootprint),
+        footprint=cargo.container.footprint,
         floor=floor,
     )
 
@@ -127,20 +126,7 @@ def _basis(cargo: Cargo, points: np.ndarray) -> np.ndarray:
     for mode in cargo.filling.modes.oscillators:
         for direction in mode.directions:
             axis = _AXES[direction]
-            shape = mode.surface_gain * _shape(cargo, mode, points, axis)
+            shape = mode.surface_gain * cargo.container.footprint.mode_shape(mode.wave_number, points, axis)
             columns.append(shape)
             leans[:, axis] -= shape / mode.curvature
     return np.column_stack([*columns, -leans])
-
-
-def _shape(cargo: Cargo, mode: Oscillator, points: np.ndarray, axis: int) -> np.ndarray:
-    """A mode's shape at points (u, 2), (u,): 1 at the wall on the positive side of the axis."""
-    footprint, wave = cargo.container.footprint, mode.wave_number
-    if isinstance(footprint, DiscFootprint):
-        from scipy.special import j1
-
-        distance = np.hypot(*points.T)
-        along = np.divide(points[:, axis], distance, out=np.zeros(len(points)), where=distance > 0)
-        return j1(wave * distance) / j1(wave * footprint.radius) * along
-    half = (footprint.half_x, footprint.half_y)[axis]
-    return np.sin(wave * points[:, axis]) / np.sin(wave * half)

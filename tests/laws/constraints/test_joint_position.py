@@ -14,9 +14,7 @@ from nospill.scenario import read_scenario
 
 def test_the_back_off_of_a_range_leaves_what_the_path_needs() -> None:
     scene = read_scenario("matrix-rigid")
-    [path, *_] = joint_paths(
-        scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange
-    )
+    [path, *_] = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     middle = int(np.argmax(path.q[1:-1, 2])) + 1  # the third joint comes farthest on the way
     assert path.q[middle, 2] > path.q[[0, -1], 2].max()
     upper = scene.robot.upper.copy()

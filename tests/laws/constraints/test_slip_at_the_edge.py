@@ -13,10 +13,10 @@ from nospill.laws.constraints import Slip
 from nospill.laws.constraints.base import figures
 from nospill.laws.contact import Wrench
 from nospill.laws.sample import ObjectSample, Sample
-from nospill.laws.scene_parameters import grip_radius, numbers_of, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.containers import Box, Cylinder
-from nospill.scene.containers.base import DiscFootprint, Footprint
+from nospill.scene.containers.footprints import Footprint
 
 FOOTPRINTS = {
     "disc": Cylinder(1.0, 1.0).footprint,
@@ -90,12 +90,14 @@ def slip_use(law: Slip, footprint: Footprint, wrench: tuple[np.ndarray, np.ndarr
     """Of friction 1, for a force and a moment about the middle on an object that weighs 1."""
     scene = read_scenario("mixed-tray")
     structure, numbers = structure_of(scene), numbers_of(scene)
-    kind = "disc" if isinstance(footprint, DiscFootprint) else "rectangle"
-    size = (footprint.radius,) * 2 if isinstance(footprint, DiscFootprint) else (footprint.half_x, footprint.half_y)
     own = replace(
-        numbers.objects[0], weight=1.0, friction=1.0, footprint=np.array(size), grip_radius=grip_radius(footprint)
+        numbers.objects[0],
+        weight=1.0,
+        planned_friction=1.0,
+        half_lengths=footprint.half_lengths,
+        grip_radius=footprint.grip_radius,
     )
-    shape = replace(structure.objects[0], footprint=kind)
+    shape = replace(structure.objects[0], footprint=type(footprint))
     nothing = ca.SX(0, 1)
     item = ObjectSample(own, shape, None, Wrench(*(ca.SX(part) for part in wrench)), nothing, ())  # type: ignore[arg-type]
     ((budget,),) = law.budgets(Sample(structure, numbers, objects=(item,)))

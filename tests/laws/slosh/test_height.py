@@ -8,17 +8,18 @@ from hypothesis import strategies as st
 
 from nospill.core.frames import FrameMotion
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, constants
-from nospill.laws.slosh.height import crest, crest_demands, surface_vector
+from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.motion import OscillatorState
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
+from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]
 DEPTH = 0.049
 CUP, BOX = Cylinder(0.035, 0.1), Box(0.07, 0.05, 0.1)
-DISC, RECTANGLE = ObjectStructure("disc", ()), ObjectStructure("rectangle", ())
+DISC, RECTANGLE = ObjectStructure(DiscFootprint, ()), ObjectStructure(RectangleFootprint, ())
 
 
 def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, ObjectStructure]:
@@ -33,8 +34,8 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         inertia=nothing.inertia,
         spin_inertia=0.0,
         weight=0.0,
-        friction=0.0,
-        footprint=np.zeros(2),
+        planned_friction=0.0,
+        half_lengths=np.zeros(2),
         footprint_reserve=0.0,
         twist_radius=0.0,
         grip_radius=0.0,
@@ -47,7 +48,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         ),
     )
     directions = tuple(tuple("xy".index(axis) for axis in mode.directions) for mode in modes.oscillators)
-    return constants(numbers), ObjectStructure("disc" if container is CUP else "rectangle", directions)
+    return constants(numbers), ObjectStructure(type(container.footprint), directions)
 
 
 def states_of(structure: ObjectStructure, displacements: list[np.ndarray]) -> tuple[OscillatorState, ...]:
@@ -112,5 +113,5 @@ def test_crest_is_the_highest_point_of_the_wall(x, y):
     corners = [sign * x + other * y for sign in (-1, 1) for other in (-1, 1)]
     assert float(ca.evalf(crest(RECTANGLE, eta))) == pytest.approx(max(corners), abs=1e-15)
     for structure, value in ((DISC, disc), (RECTANGLE, max(corners))):
-        demands = [np.linalg.norm(ca.evalf(demand).full()) for demand in crest_demands(structure, eta)]
+        demands = [np.linalg.norm(ca.evalf(demand).full()) for demand in structure.footprint.crest_vectors(eta)]
         assert max(demands) == pytest.approx(value, abs=1e-15)

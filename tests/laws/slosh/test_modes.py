@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.scene.containers import SHAPES, Box, Cylinder
+from nospill.scene.containers import CONTAINERS, Box, Cylinder
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
 
@@ -22,7 +22,7 @@ def test_curvature_is_free_of_gravity():
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.sampled_from(sorted(SHAPES)), st.floats(0.1, 3.0), st.integers(1, 8), st.floats(0.01, 0.5))
+@given(st.sampled_from(sorted(CONTAINERS)), st.floats(0.1, 3.0), st.integers(1, 8), st.floats(0.01, 0.5))
 def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):
     """Lateral over axial gravity tan(angle): modes carried and correction make half the side times it."""
     container = {"cylinder": Cylinder(0.04, 1.0), "box": Box(0.08, 0.06, 1.0)}[shape]

@@ -18,7 +18,7 @@ from nospill.export import EXPORTERS
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.robots.description.catalog import robot_table
 from nospill.scenario import scenario_schema
-from nospill.scene.containers import SHAPES
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -64,7 +64,7 @@ def test_tables_name_every_member() -> None:
     assert all(f"**{item.name}**" in tables.constraints_table() for item in CONSTRAINTS)
     assert all(item.description in tables.constraints_table().replace(r"\|", "|") for item in CONSTRAINTS)
     assert all(f"`{name}`" in tables.exporters_table() for name in EXPORTERS)
-    assert all(f'`"{name}"`' in tables.shapes_table() for name in SHAPES)
+    assert all(f'`"{name}"`' in tables.shapes_table() for name in CONTAINERS)
     assert all(f'`"{name}"`' in tables.liquids_table() for name in LIQUIDS)
     page = tables.robots_page()
     for arm in robot_table():

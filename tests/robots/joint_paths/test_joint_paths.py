@@ -13,9 +13,10 @@ from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import inverse_solutions, joint_paths, solve_joints
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.tool import Tool
 
 ROBOT = load_robot("comau-smart-six")
-TOOL = {"tool_position": (0.0, 0.0, 0.108)}
+TOOL = Tool(np.array([0.0, 0.0, 0.108]))
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def arc():
 
 @pytest.fixture(scope="module")
 def arc_joints(arc):
-    return joint_paths(ROBOT, arc, **TOOL)
+    return joint_paths(ROBOT, arc, tool=TOOL)
 
 
 def check(path, found, *, robot=ROBOT, tool=TOOL):
@@ -33,7 +34,7 @@ def check(path, found, *, robot=ROBOT, tool=TOOL):
     arm = kinematics(robot)
     for way in found:
         positions, rotations = tray_poses(path, way.s)
-        reached, turned = arm.poses(way.q, **tool)
+        reached, turned = arm.poses(way.q, tool=tool)
         assert np.abs(reached - positions).max() < 1e-11
         assert np.abs(turned - rotations).max() < 1e-11
         assert (way.q >= robot.lower - 1e-9).all()
@@ -77,7 +78,7 @@ def test_arc_slope_and_interpolation(arc, arc_joints):
     # second-order difference on a quartic spline with steep ends
     assert np.abs(central - way.dq_ds[1:-1]).max() < 0.03
     dense = np.linspace(0, 1, 1733)
-    exact = solve_joints(ROBOT, *tray_poses(arc, dense), way.at(dense), **TOOL)
+    exact = solve_joints(ROBOT, *tray_poses(arc, dense), way.at(dense), tool=TOOL)
     assert np.abs(way.at(dense) - exact).max() < 1e-5
     np.testing.assert_array_equal(way.at(way.s)[:-1], way.q[:-1])
 
@@ -92,7 +93,7 @@ def test_branches_are_continuous_and_all_there(start, end, turn):
     if np.linalg.norm(np.subtract(start, end)) < 0.05:
         return
     path = straight_line(start, end, yaw=[0.3, 0.3 + turn])
-    found = joint_paths(ROBOT, path, **TOOL)
+    found = joint_paths(ROBOT, path, tool=TOOL)
     check(path, found)
     for way in found:
         # the exact slope integrates to the samples: no jump to another branch
@@ -101,7 +102,7 @@ def test_branches_are_continuous_and_all_there(start, end, turn):
         assert np.abs(steps - trapezoid).max() < 1e-3
     # the closed form at the far end knows each of them
     positions, rotations = tray_poses(path, np.array([1.0]))
-    ends = inverse_solutions(ROBOT, positions[0], rotations[0], **TOOL)
+    ends = inverse_solutions(ROBOT, positions[0], rotations[0], tool=TOOL)
     for way in found:
         assert np.abs(wrapped(way.q[-1] - ends)).max(axis=1).min() < 1e-7
 
@@ -110,16 +111,16 @@ def test_close_to_the_first_axis_small_steps_keep_the_branch():
     """The wrist passes 5 mm beside axis 1: joint 1 turns by almost half a turn within a few samples."""
     path = straight_line((0.5, 0.005, 1.5), (-0.5, 0.005, 1.5))
     free = replace(ROBOT, lower=np.full(6, -50.0), upper=np.full(6, 50.0))
-    found = joint_paths(free, path, samples=21, **TOOL)
+    found = joint_paths(free, path, samples=21, tool=TOOL)
     check(path, found, robot=free)
     turned = {round(float(np.degrees(abs(way.q[-1, 0] - way.q[0, 0])))) for way in found}
     assert turned == {179}
 
 
 def test_tray_yaw_on_the_flange_turns_only_the_last_joint(arc):
-    plain = joint_paths(ROBOT, arc, **TOOL)[0]
-    turned = joint_paths(ROBOT, arc, tool_yaw=0.4, **TOOL)
-    check(arc, turned, tool={**TOOL, "tool_yaw": 0.4})
+    plain = joint_paths(ROBOT, arc, tool=TOOL)[0]
+    turned = joint_paths(ROBOT, arc, tool=replace(TOOL, yaw=0.4))
+    check(arc, turned, tool=replace(TOOL, yaw=0.4))
     shift = wrapped(turned[0].q - plain.q)
     np.testing.assert_allclose(shift[:, :5], 0, atol=1e-10)
     np.testing.assert_allclose(np.abs(shift[:, 5]), 0.4, atol=1e-10)
@@ -133,7 +134,7 @@ def test_out_of_reach_says_from_where_and_how_far():
     stretched = 0.150 + np.sqrt((upper_arm + forearm) ** 2 - height**2)
     beyond = np.hypot(2.0 - 0.150, height) - upper_arm - forearm
     with pytest.raises(ScenarioError) as caught:
-        joint_paths(ROBOT, path, **TOOL)
+        joint_paths(ROBOT, path, tool=TOOL)
     message = str(caught.value)
     assert f"from s = {(stretched - 0.9) / 1.1:.3f} on (start 0, end 1)" in message
     assert f"by up to {1000 * beyond:.4g} mm at s = 1.000" in message
@@ -142,7 +143,7 @@ def test_out_of_reach_says_from_where_and_how_far():
 
 def test_start_out_of_reach():
     with pytest.raises(ScenarioError, match=r"out of reach of robot 'comau-smart-six' .* from s = 0.000 on"):
-        joint_paths(ROBOT, straight_line((3, 0, 1), (0.8, 0, 1)), **TOOL)
+        joint_paths(ROBOT, straight_line((3, 0, 1), (0.8, 0, 1)), tool=TOOL)
 
 
 def test_joint_limit_in_the_way_is_named(arc, arc_joints):
@@ -150,7 +151,7 @@ def test_joint_limit_in_the_way_is_named(arc, arc_joints):
     where = arc_joints[0].s[int(np.argmax(arc_joints[0].q[:, 0] > 1.0))]
     narrow = replace(ROBOT, upper=np.array([1.0, *ROBOT.upper[1:]]))
     with pytest.raises(ScenarioError) as caught:
-        joint_paths(narrow, arc, **TOOL)
+        joint_paths(narrow, arc, tool=TOOL)
     message = str(caught.value)
     assert "passes the upper limit of joint_1 (57.2958 deg)" in message
     assert f"by {np.degrees(highest - 1.0):.3g} deg" in message
@@ -159,16 +160,16 @@ def test_joint_limit_in_the_way_is_named(arc, arc_joints):
 
 def test_lower_limit_in_the_way():
     with pytest.raises(ScenarioError, match=r"passes the lower limit of joint_2 \(-85 deg\) by 7\.99 deg"):
-        joint_paths(ROBOT, straight_line((0.6, 0.0, 1.0), (0.1, 0.02, 1.0)), **TOOL)
+        joint_paths(ROBOT, straight_line((0.6, 0.0, 1.0), (0.1, 0.02, 1.0)), tool=TOOL)
 
 
 def test_singularity_in_the_way():
     """The wrist passes a thousandth of a micrometre beside axis 1: half a turn of joint 1 in no time."""
     with pytest.raises(ScenarioError, match=r"all \d branches end in a singularity, the last near s = 0\.5"):
-        joint_paths(ROBOT, straight_line((0.5, 1e-9, 1.5), (-0.5, 1e-9, 1.5)), **TOOL)
+        joint_paths(ROBOT, straight_line((0.5, 1e-9, 1.5), (-0.5, 1e-9, 1.5)), tool=TOOL)
 
 
 @pytest.mark.parametrize(("name", "yaw"), [("ark", (0.0, 0.0)), ("pp", (0.0, 0.0)), ("sl", (0.0, np.pi / 2))])
 def test_published_paths_can_be_followed(name, yaw):
     path = preset_path(name, yaw=yaw)
-    check(path, joint_paths(ROBOT, path, **TOOL))
+    check(path, joint_paths(ROBOT, path, tool=TOOL))

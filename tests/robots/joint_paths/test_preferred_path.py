@@ -18,8 +18,8 @@ def made(start: float, figure: float) -> JointPath:
 @pytest.fixture(scope="module")
 def arm() -> tuple[Robot, list[JointPath]]:
     scene = read_scenario("matrix-liquid")
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    return scene.robot, joint_paths(scene.robot, scene.path, **tool)
+    tool = scene.tray.tool
+    return scene.robot, joint_paths(scene.robot, scene.path, tool=tool)
 
 
 def test_without_a_wish_the_best_is_taken(arm):

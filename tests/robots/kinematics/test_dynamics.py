@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-import casadi as cs
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -12,6 +12,7 @@ from nospill.robots.description.catalog import ROBOTS, load_robot, moved_robot
 from nospill.robots.description.urdf import BasePose
 from nospill.robots.kinematics.dynamics import Load, dynamics, joint_torque, joint_torques, load_column, load_of
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.tool import Tool
 
 REAL = [name for name in ROBOTS if load_robot(name).inertias_known]
 GRAVITY = 9.80665
@@ -61,7 +62,7 @@ def test_gravity_torque_is_the_slope_of_the_potential(name):
     q = random_states(robot, 40, seed=2)[0]
     rest = np.zeros_like(q)
     share = joint_torques(robot, q, rest, rest, load) - joint_torques(robot, q, rest, rest)
-    jacobians = kinematics(robot).jacobians(q, tool_position=load.first_moment / load.mass)
+    jacobians = kinematics(robot).jacobians(q, tool=Tool(load.first_moment / load.mass))
     np.testing.assert_allclose(share, load.mass * GRAVITY * jacobians[:, 2, :], atol=1e-10)
 
 
@@ -121,10 +122,10 @@ def test_loads_add_up():
 
 def test_expression_takes_symbols_and_agrees_with_samples():
     robot = load_robot("franka-fr3")
-    q, qd, qdd = (cs.SX.sym(name, 7) for name in ("q", "qd", "qdd"))
-    column, gravity = cs.SX.sym("load", 13), cs.SX.sym("gravity")
-    load = Load(column[0], column[1:4], cs.reshape(column[4:], 3, 3))
-    function = cs.Function("f", [q, qd, qdd, column, gravity], [joint_torque(robot, q, qd, qdd, load, gravity=gravity)])
+    q, qd, qdd = (ca.SX.sym(name, 7) for name in ("q", "qd", "qdd"))
+    column, gravity = ca.SX.sym("load", 13), ca.SX.sym("gravity")
+    load = Load(column[0], column[1:4], ca.reshape(column[4:], 3, 3))
+    function = ca.Function("f", [q, qd, qdd, column, gravity], [joint_torque(robot, q, qd, qdd, load, gravity=gravity)])
     states = random_states(robot, 1)
     outputs: Any = function(*(rows[0] for rows in states), load_column(random_load()), GRAVITY)
     answer = outputs.full().ravel()

@@ -13,10 +13,11 @@ from nospill.robots.joint_paths.search import inverse_solutions, solve_joints
 from nospill.robots.kinematics.closed_form import solutions_anywhere
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, newton
+from nospill.robots.tool import Tool
 
 ROBOT = load_robot("comau-smart-six")
 ARM = kinematics(ROBOT)
-TOOL = {"tool_position": (0.03, -0.05, 0.108), "tool_yaw": 0.7}
+TOOL = Tool(np.array([0.03, -0.05, 0.108]), 0.7)
 # away from the wrist singularity, which has infinitely many solutions
 JOINTS = st.tuples(
     *(
@@ -46,10 +47,10 @@ def distance(q, rows):
 @settings(max_examples=60, deadline=None)
 @given(q=JOINTS)
 def test_solutions_close_and_contain_where_we_came_from(q):
-    position, rotation = (array[0] for array in ARM.poses(q[None], **TOOL))
-    found = inverse_solutions(ROBOT, position, rotation, **TOOL)
+    position, rotation = (array[0] for array in ARM.poses(q[None], tool=TOOL))
+    found = inverse_solutions(ROBOT, position, rotation, tool=TOOL)
     assert distance(q, found) < 1e-7
-    positions, rotations = ARM.poses(found, **TOOL)
+    positions, rotations = ARM.poses(found, tool=TOOL)
     assert np.abs(positions - position).max() < 1e-12
     assert np.abs(rotations - rotation).max() < 1e-12
     assert (found >= ROBOT.lower - 1e-9).all()
@@ -106,10 +107,10 @@ def test_seven_joints_are_told_apart():
 def test_solve_joints_in_bulk():
     generator = np.random.default_rng(5)
     q = generator.uniform([-2, -1, -2.5, -3, 0.3, -3], [2, 1, -0.5, 3, 2, 3], size=(1000, 6))
-    positions, rotations = ARM.poses(q, **TOOL)
-    solved = solve_joints(ROBOT, positions, rotations, q + generator.normal(scale=0.01, size=q.shape), **TOOL)
+    positions, rotations = ARM.poses(q, tool=TOOL)
+    solved = solve_joints(ROBOT, positions, rotations, q + generator.normal(scale=0.01, size=q.shape), tool=TOOL)
     assert np.abs(solved - q).max() < 1e-9
-    reached, turned = ARM.poses(solved, **TOOL)
+    reached, turned = ARM.poses(solved, tool=TOOL)
     assert max(np.abs(reached - positions).max(), np.abs(turned - rotations).max()) < 1e-13
     assert solve_joints(ROBOT, positions[:0], rotations[:0], q[:0]).shape == (0, 6)
 

@@ -4,15 +4,16 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-import casadi as cs
+import casadi as ca
 import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.tool import FLANGE, Tool
 
-TOOL = {"tool_position": (0.03, -0.05, 0.108), "tool_yaw": 0.7}
+TOOL = Tool(np.array([0.03, -0.05, 0.108]), 0.7)
 DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
 
@@ -28,12 +29,12 @@ def about_z(angle):
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("tool", [{}, TOOL], ids=["flange", "tool"])
+@pytest.mark.parametrize("tool", [FLANGE, TOOL], ids=["flange", "tool"])
 def test_agrees_with_pinocchio(name, tool):
     pin = pytest.importorskip("pinocchio")
     robot = load_robot(name)
     model = pin.buildModelFromXML(robot.urdf)
-    offset = pin.SE3(about_z(tool.get("tool_yaw", 0.0)), np.array(tool.get("tool_position", (0.0, 0.0, 0.0))))
+    offset = pin.SE3(about_z(tool.yaw), tool.position)
     flange = model.getFrameId(robot.tip)
     parent = model.frames[flange]
     frame = model.addFrame(
@@ -43,9 +44,9 @@ def test_agrees_with_pinocchio(name, tool):
     axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
     q, qd, qdd = random_states(robot, 1000)
-    motions = kinematics(robot).motions(q, qd, qdd, **tool)
-    positions, rotations, jacobians = kinematics(robot).poses_and_jacobians(q, **tool)
-    np.testing.assert_array_equal(jacobians, kinematics(robot).jacobians(q, **tool))
+    motions = kinematics(robot).motions(q, qd, qdd, tool=tool)
+    positions, rotations, jacobians = kinematics(robot).poses_and_jacobians(q, tool=tool)
+    np.testing.assert_array_equal(jacobians, kinematics(robot).jacobians(q, tool=tool))
     for i in range(len(q)):
         pin.forwardKinematics(model, data, q[i], qd[i], qdd[i])
         pin.updateFramePlacements(model, data)
@@ -74,10 +75,10 @@ def test_motion_agrees_with_finite_differences():
     step = 1e-4
 
     def poses(t):
-        return arm.poses(q + qd * t + 0.5 * qdd * t * t, **TOOL)
+        return arm.poses(q + qd * t + 0.5 * qdd * t * t, tool=TOOL)
 
     (before, turned_before), (now, turned), (after, turned_after) = poses(-step), poses(0.0), poses(step)
-    motions = arm.motions(q, qd, qdd, **TOOL)
+    motions = arm.motions(q, qd, qdd, tool=TOOL)
     np.testing.assert_allclose((after - before) / (2 * step), motions.velocity, atol=5e-5)
     np.testing.assert_allclose((after - 2 * now + before) / step**2, motions.acceleration, atol=2e-3)
     spin = (turned_after - turned_before) / (2 * step) @ np.swapaxes(turned, 1, 2)
@@ -92,14 +93,14 @@ def test_jacobian_carries_speeds_to_the_twist():
     robot = load_robot("comau-smart-six")
     q, qd, qdd = random_states(robot, 100, seed=4)
     arm = kinematics(robot)
-    motions = arm.motions(q, qd, qdd, **TOOL)
-    twist = (arm.jacobians(q, **TOOL) @ qd[..., None])[..., 0]
+    motions = arm.motions(q, qd, qdd, tool=TOOL)
+    twist = (arm.jacobians(q, tool=TOOL) @ qd[..., None])[..., 0]
     np.testing.assert_allclose(twist, np.hstack([motions.velocity, motions.angular_velocity]), atol=1e-12)
 
 
 def test_rotations_are_rotations():
     robot = load_robot("comau-smart-six")
-    _, rotations = kinematics(robot).poses(random_states(robot, 200)[0], **TOOL)
+    _, rotations = kinematics(robot).poses(random_states(robot, 200)[0], tool=TOOL)
     np.testing.assert_allclose(
         rotations @ np.swapaxes(rotations, 1, 2), np.broadcast_to(np.eye(3), (200, 3, 3)), atol=1e-14
     )
@@ -120,13 +121,13 @@ def test_smart_six_drawing():
 def test_expressions_agree_with_samples_and_take_symbolic_tools():
     robot = load_robot("comau-smart-six")
     arm = kinematics(robot)
-    q, qd, offset, yaw = cs.SX.sym("q", 6), cs.SX.sym("qd", 6), cs.SX.sym("offset", 3), cs.SX.sym("yaw")
-    pose = arm.pose(q, tool_position=offset, tool_yaw=yaw)
-    twist = arm.twist(q, qd, tool_position=offset, tool_yaw=yaw)
-    function = cs.Function("f", [q, qd, offset, yaw], [*pose, *twist])
+    q, qd, tool = ca.SX.sym("q", 6), ca.SX.sym("qd", 6), ca.SX.sym("tool", 4)
+    pose = arm.pose(q, tool=tool)
+    twist = arm.twist(q, qd, tool=tool)
+    function = ca.Function("f", [q, qd, tool], [*pose, *twist])
     state, speed, change = (array[0] for array in random_states(robot, 1))
-    answers = [out.full() for out in function(state, speed, TOOL["tool_position"], TOOL["tool_yaw"])]
-    motions = arm.motions(state[None], speed[None], change[None], **TOOL)
+    answers = [out.full() for out in function(state, speed, TOOL.row)]
+    motions = arm.motions(state[None], speed[None], change[None], tool=TOOL)
     expected = (motions.position[0], motions.rotation[0], motions.velocity[0], motions.angular_velocity[0])
     for ours, theirs in zip(answers, expected, strict=True):
         np.testing.assert_allclose(ours.reshape(theirs.shape), theirs, atol=1e-14)
@@ -134,9 +135,9 @@ def test_expressions_agree_with_samples_and_take_symbolic_tools():
 
 def test_expression_stays_small():
     """The optimal control problem maps this over its stages: its size is its cost."""
-    q = cs.SX.sym("q", 6)
-    pose = kinematics(load_robot("comau-smart-six")).pose(q, tool_position=(0, 0, 0.108))
-    assert cs.Function("f", [q], list(pose)).n_nodes() <= 150
+    q = ca.SX.sym("q", 6)
+    pose = kinematics(load_robot("comau-smart-six")).pose(q, tool=np.array([0, 0, 0.108, 0]))
+    assert ca.Function("f", [q], list(pose)).n_nodes() <= 150
 
 
 def test_one_build_per_chain_and_empty_batches():
@@ -172,10 +173,10 @@ def test_recorded_joints_start_and_end_on_the_arc():
     q = np.loadtxt(record, delimiter=",", skiprows=1)[:, 1:]
     # the laboratory's flange is turned by half a turn against this chain, and its forearm 0.03 mm longer
     robot = load_robot("comau-smart-six")
-    tool = {"tool_position": (0, 0, 0.108), "tool_yaw": np.pi}
-    maker, _ = kinematics(robot).poses(q[[0, -1]], **tool)
+    tool = Tool(np.array([0, 0, 0.108]), np.pi)
+    maker, _ = kinematics(robot).poses(q[[0, -1]], tool=tool)
     laboratory = replace(robot, urdf=robot.urdf.replace("0.64707", "0.6471"))
-    positions, rotations = kinematics(laboratory).poses(q[[0, -1]], **tool)
+    positions, rotations = kinematics(laboratory).poses(q[[0, -1]], tool=tool)
     assert np.abs(positions - maker).max() < 5e-5
     np.testing.assert_allclose(positions[0], [0.15411, -0.59940, 1.21951], atol=1e-5)
     np.testing.assert_allclose(positions[1], [0.15414, 0.59938, 1.21953], atol=1e-5)

@@ -6,10 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.scene.containers import SHAPES
-from nospill.scene.containers.base import Container, DiscFootprint, RectangleFootprint
+from nospill.scene.containers import CONTAINERS
+from nospill.scene.containers.base import Container
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
 from nospill.scene.liquids import LIQUIDS, Liquid
 
 WATER = LIQUIDS["water"]
@@ -33,7 +34,7 @@ def moments(points: np.ndarray, mass: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_table_names_the_shapes():
-    assert dict(SHAPES) == {"cylinder": Cylinder, "box": Box}
+    assert dict(CONTAINERS) == {"cylinder": Cylinder, "box": Box}
 
 
 @pytest.mark.parametrize("container", SHAPES_AT_HAND)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,7 +71,7 @@ def test_published_prediction_from_the_executed_joints() -> None:
     scene = ns.load("matrix-liquid")
     joints = np.loadtxt(place / "executed-joints-liquid.csv", delimiter=",", skiprows=1)
     position, rotation = kinematics(scene.robot).poses(
-        joints[:, 1:], tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange + np.pi
+        joints[:, 1:], tool=replace(scene.tray.tool, yaw=scene.tray.tool.yaw + np.pi)
     )
     for cargo in scene.cargo:
         found = ns.simulate_slosh(

@@ -52,7 +52,7 @@ class Slip(Constraint):
             demand = item.wrench.force[:2]
             if sample.structure.fidelity == "full":
                 demand = ca.vertcat(demand, _turning(item))
-            friction = item.numbers.friction
+            friction = item.numbers.planned_friction
             cones.append((Cone(demand, friction * item.wrench.force[2], friction * item.numbers.weight),))
         return tuple(cones)
 
@@ -63,11 +63,9 @@ def _turning(item: ObjectSample) -> SX:
     T = M_z - c_x f_y + c_y f_x = (M . f)/N with the centre of pressure c = (-M_y, M_x)/N.
     """
     force, moment, numbers = item.wrench.force, item.wrench.moment, item.numbers
-    half, little = numbers.footprint, _SMOOTH * numbers.weight
-    if item.structure.footprint == "disc":
-        off_centre = ca.sqrt(moment[0] ** 2 + moment[1] ** 2 + (little * half[0]) ** 2) / half[0]
-    else:  # the fourth power: smooth, at least the larger of both, and no more than it where one is small
-        off_centre = ca.sqrt(ca.sqrt((moment[1] / half[0]) ** 4 + (moment[0] / half[1]) ** 4 + little**4))
+    little = _SMOOTH * numbers.weight
+    offset = ca.vertcat(-moment[1], moment[0])
+    off_centre = item.structure.footprint.eccentricity(offset, numbers.half_lengths, little)
     room = force[2] - off_centre  # N (1 - e)
     # Above zero, and in proportion to the forces, also where the object tips or lifts: solvers come through there.
     least = _EDGE * ca.sqrt(force[2] ** 2 + off_centre**2)

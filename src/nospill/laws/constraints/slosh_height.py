@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, liquid_names
 from nospill.laws.sample import Sample
-from nospill.laws.slosh.height import crest_demands
 from nospill.scene.scene import Scene
 
 
@@ -31,7 +30,7 @@ class SloshHeight(Constraint):
         return tuple(
             tuple(
                 Cone(demand, item.numbers.max_slosh_height, item.numbers.max_slosh_height)
-                for demand in crest_demands(item.structure, item.surface)
+                for demand in item.structure.footprint.crest_vectors(item.surface)
             )
             for item in sample.objects
             if item.structure.oscillators

@@ -40,10 +40,7 @@ class Tip(Constraint):
 
 def _budgets(item: ObjectSample) -> tuple[Budget, ...]:
     pressing, moment = item.wrench.force[2], item.wrench.moment
-    weight, half = item.numbers.weight, (1.0 - item.numbers.footprint_reserve) * item.numbers.footprint
-    if item.structure.footprint == "disc":
-        return (Cone(ca.vertcat(-moment[1], moment[0]), half[0] * pressing, half[0] * weight),)
-    return (
-        Cone(-moment[1], half[0] * pressing, half[0] * weight),
-        Cone(moment[0], half[1] * pressing, half[1] * weight),
-    )
+    weight, half = item.numbers.weight, (1.0 - item.numbers.footprint_reserve) * item.numbers.half_lengths
+    offset = ca.vertcat(-moment[1], moment[0])
+    bounds = item.structure.footprint.bounds(offset, half)
+    return tuple(Cone(vector, bound * pressing, bound * weight) for vector, bound in bounds)

@@ -29,6 +29,6 @@ class Twist(Constraint):
         """One band per object."""
         bands = []
         for item in sample.objects:
-            lever = item.numbers.friction * item.numbers.twist_radius
+            lever = item.numbers.planned_friction * item.numbers.twist_radius
             bands.append((Cone(item.wrench.moment[2], lever * item.wrench.force[2], lever * item.numbers.weight),))
         return tuple(bands)

@@ -31,16 +31,9 @@ def surface_vector(
     return eta
 
 
-def crest_demands(structure: ObjectStructure, eta: SX) -> tuple[SX, ...]:
-    """Vectors whose norms are the heights to bound: the crest round a circular wall, the two diagonals of a box."""
-    if structure.footprint == "disc":
-        return (eta,)
-    return (eta[0] + eta[1], eta[0] - eta[1])
-
-
 def crest(structure: ObjectStructure, eta: SX) -> SX:
     """Greatest height round the wall, scalar, m."""
     height = SX(0)
-    for demand in crest_demands(structure, eta):
+    for demand in structure.footprint.crest_vectors(eta):
         height = ca.fmax(height, ca.norm_2(demand))
     return height

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import OscillatorNumbers
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,3 +107,24 @@ def modal_acceleration(
     stiff = oscillator.curvature**2
     correction = stiff * ca.dot(displacement, bias) / (1 + stiff * ca.dot(displacement, displacement))
     return -(bias - correction * displacement)
+
+
+def modal_accelerations(
+    structure: ObjectStructure,
+    numbers: ObjectNumbers,
+    motion: FrameMotion,
+    displacement: SX,
+    velocity: SX,
+    *,
+    damp_against_spin: bool,
+) -> SX:
+    """Accelerations of all modal masses of one container, (k, 1) m/s^2, from its stacked coordinates (k, 1)."""
+    accelerations = [
+        modal_acceleration(
+            oscillator, directions, motion, displacement[own], velocity[own], damp_against_spin=damp_against_spin
+        )
+        for oscillator, directions, own in zip(
+            numbers.oscillators, structure.oscillators, structure.oscillator_slices, strict=True
+        )
+    ]
+    return ca.vertcat(*accelerations)

@@ -61,10 +61,7 @@ def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t:
         (m, k), m.
     """
     modes = [
-        (mode.frequency, mode.damping)
-        for cargo in scene.cargo
-        for mode in (cargo.filling.modes.oscillators if cargo.filling else ())
-        for _ in mode.directions
+        (mode.frequency, mode.damping) for cargo in scene.cargo for mode in cargo.oscillators for _ in mode.directions
     ]
     frequency, damping = np.array(modes).reshape(-1, 2).T
     decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)

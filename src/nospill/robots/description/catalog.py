@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from nospill.core.arrays import read_only
+from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
 from nospill.robots.robot import Robot
@@ -40,8 +41,8 @@ def load_robot(name: str) -> Robot:
         ScenarioError: no arm has that name; the message lists the names and the nearest one.
     """
     if name not in ROBOTS:
-        near = difflib.get_close_matches(name, ROBOTS, n=1, cutoff=0.5)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        near = nearest(name, ROBOTS, likeness=0.5)
+        hint = f"; did you mean {near!r}?" if near else ""
         raise ScenarioError(f"robot model {name!r} is not in the catalogue (known: {', '.join(sorted(ROBOTS))}){hint}")
     folder = resources.files("nospill.robots") / "data"
     facts = tomllib.loads((folder / f"{ROBOTS[name]}.toml").read_text(encoding="utf-8"))
@@ -51,14 +52,14 @@ def load_robot(name: str) -> Robot:
         urdf=(folder / f"{ROBOTS[name]}.urdf").read_text(encoding="utf-8"),
         joints=tuple(facts["joints"]),
         tip=facts["tip"],
-        lower=_constant(np.radians(facts["lower_deg"])),
-        upper=_constant(np.radians(facts["upper_deg"])),
-        max_speed=_constant(np.radians(facts["max_speed_deg_s"])),
+        lower=read_only(np.radians(facts["lower_deg"])),
+        upper=read_only(np.radians(facts["upper_deg"])),
+        max_speed=read_only(np.radians(facts["max_speed_deg_s"])),
         max_acceleration=_optional(facts.get("max_acceleration_rad_s2")),
         max_jerk=_optional(facts.get("max_jerk_rad_s3")),
         max_torque=_optional(facts.get("max_torque_nm")),
         inertias_known=bool(facts.get("inertias_known", False)),
-        home=_constant(np.radians(facts["home_deg"])),
+        home=read_only(np.radians(facts["home_deg"])),
         payload=facts.get("payload_kg"),
         reach=facts.get("reach_m"),
         sources=dict(facts["sources"]),
@@ -86,16 +87,16 @@ def moved_robot(
     kept = [robot.joints.index(name) for name in arm.joints]
 
     def of_kept(values: np.ndarray | None) -> np.ndarray | None:
-        return None if values is None else _constant(values[kept])
+        return None if values is None else read_only(values[kept])
 
     return replace(
         robot,
         urdf=arm.urdf,
         joints=arm.joints,
         tip=arm.tip,
-        lower=_constant(robot.lower[kept]),
-        upper=_constant(robot.upper[kept]),
-        max_speed=_constant(robot.max_speed[kept]),
+        lower=read_only(robot.lower[kept]),
+        upper=read_only(robot.upper[kept]),
+        max_speed=read_only(robot.max_speed[kept]),
         max_acceleration=of_kept(robot.max_acceleration),
         max_jerk=of_kept(robot.max_jerk),
         max_torque=of_kept(robot.max_torque),
@@ -143,10 +144,4 @@ def _degrees(radians: np.ndarray) -> list[float]:
 
 
 def _optional(values: Sequence[float] | None) -> np.ndarray | None:
-    return None if values is None else _constant(values)
-
-
-def _constant(values: Sequence[float] | np.ndarray) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
+    return None if values is None else read_only(values)

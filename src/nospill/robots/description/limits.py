@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.robots.robot import Robot
@@ -54,9 +55,6 @@ class LimitChanges:
     torque_scale: float | None = None
 
 
-UNCHANGED = LimitChanges()
-
-
 def changed_limits(robot: Robot, changes: LimitChanges, *, inertia_fault: str | None = None) -> Robot:
     """Return the arm with other limits.
 
@@ -100,7 +98,7 @@ def changed_limits(robot: Robot, changes: LimitChanges, *, inertia_fault: str | 
     _check(robot, values)
     return replace(
         robot,
-        **{field: None if (value := values[key]) is None else _constant(value) for key, field in _FIELDS.items()},
+        **{field: None if (value := values[key]) is None else read_only(value) for key, field in _FIELDS.items()},
         sources=sources,
         not_known=tuple(not_known),
     )
@@ -135,7 +133,7 @@ def with_home(robot: Robot, home: Sequence[float] | None) -> Robot:
                 f"home has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
                 f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
             )
-    return replace(robot, home=_constant(np.array(home)))
+    return replace(robot, home=read_only(np.array(home)))
 
 
 def _per_joint(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:
@@ -176,9 +174,3 @@ def _check(robot: Robot, values: dict[str, np.ndarray | None]) -> None:
             joint = int(np.argmin(value))
             shown = format_quantity(float(value[joint]), _DIMENSIONS[key])
             raise ScenarioError(f"limits.{key} of {robot.joints[joint]} is {shown}; it must be above 0")
-
-
-def _constant(values: np.ndarray) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

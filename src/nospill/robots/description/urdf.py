@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.core.arrays import read_only
+from nospill.core.suggestions import nearest
 from nospill.core.units import format_quantity, quantity
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import (
@@ -115,10 +116,10 @@ def read_arm(
         urdf=write_tree(_based(tree, base)),
         joints=names,
         tip=tip,
-        lower=_column([joint.lower for joint in moving]),
-        upper=_column([joint.upper for joint in moving]),
-        speed=_column(_speeds(moving)),
-        torque=_column(_torques(moving)),
+        lower=read_only([joint.lower for joint in moving]),
+        upper=read_only([joint.upper for joint in moving]),
+        speed=read_only(_speeds(moving)),
+        torque=read_only(_torques(moving)),
         inertia_fault=fault,
         notes=tuple(notes),
     )
@@ -138,10 +139,10 @@ def standalone_urdf(text: str, *, name: str) -> str:
     return write_tree(replace(tree, name=name) if tree.name == "robot" else tree)
 
 
-def nearest(name: str, known: Sequence[str]) -> str:
+def hint_of(name: str, known: Sequence[str]) -> str:
     """Return "; did you mean ...?" for the nearest known name, or an empty text."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    near = nearest(name, known, likeness=0.5)
+    return f"; did you mean {near!r}?" if near else ""
 
 
 def some(names: Sequence[str]) -> str:
@@ -154,7 +155,7 @@ def _tip(tree: UrdfTree, tip: str | None) -> tuple[str, list[str]]:
     links = list(tree.links)
     if tip is not None:
         if tip not in tree.links:
-            raise ScenarioError(f"tip {tip!r} is not in the URDF (frames: {some(links)}){nearest(tip, links)}")
+            raise ScenarioError(f"tip {tip!r} is not in the URDF (frames: {some(links)}){hint_of(tip, links)}")
         return tip, []
     parents = {joint.parent for joint in tree.joints}
     ends = [link for link in links if link not in parents]
@@ -171,7 +172,7 @@ def _locked(tree: UrdfTree, locked: Mapping[str, object]) -> UrdfTree:
         if name not in joints or joints[name].kind == "fixed":
             free = [joint.name for joint in tree.joints if joint.kind != "fixed"]
             reason = "is fixed already" if name in joints else "is not in the URDF"
-            raise ScenarioError(f"locked joint {name!r} {reason} (moving joints: {some(free)}){nearest(name, free)}")
+            raise ScenarioError(f"locked joint {name!r} {reason} (moving joints: {some(free)}){hint_of(name, free)}")
         joints[name] = _standing(joints[name], value)
     return replace(tree, joints=tuple(joints[joint.name] for joint in tree.joints))
 
@@ -316,9 +317,3 @@ def _free(name: str, taken: Mapping[str, object] | Sequence[str]) -> str:
     while name in taken:
         name += "_"
     return name
-
-
-def _column(values: Sequence[float]) -> np.ndarray:
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

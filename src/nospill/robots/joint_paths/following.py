@@ -9,6 +9,7 @@ import numpy as np
 from nospill.core.paths import Path
 from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
+from nospill.robots.tool import Tool
 
 SUBSTEPS = (1, 4, 16, 64, 256)
 """An interval between two samples is tried in this many steps, one after the other, before a branch is given up."""
@@ -63,8 +64,7 @@ def follow(
     s: np.ndarray,
     starts: np.ndarray,
     *,
-    tool_position: np.ndarray,
-    tool_yaw: float,
+    tool: Tool,
     held: np.ndarray | None = None,
 ) -> Followed:
     """Follow each start configuration along the path, joint limits ignored.
@@ -74,12 +74,11 @@ def follow(
         path: path of the tray.
         s: (m,) increasing path parameters.
         starts: (k, n) joint positions that put the tray at s[0], rad.
-        tool_position: (3,) tray origin in flange axes, m.
-        tool_yaw: turn of the tray about the flange's z, rad.
+        tool: frame carried by the flange.
         held: (n,) combination of the joints that keeps its start value; without it, seven joints move as little as
             they can.
     """
-    stepper = _Stepper(arm, path, tool_position, tool_yaw, held)
+    stepper = _Stepper(arm, path, tool, held)
     positions, rotations = tray_poses(path, s)
     rates = tray_rates(path, s)
     branches = len(starts)
@@ -113,8 +112,7 @@ def follow(
             positions,
             rotations,
             q[branch],
-            tool_position=tool_position,
-            tool_yaw=tool_yaw,
+            tool=tool,
             held=None if held is None else Held(held, np.full(len(s), starts[branch] @ held)),
             max_iterations=5,
         )
@@ -129,13 +127,10 @@ def follow(
 class _Stepper:
     """Predictor along dq/ds and two Newton corrections, on several branches at once."""
 
-    def __init__(
-        self, arm: Kinematics, path: Path, tool_position: np.ndarray, tool_yaw: float, held: np.ndarray | None
-    ) -> None:
+    def __init__(self, arm: Kinematics, path: Path, tool: Tool, held: np.ndarray | None) -> None:
         self._arm = arm
         self._path = path
-        self._tool_position = tool_position
-        self._tool_yaw = tool_yaw
+        self._tool = tool
         self._held = held
 
     def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -197,4 +192,4 @@ class _Stepper:
         return least_norm_step(jacobian, gap)
 
     def _at(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return self._arm.poses_and_jacobians(q, tool_position=self._tool_position, tool_yaw=self._tool_yaw)
+        return self._arm.poses_and_jacobians(q, tool=self._tool)

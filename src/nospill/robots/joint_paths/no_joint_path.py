@@ -12,6 +12,7 @@ from nospill.robots.kinematics.forward import Kinematics, kinematics
 from nospill.robots.kinematics.newton import pose_gap
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 
 _ORIENTATION_WEIGHT = 100.0  # m per rad
 _RANDOM_STARTS = 16
@@ -20,24 +21,21 @@ _BISECTIONS = 20
 _PLACES = 9
 
 
-def explain(
-    robot: Robot, path: Path, followed: Followed, *, tool_position: np.ndarray, tool_yaw: float
-) -> ScenarioError:
+def explain(robot: Robot, path: Path, followed: Followed, *, tool: Tool) -> ScenarioError:
     """Return the error that says why none of the followed branches is a joint path.
 
     Args:
         robot: the arm.
         path: path of the tray.
         followed: what `follow` returned for all solutions at the start.
-        tool_position: (3,) tray origin in flange axes, m.
-        tool_yaw: turn of the tray about the flange's z, rad.
+        tool: frame carried by the flange.
     """
     if followed.complete.any():
         return _limit_in_the_way(robot, followed, path)
     s = followed.s
-    solved = np.array([is_reachable(robot, path, value, tool_position, tool_yaw) for value in s])
+    solved = np.array([is_reachable(robot, path, value, tool) for value in s])
     if not solved.all():
-        return _out_of_reach(robot, path, s, solved, tool_position, tool_yaw)
+        return _out_of_reach(robot, path, s, solved, tool)
     best = int(np.argmax(followed.last))
     farthest = int(followed.last[best])
     joints = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
@@ -84,49 +82,45 @@ def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioE
     )
 
 
-def farthest_reached(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> float:
+def farthest_reached(robot: Robot, path: Path, tool: Tool) -> float:
     """How far along the path every place is reachable, by a quick look at some of them; 1 where all of these are.
 
     Args:
         robot: the arm.
         path: path of the tray.
-        tool_position: (3,) tray origin in flange axes, m.
-        tool_yaw: turn of the tray about the flange's z, rad.
+        tool: frame carried by the flange.
     """
     places = np.linspace(0.0, 1.0, _PLACES)
     reached = 0.0
     for place in places:
-        if not is_reachable(robot, path, float(place), tool_position, tool_yaw):
+        if not is_reachable(robot, path, float(place), tool):
             return reached
         reached = float(place)
     return reached
 
 
-def is_reachable(robot: Robot, path: Path, s: float, tool_position: np.ndarray, tool_yaw: float) -> bool:
+def is_reachable(robot: Robot, path: Path, s: float, tool: Tool) -> bool:
     """Whether the arm can put the level tray on the path at s, joint limits aside."""
     positions, rotations = tray_poses(path, np.array([s]))
     held = redundant_joint(robot)
     if held is None:
-        tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
-        return len(solutions_anywhere(robot, positions[0], rotations[0], **tool)) > 0
-    return _shortfalls(kinematics(robot), path, np.array([s]), tool_position, tool_yaw)[0] < _REACHED
+        return len(solutions_anywhere(robot, positions[0], rotations[0], tool=tool)) > 0
+    return _shortfalls(kinematics(robot), path, np.array([s]), tool)[0] < _REACHED
 
 
-def _out_of_reach(
-    robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, tool_position: np.ndarray, tool_yaw: float
-) -> ScenarioError:
+def _out_of_reach(robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, tool: Tool) -> ScenarioError:
     first = int(np.argmin(solved))
     edge = float(s[first])
     if first > 0:
         inside = float(s[first - 1])
         for _ in range(_BISECTIONS):
             middle = 0.5 * (inside + edge)
-            if is_reachable(robot, path, middle, tool_position, tool_yaw):
+            if is_reachable(robot, path, middle, tool):
                 inside = middle
             else:
                 edge = middle
     outside = s[~solved]
-    shortfall = _shortfalls(kinematics(robot), path, outside, tool_position, tool_yaw)
+    shortfall = _shortfalls(kinematics(robot), path, outside, tool)
     worst = int(np.argmax(shortfall))
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return ScenarioError(
@@ -137,9 +131,7 @@ def _out_of_reach(
     )
 
 
-def _shortfalls(
-    arm: Kinematics, path: Path, s: np.ndarray, tool_position: np.ndarray, tool_yaw: float, *, iterations: int = 60
-) -> np.ndarray:
+def _shortfalls(arm: Kinematics, path: Path, s: np.ndarray, tool: Tool, *, iterations: int = 60) -> np.ndarray:
     """Return how far (m,) in m the tray stays from its place on the path when its orientation is kept.
 
     Damped least squares (Levenberg-Marquardt) on the pose gap with the orientation weighted so heavily that it is
@@ -152,7 +144,7 @@ def _shortfalls(
     weight = np.array([1.0, 1.0, 1.0, *[_ORIENTATION_WEIGHT] * 3])
 
     def linearised(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        reached, turned, jacobian = arm.poses_and_jacobians(at, tool_position=tool_position, tool_yaw=tool_yaw)
+        reached, turned, jacobian = arm.poses_and_jacobians(at, tool=tool)
         return pose_gap(positions, rotations, reached, turned) * weight, jacobian * weight[:, None]
 
     gap, jacobian = linearised(q)

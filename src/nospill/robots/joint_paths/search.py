@@ -1,10 +1,10 @@
-"""Inverse kinematics: all solutions at one pose, many poses from guesses, and the joint paths that follow a tray path.
+"""Joint paths: the continuous joint motions that carry the level tray along a path, and the choice among them.
 
-`inverse_solutions` and `solve_joints` come from their own files; this one owns the joint paths: every branch that
-exists at the start of the path is followed along all of it with a level tray, by Newton continuation with step
-control, so that a branch never jumps. Seven joints have a family of branches for every position of the redundant
-joint: a number of positions is tried, each kept along the path, and only where none leads through, the joints are left
-to move as little as they can. That gives the planner its start; it may move the redundant joint as it likes.
+Every branch of the inverse kinematics that exists at the start of the path is followed along all of it with a level
+tray, by Newton continuation with step control, so that a branch never jumps. Seven joints have a family of branches for
+every position of the redundant joint: a number of positions is tried, each kept along the path, and only where none
+leads through, the joints are left to move as little as they can. That gives the planner its start; it may move the
+redundant joint as it likes.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from itertools import product
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.core.hermite import cubic_hermite
 from nospill.core.paths import Path
 from nospill.errors import ScenarioError
@@ -23,11 +24,12 @@ from nospill.robots.joint_paths.following import Followed, follow, tray_poses, t
 from nospill.robots.joint_paths.no_joint_path import explain
 from nospill.robots.kinematics.closed_form import TURN, solutions_anywhere, turn_choices
 from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
-from nospill.robots.kinematics.forward import FLANGE, ToolPosition, kinematics
+from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held, least_norm_step
 from nospill.robots.kinematics.newton import solve_joints as solve_joints
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.robot import Robot
+from nospill.robots.tool import FLANGE, Tool
 
 _REDUNDANT_POSITIONS = 13
 """Positions of the redundant joint that are tried, evenly over its range."""
@@ -70,8 +72,7 @@ def joint_paths(
     robot: Robot,
     path: Path,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     samples: int = 101,
 ) -> list[JointPath]:
     """Return every continuous joint motion within the limits that carries the level tray along a path.
@@ -81,8 +82,7 @@ def joint_paths(
     Args:
         robot: the arm.
         path: path of the tray frame in the robot's base frame.
-        tool_position: (3,) tray origin in flange axes, m.
-        tool_yaw: turn of the tray about the flange's z, rad.
+        tool: frame carried by the flange.
         samples: number of equally spaced path parameters.
 
     Returns:
@@ -94,7 +94,7 @@ def joint_paths(
         by how many mm), a joint limit is in the way (which, where, by how much) or every branch ends in a
         singularity (where).
     """
-    tried = try_joint_paths(robot, path, tool_position=tool_position, tool_yaw=tool_yaw, samples=samples)
+    tried = try_joint_paths(robot, path, tool=tool, samples=samples)
     if tried.paths:
         return tried.paths
     raise tried.failure()
@@ -119,24 +119,22 @@ def try_joint_paths(
     robot: Robot,
     path: Path,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     samples: int = 101,
 ) -> TriedPaths:
     """`joint_paths` for whoever tries many: the reason why there is none is found out only on demand."""
-    tool_position = np.asarray(tool_position, dtype=float)
     s = np.linspace(0.0, 1.0, samples)
-    starts = _starts(robot, path, tool_position, tool_yaw)
+    starts = _starts(robot, path, tool)
     joint = redundant_joint(robot)
     followed: Followed | None = None
     found: list[JointPath] = []
     for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
-        followed = follow(kinematics(robot), path, s, starts, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
-        found = _within_limits(robot, path, followed, held, tool_position=tool_position, tool_yaw=tool_yaw)
+        followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held)
+        found = _within_limits(robot, path, followed, held, tool=tool)
         if found:
             break
     assert followed is not None  # there is one turn of the loop at least
-    why = partial(explain, robot, path, followed, tool_position=tool_position, tool_yaw=tool_yaw)
+    why = partial(explain, robot, path, followed, tool=tool)
     return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
 
 
@@ -166,29 +164,28 @@ def branch_in_words(q: np.ndarray) -> str:
     return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
 
 
-def _starts(robot: Robot, path: Path, tool_position: np.ndarray, tool_yaw: float) -> np.ndarray:
+def _starts(robot: Robot, path: Path, tool: Tool) -> np.ndarray:
     """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
     positions, rotations = tray_poses(path, np.zeros(1))
-    tool = {"tool_position": tool_position, "tool_yaw": tool_yaw}
     joint = redundant_joint(robot)
     if joint is None:
-        return solutions_anywhere(robot, positions[0], rotations[0], **tool)
+        return solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
     lower, upper = robot.lower[joint], robot.upper[joint]
     inside = np.linspace(0.0, 1.0, _REDUNDANT_POSITIONS + 2)[1:-1]
     values = lower + inside * (upper - lower)
-    found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), **tool) for value in values]
+    found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), tool=tool) for value in values]
     return np.concatenate(found)
 
 
 def _within_limits(
-    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool_position: np.ndarray, tool_yaw: float
+    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool: Tool
 ) -> list[JointPath]:
     """The joint paths among the followed branches, best first."""
     arm, s = kinematics(robot), followed.s
     found: list[tuple[tuple[float, ...], JointPath]] = []
     middle = 0.5 * (robot.lower + robot.upper)
     for q in followed.q[followed.complete]:
-        jacobian, rates = arm.jacobians(q, tool_position=tool_position, tool_yaw=tool_yaw), tray_rates(path, s)
+        jacobian, rates = arm.jacobians(q, tool=tool), tray_rates(path, s)
         if held is not None:
             jacobian, rates = Held(held, q @ held).added(jacobian, rates, q)
         dq_ds = least_norm_step(jacobian, rates)
@@ -197,12 +194,7 @@ def _within_limits(
             turned = q + TURN * np.array(turns)
             margin = float(np.minimum(turned - robot.lower, robot.upper - turned).min())
             off_middle = float((np.abs(turned.mean(axis=0) - middle) / (robot.upper - robot.lower)).sum())
-            joint_path = JointPath(branch_in_words(turned[0]), s, _constant(turned), _constant(dq_ds), figure, margin)
+            joint_path = JointPath(branch_in_words(turned[0]), s, read_only(turned), read_only(dq_ds), figure, margin)
             # rounded, so that whole turns of one branch compare by their margins and not by rounding errors
             found.append(((float(f"{figure:.6g}"), -float(f"{margin:.6g}"), off_middle), joint_path))
     return [joint_path for _, joint_path in sorted(found, key=lambda entry: entry[0])]
-
-
-def _constant(array: np.ndarray) -> np.ndarray:
-    array.setflags(write=False)
-    return array

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.arrays import parallel_axis
 from nospill.robots.description.urdf_tree import Inertial, UrdfJoint, UrdfTree, rotation_of
 
 _LIGHTEST = 1e-6  # kg
@@ -35,7 +36,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class BodyChain:
     """Bodies from base to tip, and the flange (3,), m, (3, 3) in the last joint's frame."""
 
     bodies: tuple[Body, ...]
@@ -43,7 +44,7 @@ class Chain:
     flange_rotation: np.ndarray
 
 
-def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> Chain:
+def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
     """Lump every link of a description into the bodies of a chain; joints that are not named stay at zero.
 
     Args:
@@ -74,7 +75,7 @@ def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> Chain:
         position, rotation = np.zeros(3), lay.T
     for step in pending:
         position, rotation = position + rotation @ np.array(step.position), rotation @ rotation_of(step.rpy)
-    return Chain(tuple(bodies), position, rotation)
+    return BodyChain(tuple(bodies), position, rotation)
 
 
 def inertia_fault(tree: UrdfTree, joints: Sequence[str]) -> str | None:
@@ -132,14 +133,9 @@ def _carried(
             centre = position + rotation @ np.array(own.centre)
             mass += own.mass
             moment = moment + own.mass * centre
-            inertia = inertia + rotation @ own.inertia() @ rotation.T + own.mass * about_point(centre)
+            inertia = inertia + rotation @ own.inertia() @ rotation.T + own.mass * parallel_axis(centre)
         for joint in children.get(name, []):
             if joint.name not in moving:
                 place = position + rotation @ np.array(joint.position)
                 waiting.append((joint.child, place, rotation @ rotation_of(joint.rpy)))
     return mass, moment, inertia
-
-
-def about_point(arm: np.ndarray) -> np.ndarray:
-    """Return the inertia (3, 3) of a unit point mass at `arm` (3,), m, about the origin (parallel-axis theorem)."""
-    return float(arm @ arm) * np.eye(3) - np.outer(arm, arm)

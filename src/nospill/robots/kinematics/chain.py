@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.robots.kinematics.bodies import Chain
+from nospill.robots.kinematics.bodies import BodyChain
 
 _RIGHT_ANGLE = 1e-10
 
@@ -36,8 +36,8 @@ class ChainExpressions:
     jacobian: SX
 
 
-def chain_expressions(chain: Chain, q: SX, qd: SX, qdd: SX, *, tool_position: SX, tool_yaw: SX) -> ChainExpressions:
-    """Motion of a tool frame: origin at `tool_position` in flange axes, turned by `tool_yaw` about the flange's z."""
+def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> ChainExpressions:
+    """Motion of a tool frame: `tool` (4, 1) is its origin in flange axes and its turn about the flange's z."""
     position, rotation = SX.zeros(3), SX.eye(3)
     velocity = omega = acceleration = alpha = SX(3, 1)
     axes, origins = [], []
@@ -56,9 +56,9 @@ def chain_expressions(chain: Chain, q: SX, qd: SX, qdd: SX, *, tool_position: SX
         omega = omega + axis * qd[index]
         rotation = rotation @ _about_z(q[index])
     flange = rotation @ _constant(_squared(chain.flange_rotation))
-    position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool_position)
+    position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool[:3])
     columns = [ca.vertcat(ca.cross(axis, position - origin), axis) for axis, origin in zip(axes, origins, strict=True)]
-    turned = flange @ _about_z(tool_yaw)
+    turned = flange @ _about_z(tool[3])
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
 
 

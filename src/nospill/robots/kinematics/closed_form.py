@@ -16,9 +16,10 @@ from itertools import product
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.robots.kinematics.forward import FLANGE, Kinematics, ToolPosition, kinematics
+from nospill.robots.kinematics.forward import Kinematics, kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, newton
 from nospill.robots.robot import Robot
+from nospill.robots.tool import FLANGE, Tool
 
 TURN = 2.0 * np.pi
 SAME = 1e-6
@@ -35,8 +36,7 @@ def inverse_solutions(
     position: np.ndarray,
     rotation: np.ndarray,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     held: tuple[int, float] | None = None,
 ) -> np.ndarray:
     """Return every joint position within the limits that puts the tool at a pose.
@@ -45,8 +45,7 @@ def inverse_solutions(
         robot: the arm.
         position: (3,) tool origin in the base frame, m.
         rotation: (3, 3) tool axes to base axes.
-        tool_position: (3,) tool origin in flange axes, m.
-        tool_yaw: turn of the tool about the flange's z, rad.
+        tool: frame carried by the flange.
         held: index and position (rad) of the joint that is given; needed with seven joints.
 
     Returns:
@@ -56,7 +55,7 @@ def inverse_solutions(
     Raises:
         ScenarioError: the arm has more joints to solve for than six.
     """
-    exact = solutions_anywhere(robot, position, rotation, tool_position=tool_position, tool_yaw=tool_yaw, held=held)
+    exact = solutions_anywhere(robot, position, rotation, tool=tool, held=held)
     rows = [q + TURN * np.array(turns) for q in exact for turns in product(*turn_choices(robot, q, q))]
     return np.array(rows).reshape(-1, len(robot.joints))
 
@@ -87,8 +86,7 @@ def solutions_anywhere(
     position: np.ndarray,
     rotation: np.ndarray,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     held: tuple[int, float] | None = None,
 ) -> np.ndarray:
     """Return the distinct exact solutions (k, n) for one pose, limits ignored, every joint in (-pi, pi], rad.
@@ -101,9 +99,8 @@ def solutions_anywhere(
         raise ScenarioError(
             f"robot {robot.name!r} has {arm.n} moving joints; all inverse solutions are available for six, hold one"
         )
-    turn = np.array([[np.cos(tool_yaw), -np.sin(tool_yaw), 0], [np.sin(tool_yaw), np.cos(tool_yaw), 0], [0, 0, 1]])
-    flange_rotation = np.asarray(rotation, dtype=float) @ turn.T
-    flange_position = np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool_position, dtype=float)
+    flange_rotation = np.asarray(rotation, dtype=float) @ tool.rotation.T
+    flange_position = np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool.position, dtype=float)
     solver = None
     if has_closed_form(arm, None if held is None else held[0]):
         solver = _solver(arm, None if held is None else held[0], None if held is None else held[1])

@@ -16,20 +16,21 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-import casadi as cs
+import casadi as ca
 import numpy as np
 
+from nospill.core.arrays import parallel_axis
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import Body, about_point, chain_bodies, inertia_fault
-from nospill.robots.kinematics.forward import Chain
+from nospill.robots.kinematics.bodies import Body, chain_bodies, inertia_fault
+from nospill.robots.kinematics.forward import ArmChain
 from nospill.robots.robot import Robot
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2, along the world's -z."""
 
-Numbers = np.ndarray | cs.SX
+Numbers = np.ndarray | ca.SX
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,7 @@ class Load:
         inertia: (3, 3) about the flange's origin, kg m^2, symmetric.
     """
 
-    mass: float | cs.SX
+    mass: float | ca.SX
     first_moment: Numbers
     inertia: Numbers
 
@@ -64,15 +65,15 @@ def load_of(
     """
     turn = np.eye(3) if rotation is None else rotation
     about_centre = np.zeros((3, 3)) if inertia is None else turn @ inertia @ turn.T
-    return Load(mass, mass * centre, about_centre + mass * about_point(centre))
+    return Load(mass, mass * centre, about_centre + mass * parallel_axis(centre))
 
 
 NO_LOAD = Load(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def joint_torque(
-    robot: Robot, q: cs.SX, qd: cs.SX, qdd: cs.SX, load: Load = NO_LOAD, *, gravity: float | cs.SX = STANDARD_GRAVITY
-) -> cs.SX:
+    robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load = NO_LOAD, *, gravity: float | ca.SX = STANDARD_GRAVITY
+) -> ca.SX:
     """Return the joint torques (n,), N m, as an expression.
 
     Args:
@@ -131,25 +132,25 @@ class Dynamics:
         self.n = len(joints)
         chain = chain_bodies(read_tree(urdf), joints, tip)
         self._chain = replace(chain, bodies=_regrouped(chain.bodies))
-        q, qd, qdd = (cs.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
-        load, gravity = cs.SX.sym("load", 13), cs.SX.sym("gravity")
+        q, qd, qdd = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
+        load, gravity = ca.SX.sym("load", 13), ca.SX.sym("gravity")
         torque = self.torque(q, qd, qdd, _load_from(load), gravity=gravity)
-        self.torque_function: Any = cs.Function(
-            "joint_torque", [q, qd, qdd, load, gravity], [cs.densify(torque)], {"cse": True}
+        self.torque_function: Any = ca.Function(
+            "joint_torque", [q, qd, qdd, load, gravity], [ca.densify(torque)], {"cse": True}
         )
 
-    def torque(self, q: cs.SX, qd: cs.SX, qdd: cs.SX, load: Load, *, gravity: float | cs.SX) -> cs.SX:
+    def torque(self, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
         """Return the joint torques as `joint_torque` does."""
-        spin, turn_up = cs.SX(3, 1), cs.SX(3, 1)
-        push = cs.vertcat(0, 0, cs.SX(gravity))
+        spin, turn_up = ca.SX(3, 1), ca.SX(3, 1)
+        push = ca.vertcat(0, 0, ca.SX(gravity))
         carried = self._at_last_joint(load)
         rotations, forces, moments = [], [], []
         for joint, body in enumerate(self._chain.bodies):
             rotation = _constant(body.rotation) @ _about_z(q[joint])
             push = rotation.T @ (push + _swing(turn_up, spin, _constant(body.position)))
             spin, turn_up = rotation.T @ spin, rotation.T @ turn_up
-            rate = cs.vertcat(0, 0, qd[joint])
-            turn_up = turn_up + cs.vertcat(0, 0, qdd[joint]) + cs.cross(spin, rate)
+            rate = ca.vertcat(0, 0, qd[joint])
+            turn_up = turn_up + ca.vertcat(0, 0, qdd[joint]) + ca.cross(spin, rate)
             spin = spin + rate
             own = Load(body.mass, _constant(body.first_moment), _constant(body.inertia))
             force, moment = _wrench(own + carried if joint == self.n - 1 else own, spin, turn_up, push)
@@ -162,19 +163,19 @@ class Dynamics:
         for joint in reversed(range(self.n - 1)):
             force = rotations[joint + 1] @ force
             lever = _constant(self._chain.bodies[joint + 1].position)
-            moment = rotations[joint + 1] @ moment + cs.cross(lever, force) + moments[joint]
+            moment = rotations[joint + 1] @ moment + ca.cross(lever, force) + moments[joint]
             force = force + forces[joint]
             torque.append(moment[2])
-        return cs.vertcat(*reversed(torque))
+        return ca.vertcat(*reversed(torque))
 
     def _at_last_joint(self, load: Load) -> Load:
         """The load in the frame of the last joint."""
         turn, lever = _constant(self._chain.flange_rotation), _constant(self._chain.flange_position)
-        moment = turn @ cs.SX(load.first_moment)
-        inertia = turn @ cs.SX(load.inertia) @ turn.T
+        moment = turn @ ca.SX(load.first_moment)
+        inertia = turn @ ca.SX(load.inertia) @ turn.T
         cross = lever @ moment.T
-        inertia = inertia + (2.0 * cs.trace(cross)) * cs.SX.eye(3) - cross - cross.T
-        inertia = inertia + load.mass * _constant(about_point(self._chain.flange_position))
+        inertia = inertia + (2.0 * ca.trace(cross)) * ca.SX.eye(3) - cross - cross.T
+        inertia = inertia + load.mass * _constant(parallel_axis(self._chain.flange_position))
         return Load(load.mass, moment + load.mass * lever, inertia)
 
     def torques(
@@ -197,12 +198,12 @@ class Dynamics:
         if count == 0:
             return np.zeros((0, self.n))
         columns = [np.asarray(array, dtype=float).T for array in (q, qd, qdd)]
-        column = np.repeat(cs.DM(load_column(load)).full(), count, axis=1)
+        column = np.repeat(ca.DM(load_column(load)).full(), count, axis=1)
         torque = evaluate(function or self.torque_function, [*columns, column], np.array([gravity]))
         return np.ascontiguousarray(torque.T)
 
 
-def torque_expression(chain: Chain, q: cs.SX, qd: cs.SX, qdd: cs.SX, load: Load, *, gravity: float | cs.SX) -> cs.SX:
+def torque_expression(chain: ArmChain, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
     """`joint_torque` for a chain whose inertias are known to be real, without asking again."""
     return _dynamics(chain.urdf, chain.joints, chain.tip).torque(q, qd, qdd, load, gravity=gravity)
 
@@ -251,7 +252,7 @@ def _regrouped(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
         # the symmetric part in the frame before
         turn, lever = body.rotation, body.position
         moved = turn @ along
-        inertia = turn @ across @ turn.T + mass * about_point(lever) + _about_moment(lever, moved)
+        inertia = turn @ across @ turn.T + mass * parallel_axis(lever) + _about_moment(lever, moved)
         moment = moved + mass * lever
     return tuple(kept[::-1])
 
@@ -261,28 +262,28 @@ def _about_moment(lever: np.ndarray, moment: np.ndarray) -> np.ndarray:
     return 2.0 * float(lever @ moment) * np.eye(3) - np.outer(lever, moment) - np.outer(moment, lever)
 
 
-def _load_from(column: cs.SX) -> Load:
-    return Load(column[0], column[1:4], cs.reshape(column[4:], 3, 3))  # symmetric: rows are columns
+def _load_from(column: ca.SX) -> Load:
+    return Load(column[0], column[1:4], ca.reshape(column[4:], 3, 3))  # symmetric: rows are columns
 
 
-def _swing(turn_up: cs.SX, spin: cs.SX, lever: cs.SX) -> cs.SX:
+def _swing(turn_up: ca.SX, spin: ca.SX, lever: ca.SX) -> ca.SX:
     """Acceleration of a point at `lever` against the frame's origin."""
-    return cs.cross(turn_up, lever) + cs.cross(spin, cs.cross(spin, lever))
+    return ca.cross(turn_up, lever) + ca.cross(spin, ca.cross(spin, lever))
 
 
-def _wrench(body: Load, spin: cs.SX, turn_up: cs.SX, push: cs.SX) -> tuple[cs.SX, cs.SX]:
+def _wrench(body: Load, spin: ca.SX, turn_up: ca.SX, push: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Force and moment about the origin that move a body whose origin accelerates by `push` (gravity included)."""
-    first_moment, inertia = cs.SX(body.first_moment), cs.SX(body.inertia)
+    first_moment, inertia = ca.SX(body.first_moment), ca.SX(body.inertia)
     force = body.mass * push + _swing(turn_up, spin, first_moment)
-    moment = inertia @ turn_up + cs.cross(spin, inertia @ spin) + cs.cross(first_moment, push)
+    moment = inertia @ turn_up + ca.cross(spin, inertia @ spin) + ca.cross(first_moment, push)
     return force, moment
 
 
-def _constant(values: np.ndarray) -> cs.SX:
+def _constant(values: np.ndarray) -> ca.SX:
     # sparse, so that zeros make no nodes
-    return cs.sparsify(cs.SX(values))
+    return ca.sparsify(ca.SX(values))
 
 
-def _about_z(angle: cs.SX) -> cs.SX:
-    c, s = cs.cos(angle), cs.sin(angle)
-    return cs.vertcat(cs.horzcat(c, -s, 0), cs.horzcat(s, c, 0), cs.horzcat(0, 0, 1))
+def _about_z(angle: ca.SX) -> ca.SX:
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))

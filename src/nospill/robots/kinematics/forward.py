@@ -1,31 +1,24 @@
 """Forward kinematics of an arm: one CasADi expression from its URDF, for laws (SX) and for samples (compiled).
 
-The *tool* is the frame carried by the flange (here the tray): its origin at `tool_position` in flange axes, turned by
-`tool_yaw` about the flange's z. Without these arguments the tool is the flange itself. All results are in the robot's
-base frame.
+The tool is the frame carried by the flange (here the tray, see `Tool`); by default it is the flange itself. All results
+are in the robot's base frame.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
 
-import casadi as cs
+import casadi as ca
 import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import Chain as BodyChain
-from nospill.robots.kinematics.bodies import chain_bodies
+from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
 from nospill.robots.kinematics.chain import chain_expressions
-
-ToolPosition = Sequence[float] | np.ndarray | cs.SX
-
-FLANGE = (0.0, 0.0, 0.0)
-"""Tool position that makes the tool the flange."""
+from nospill.robots.tool import FLANGE, Tool
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,62 +61,53 @@ class Kinematics:
             ScenarioError: the text is no URDF, or a joint or the tip is not in it.
         """
         self.n = len(joints)
-        q = cs.SX.sym("q", self.n)
-        rate = cs.SX.sym("qd", self.n)
-        rate_change = cs.SX.sym("qdd", self.n)
-        tool = cs.SX.sym("tool", 4)
-        motion = chain_expressions(
-            _chain(urdf, joints, tip), q, rate, rate_change, tool_position=tool[:3], tool_yaw=tool[3]
-        )
+        q = ca.SX.sym("q", self.n)
+        rate = ca.SX.sym("qd", self.n)
+        rate_change = ca.SX.sym("qdd", self.n)
+        tool = ca.SX.sym("tool", 4)
+        motion = chain_expressions(_chain(urdf, joints, tip), q, rate, rate_change, tool=tool)
         position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
-        twist = cs.vertcat(motion.velocity, motion.angular_velocity)
-        twist_change = cs.vertcat(motion.acceleration, motion.angular_acceleration)
+        twist = ca.vertcat(motion.velocity, motion.angular_velocity)
+        twist_change = ca.vertcat(motion.acceleration, motion.angular_acceleration)
 
         self._pose = _function("pose", [q, tool], [position, rotation])
         self._jacobian = _function("jacobian", [q, tool], [jacobian])
         self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
         # flat columns, so that a call on m samples returns one column per sample
-        self._flat_pose = _function("flat_pose", [q, tool], [cs.vertcat(position, cs.vec(rotation.T))])
-        self._flat_jacobian = _function("flat_jacobian", [q, tool], [cs.vec(jacobian.T)])
+        self._flat_pose = _function("flat_pose", [q, tool], [ca.vertcat(position, ca.vec(rotation.T))])
+        self._flat_jacobian = _function("flat_jacobian", [q, tool], [ca.vec(jacobian.T)])
         self._flat_both = _function(
-            "flat_both", [q, tool], [cs.vertcat(position, cs.vec(rotation.T), cs.vec(jacobian.T))]
+            "flat_both", [q, tool], [ca.vertcat(position, ca.vec(rotation.T), ca.vec(jacobian.T))]
         )
         self.motion_function = _function(
-            "flat_motion", [q, rate, rate_change, tool], [cs.vertcat(position, cs.vec(rotation.T), twist, twist_change)]
+            "flat_motion", [q, rate, rate_change, tool], [ca.vertcat(position, ca.vec(rotation.T), twist, twist_change)]
         )
 
-    def pose(
-        self, q: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
-    ) -> tuple[cs.SX, cs.SX]:
+    def pose(self, q: ca.SX, *, tool: ca.SX | np.ndarray = FLANGE.row) -> tuple[ca.SX, ca.SX]:
         """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
-        position, rotation = self._pose(q, _tool(tool_position, tool_yaw))
+        position, rotation = self._pose(q, tool)
         return position, rotation
 
-    def jacobian(self, q: cs.SX) -> cs.SX:
+    def jacobian(self, q: ca.SX) -> ca.SX:
         """Return the geometric Jacobian (6, n) of the flange in base axes, linear rows first, as an expression."""
-        return self._jacobian(q, _tool(FLANGE, 0.0))
+        return self._jacobian(q, FLANGE.row)
 
-    def twist(
-        self, q: cs.SX, qd: cs.SX, *, tool_position: ToolPosition = FLANGE, tool_yaw: float | cs.SX = 0.0
-    ) -> tuple[cs.SX, cs.SX]:
+    def twist(self, q: ca.SX, qd: ca.SX, *, tool: ca.SX | np.ndarray = FLANGE.row) -> tuple[ca.SX, ca.SX]:
         """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, for q, qd (n,)."""
-        velocity, angular_velocity = self._twist(q, qd, _tool(tool_position, tool_yaw))
+        velocity, angular_velocity = self._twist(q, qd, tool)
         return velocity, angular_velocity
 
-    def poses(
-        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def poses(self, q: np.ndarray, *, tool: Tool = FLANGE) -> tuple[np.ndarray, np.ndarray]:
         """Return positions (m, 3), m, and rotations (m, 3, 3) of the tool at m samples.
 
         Args:
             q: (m, n) joint positions, rad.
-            tool_position: (3,) tool origin in flange axes, m.
-            tool_yaw: turn of the tool about the flange's z, rad.
+            tool: frame carried by the flange.
         """
-        flat = self._call(self._flat_pose, q, tool=_tool_row(tool_position, tool_yaw))
+        flat = self._call(self._flat_pose, q, tool=tool.row)
         return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
 
-    def jacobians(self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0) -> np.ndarray:
+    def jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> np.ndarray:
         """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
 
         Rows 0 to 2 give the velocity of the tool's origin (m/s), rows 3 to 5 its angular velocity (rad/s), per joint
@@ -131,17 +115,14 @@ class Kinematics:
 
         Args:
             q: (m, n) joint positions, rad.
-            tool_position: (3,) tool origin in flange axes, m.
-            tool_yaw: turn of the tool about the flange's z, rad.
+            tool: frame carried by the flange.
         """
-        flat = self._call(self._flat_jacobian, q, tool=_tool_row(tool_position, tool_yaw))
+        flat = self._call(self._flat_jacobian, q, tool=tool.row)
         return flat.reshape(-1, 6, self.n)
 
-    def poses_and_jacobians(
-        self, q: np.ndarray, *, tool_position: ToolPosition = FLANGE, tool_yaw: float = 0.0
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def poses_and_jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
-        flat = self._call(self._flat_both, q, tool=_tool_row(tool_position, tool_yaw))
+        flat = self._call(self._flat_both, q, tool=tool.row)
         return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
 
     def motions(
@@ -150,8 +131,7 @@ class Kinematics:
         qd: np.ndarray,
         qdd: np.ndarray,
         *,
-        tool_position: ToolPosition = FLANGE,
-        tool_yaw: float = 0.0,
+        tool: Tool = FLANGE,
         function: Any = None,
     ) -> ToolMotions:
         """Return pose, velocity and acceleration of the tool at m samples.
@@ -160,12 +140,10 @@ class Kinematics:
             q: (m, n) joint positions, rad.
             qd: (m, n) joint speeds, rad/s.
             qdd: (m, n) joint accelerations, rad/s^2.
-            tool_position: (3,) tool origin in flange axes, m.
-            tool_yaw: turn of the tool about the flange's z, rad.
+            tool: frame carried by the flange.
             function: a compiled copy of `motion_function` to use in its place.
         """
-        tool = _tool_row(tool_position, tool_yaw)
-        flat = self._call(function or self.motion_function, q, qd, qdd, tool=tool)
+        flat = self._call(function or self.motion_function, q, qd, qdd, tool=tool.row)
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),
@@ -187,7 +165,7 @@ class Kinematics:
         return np.ascontiguousarray(evaluate(function, columns, tool).T)
 
 
-class Chain(Protocol):
+class ArmChain(Protocol):
     """What forward kinematics needs to know of an arm; a `Robot` is one."""
 
     @property
@@ -206,7 +184,7 @@ class Chain(Protocol):
         ...
 
 
-def kinematics(robot: Chain) -> Kinematics:
+def kinematics(robot: ArmChain) -> Kinematics:
     """Return the forward kinematics of an arm; built once per chain.
 
     Raises:
@@ -233,15 +211,5 @@ def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
     return chain
 
 
-def _function(name: str, inputs: list[cs.SX], outputs: list[cs.SX]) -> Any:
-    return cs.Function(name, inputs, [cs.densify(out) for out in outputs], {"cse": True})
-
-
-def _tool_row(position: ToolPosition, yaw: float) -> np.ndarray:
-    return np.array([*position, yaw], dtype=float)
-
-
-def _tool(position: ToolPosition, yaw: float | cs.SX) -> Any:
-    if isinstance(position, cs.SX) or isinstance(yaw, cs.SX):
-        return cs.vertcat(cs.SX(position if isinstance(position, cs.SX) else list(position)), yaw)
-    return cs.DM([*(float(value) for value in position), float(yaw)])
+def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> Any:
+    return ca.Function(name, inputs, [ca.densify(out) for out in outputs], {"cse": True})

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.errors import ModelError
-from nospill.robots.kinematics.forward import FLANGE, Kinematics, ToolPosition, kinematics
+from nospill.robots.kinematics.forward import Kinematics, kinematics
 from nospill.robots.robot import Robot
+from nospill.robots.tool import FLANGE, Tool
 
 RESIDUAL = 1e-11
 """Largest pose error (m and rad, norm of six) that counts as solved."""
@@ -46,8 +47,7 @@ def solve_joints(
     rotations: np.ndarray,
     q_start: np.ndarray,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     held: Held | None = None,
     max_iterations: int = 30,
 ) -> np.ndarray:
@@ -62,8 +62,7 @@ def solve_joints(
         positions: (m, 3) tool origins in the base frame, m.
         rotations: (m, 3, 3) tool axes to base axes.
         q_start: (m, n) guesses, rad.
-        tool_position: (3,) tool origin in flange axes, m.
-        tool_yaw: turn of the tool about the flange's z, rad.
+        tool: frame carried by the flange.
         held: a combination of the joints whose values are given.
         max_iterations: Newton steps before it gives up.
 
@@ -78,8 +77,7 @@ def solve_joints(
         positions,
         rotations,
         q_start,
-        tool_position=tool_position,
-        tool_yaw=tool_yaw,
+        tool=tool,
         held=held,
         max_iterations=max_iterations,
     )
@@ -100,8 +98,7 @@ def newton(
     rotations: np.ndarray,
     q_start: np.ndarray,
     *,
-    tool_position: ToolPosition = FLANGE,
-    tool_yaw: float = 0.0,
+    tool: Tool = FLANGE,
     held: Held | None = None,
     max_iterations: int = 30,
     max_step: float = 0.3,
@@ -113,8 +110,7 @@ def newton(
         positions: (m, 3), m.
         rotations: (m, 3, 3).
         q_start: (m, n), rad.
-        tool_position: (3,), m.
-        tool_yaw: rad.
+        tool: frame carried by the flange.
         held: a combination of the joints whose values are given; what it is off counts as pose error.
         max_iterations: Newton steps.
         max_step: largest change of one joint in one step, rad.
@@ -129,7 +125,7 @@ def newton(
     for iteration in range(max_iterations + 1):
         if active.size == 0:
             break
-        reached, turned, jacobian = arm.poses_and_jacobians(q[active], tool_position=tool_position, tool_yaw=tool_yaw)
+        reached, turned, jacobian = arm.poses_and_jacobians(q[active], tool=tool)
         gap = pose_gap(positions[active], rotations[active], reached, turned)
         if held is not None:
             jacobian, gap = held.added(jacobian, gap, q[active], active)

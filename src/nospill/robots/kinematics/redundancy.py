@@ -14,12 +14,12 @@ from functools import lru_cache
 import numpy as np
 
 from nospill.robots.kinematics.closed_form import has_closed_form
-from nospill.robots.kinematics.forward import Chain, Kinematics, kinematics
+from nospill.robots.kinematics.forward import ArmChain, Kinematics, kinematics
 
 _SAMPLES = 200
 
 
-def redundant_joint(robot: Chain) -> int | None:
+def redundant_joint(robot: ArmChain) -> int | None:
     """Index of the joint that is held when solutions are looked for; None for six joints or fewer.
 
     Among the joints whose locking leaves a closed form (all joints, where there is none): the one with the largest
@@ -32,7 +32,7 @@ def redundant_joint(robot: Chain) -> int | None:
 def _redundant_joint(urdf: str, joints: tuple[str, ...], tip: str) -> int | None:
     if len(joints) <= 6:
         return None
-    arm = kinematics(_Chain(urdf, joints, tip))
+    arm = kinematics(_NamedChain(urdf, joints, tip))
     solvable = [index for index in range(arm.n) if has_closed_form(arm, index)]
     return max(solvable or range(arm.n), key=lambda index: _conditioning(arm, index))
 
@@ -45,7 +45,7 @@ def _conditioning(arm: Kinematics, index: int) -> float:
     return float(np.median(np.linalg.svd(stacked, compute_uv=False)[:, -1]))
 
 
-def self_motion(robot: Chain, q: np.ndarray) -> np.ndarray:
+def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
     """Mean direction (n,) of the self-motion along joint positions (m, n), a unit vector; seven joints."""
     jacobians = kinematics(robot).jacobians(q)
     vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
@@ -55,7 +55,7 @@ def self_motion(robot: Chain, q: np.ndarray) -> np.ndarray:
     return mean / np.linalg.norm(mean)
 
 
-class _Chain:
+class _NamedChain:
     """A chain by its three facts."""
 
     def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.robots.kinematics.forward import Chain, kinematics
+from nospill.robots.kinematics.forward import ArmChain, kinematics
 
 _LEAST_SHARE = 1e-3
 """A determinant this much smaller than along the rest of the motion counts as zero."""
@@ -24,14 +24,14 @@ _CLEARANCE = 0.05
 """Share of the typical determinant that a motion keeps."""
 
 
-def determinant_expression(chain: Chain, q: SX, self_motion: SX) -> SX:
+def determinant_expression(chain: ArmChain, q: SX, self_motion: SX) -> SX:
     """Determinant of the geometric Jacobian at the flange, with the row `self_motion` (n,) for seven joints; q (n,)."""
     arm = kinematics(chain)
     jacobian = arm.jacobian(q)
     return _determinant(jacobian if arm.n == jacobian.shape[0] else ca.vertcat(jacobian, self_motion.T))
 
 
-def determinants(robot: Chain, q: np.ndarray, self_motion: np.ndarray | None) -> np.ndarray:
+def determinants(robot: ArmChain, q: np.ndarray, self_motion: np.ndarray | None) -> np.ndarray:
     """The same at samples q (m, n), rad: shape (m,)."""
     jacobians = kinematics(robot).jacobians(q)
     if self_motion is not None:

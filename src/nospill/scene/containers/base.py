@@ -11,26 +11,9 @@ from typing import Protocol
 
 import numpy as np
 
+from nospill.scene.containers.footprints import Footprint
 from nospill.scene.containers.modes import SloshModes
 from nospill.scene.liquids import Liquid
-
-
-@dataclass(frozen=True, slots=True)
-class DiscFootprint:
-    """The container touches the tray on a full disc: radius in m."""
-
-    radius: float
-
-
-@dataclass(frozen=True, slots=True)
-class RectangleFootprint:
-    """The container touches the tray on a full rectangle: half lengths along its x and y in m."""
-
-    half_x: float
-    half_y: float
-
-
-Footprint = DiscFootprint | RectangleFootprint
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.scene.containers.base import MassProperties, RectangleFootprint
+from nospill.core.arrays import read_only
+from nospill.scene.containers.base import MassProperties
+from nospill.scene.containers.footprints import RectangleFootprint
 from nospill.scene.containers.modes import SloshModes
 from nospill.scene.containers.prism import (
     EMPIRICAL_DAMPING,
@@ -16,7 +18,6 @@ from nospill.scene.containers.prism import (
     check_filling,
     check_size,
     inverse_sinh_ratio,
-    read_only,
     slosh_model,
 )
 from nospill.scene.liquids import Liquid
@@ -51,7 +52,7 @@ class Box:
     @property
     def outline(self) -> np.ndarray:
         """The four corners of the bottom, counter-clockwise, shape (4, 2), m."""
-        return read_only(np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * (self.length / 2, self.width / 2))
+        return self.footprint.core
 
     def volume(self, liquid_height: float) -> float:
         """Volume up to `liquid_height` (m), m^3."""
@@ -127,7 +128,6 @@ class Box:
             mass=mass,
             enclosed_inertia=mass
             * np.array([enclosed_liquid_inertia(side, liquid_height) for side in (self.width, self.length)]),
-            yaw_inertia=mass * (self.length**2 + self.width**2) / 12,
             quasi_static_gain=np.array((self.length, self.width)) / 2,
         )
         ratio = boundary_layer_damping(liquid, self, liquid_height) if damping is None else damping

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.scene.containers.base import DiscFootprint, MassProperties
+from nospill.core.arrays import read_only
+from nospill.scene.containers.base import MassProperties
+from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
 from nospill.scene.containers.prism import (
     FrozenLiquid,
@@ -15,7 +17,6 @@ from nospill.scene.containers.prism import (
     check_filling,
     check_size,
     inverse_sinh_ratio,
-    read_only,
     slosh_model,
 )
 from nospill.scene.liquids import Liquid
@@ -118,7 +119,6 @@ class Cylinder:
         frozen = FrozenLiquid(
             mass=mass,
             enclosed_inertia=np.full(2, mass * enclosed_liquid_inertia(self.radius, liquid_height)),
-            yaw_inertia=mass * self.radius**2 / 2,
             quasi_static_gain=np.full(2, self.radius),
         )
         ratio = published_damping(liquid, self.radius, liquid_height) if damping is None else damping

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.arrays import read_only
+
 STANDARD_GRAVITY = 9.80665
 """m/s^2; the value of the published computations."""
 
@@ -53,8 +55,6 @@ class SloshModes:
         fixed_height: H_0 above the bottom from sum m_i H_i = m_F h/2, m.
         fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); zero about the
             vertical.
-        frozen_yaw_inertia: inertia of the frozen liquid about the vertical axis, a bound for the twist constraint, kg
-            m^2.
         quasi_static_gain: (2,), m: height at the wall per lateral/axial apparent gravity with all modes, along x and y
             (R, or half the side of a box).
     """
@@ -65,7 +65,6 @@ class SloshModes:
     fixed_mass: float
     fixed_height: float
     fixed_inertia: np.ndarray
-    frozen_yaw_inertia: float
     quasi_static_gain: np.ndarray
 
     @property
@@ -80,6 +79,4 @@ class SloshModes:
             sum(mode.surface_gain / mode.curvature for mode in self.oscillators if axis in mode.directions)
             for axis in ("x", "y")
         ]
-        correction = self.quasi_static_gain - carried
-        correction.flags.writeable = False
-        return correction
+        return read_only(self.quasi_static_gain - carried)

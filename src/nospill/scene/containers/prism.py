@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.errors import ScenarioError
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 from nospill.scene.liquids import Liquid
@@ -77,13 +78,11 @@ class FrozenLiquid:
         mass: m_F, kg.
         enclosed_inertia: (2,) inertia of the ideal liquid, closed off at its surface, about the horizontal axes x and
             y through its centre [Stokes-Joukowski], kg m^2.
-        yaw_inertia: of the frozen liquid about the vertical axis, kg m^2.
         quasi_static_gain: (2,) height at the wall per lateral/axial apparent gravity, along x and y, m.
     """
 
     mass: float
     enclosed_inertia: np.ndarray
-    yaw_inertia: float
     quasi_static_gain: np.ndarray
 
 
@@ -161,7 +160,6 @@ def slosh_model(
         fixed_mass=fixed_mass,
         fixed_height=centre + fixed_offset,
         fixed_inertia=read_only(frozen.enclosed_inertia - moved),
-        frozen_yaw_inertia=frozen.yaw_inertia,
         quasi_static_gain=read_only(frozen.quasi_static_gain),
     )
 
@@ -179,10 +177,3 @@ def check_size(value: float, name: str) -> None:
 def inverse_sinh_ratio(x: float) -> float:
     """1/sinh(x) for x > 0, without overflow."""
     return -2 * math.exp(-x) / math.expm1(-2 * x)
-
-
-def read_only(values: Sequence[float] | np.ndarray) -> np.ndarray:
-    """A copy as an array of floats that cannot be written to."""
-    array = np.array(values, dtype=float)
-    array.flags.writeable = False
-    return array

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.arrays import read_only
 from nospill.errors import ScenarioError
-from nospill.scene.containers.base import DiscFootprint, MassProperties
+from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.modes import SloshModes
-from nospill.scene.containers.prism import check_size, read_only
+from nospill.scene.containers.prism import check_size
 from nospill.scene.liquids import Liquid
 
 

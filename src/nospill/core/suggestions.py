@@ -1,0 +1,18 @@
+"""The nearest known name for one that is not known, for error messages."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+def nearest(name: str, known: Iterable[str], *, likeness: float = 0.6) -> str | None:
+    """Return the known name most like `name`; None where none is.
+
+    Args:
+        name: as written.
+        known: names to choose from.
+        likeness: least ratio of `difflib.SequenceMatcher`, 0 to 1.
+    """
+    found = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
+    return found[0] if found else None
