@@ -10,7 +10,8 @@ import pytest
 
 from benchmarks.campaign import paths as campaign_paths
 from benchmarks.campaign import scenes as campaign_scenes
-from benchmarks.campaign.scenes import DISTRIBUTIONS, Case, Choice, Spread, draw_case
+from benchmarks.campaign.distributions import DISTRIBUTIONS, Choice, Distributions, Spread
+from benchmarks.campaign.scenes import Case, draw_case
 from nospill.core.paths import Path as TrayPath
 from nospill.robots.description.catalog import ROBOTS
 from nospill.robots.joint_paths.search import joint_paths
@@ -53,7 +54,7 @@ def test_distributions_name_what_there_is() -> None:
     random = np.random.default_rng(0)
     drawn = {campaign_scenes._object(random, DISTRIBUTIONS)[0]["shape"] for _ in range(50)}
     assert drawn == set(CARGO_TABLES)
-    assert len(DISTRIBUTIONS.rows()) == len(campaign_scenes.Distributions.__slots__)
+    assert len(DISTRIBUTIONS.rows()) == len(Distributions.__slots__)
 
 
 @pytest.mark.parametrize("spread", [Spread(0.1, 2.0, "m"), Spread(1e-3, 10.0, logarithmic=True)])

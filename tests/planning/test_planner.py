@@ -27,6 +27,7 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import SolveOptions, solve
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -222,7 +223,7 @@ def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed)
 
     thread = threading.Thread(target=work)
     thread.start()
-    thread.join(timeout=60)
+    wait_until(lambda: not thread.is_alive(), "the thread that plans has ended")
     assert [type(error) for error in ended] == [KeyboardInterrupt]
 
 

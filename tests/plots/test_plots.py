@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,6 +34,7 @@ from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
@@ -181,7 +181,7 @@ def test_folder_that_cannot_be_made(tilting: Evidence, tmp_path: Path, monkeypat
 
 def test_importing_the_package_draws_in_nothing() -> None:
     code = "import sys, nospill.plots; print([m for m in ('matplotlib', 'casadi') if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = run_python("-c", code, check=True)
     assert run.stdout.strip() == "[]"
 
 
