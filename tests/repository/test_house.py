@@ -93,9 +93,8 @@ def test_the_visible_workflow_calls_the_same_targets() -> None:
 
 
 def test_tests_linter_and_documentation_have_environments_of_their_own() -> None:
-    rules = dict(
-        re.findall(r"^\$\(([A-Z]+)\)/\.ready: EXTRAS := (\S+)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    )
+    text = (ROOT / "Makefile").read_text()
+    rules = dict(re.findall(r"^\$\(([A-Z]+)\)/\.ready: EXTRAS := (\S+)$", text, re.MULTILINE))
     assert rules == {"VENV": "test", "CHECK": "test,dev", "DOCS": "test,docs"}
     places = dict(re.findall(r"^(VENV|CHECK|DOCS) := (\S+)$", text, re.MULTILINE))
     assert len(set(places.values())) == 3 and places["VENV"] == ".venv"
