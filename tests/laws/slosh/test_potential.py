@@ -8,6 +8,7 @@ pressure is integrated over wall and bottom.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import casadi as ca
@@ -73,6 +74,12 @@ class Section:
         return np.tanh(x) / k, 2 * self.width * (self.reach / k - np.tanh(x) / k**2) / k
 
 
+@cache
+def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points in (-1, 1) and weights of the quadrature: eigenvalues of a large matrix, the same for every case."""
+    return np.polynomial.legendre.leggauss(count)
+
+
 def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Response:
     """Amplitudes per metre of surge or per radian of pitch about the surface's centre."""
     section, h, sigma = Section(container), DEPTH, rate**2 / STANDARD_GRAVITY
@@ -89,7 +96,7 @@ def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Re
     others = flat / (h / 2 + np.sin(2 * kappa * h) / (4 * kappa))
     (wall, bottom), (walls, bottoms) = section.propagating(k), section.evanescent(kappa)
 
-    z, weights = np.polynomial.legendre.leggauss(1500)
+    z, weights = gauss_legendre(1500)
     z, weights = h / 2 * (z + 1), h / 2 * weights
     at_wall = first * wall * np.cosh(k * z) + (others * walls) @ np.cos(np.outer(kappa, z))
     at_rim = first * wall * np.cosh(k * h) + float(np.sum(others * walls * np.cos(kappa * h)))
