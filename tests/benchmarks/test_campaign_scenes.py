@@ -14,11 +14,11 @@ from benchmarks.campaign.distributions import DISTRIBUTIONS, Choice, Distributio
 from benchmarks.campaign.scenes import Case, draw_case
 from nospill.core.paths import Path as TrayPath
 from nospill.robots.description.catalog import ROBOTS
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.path_entries import PATH_TABLES
+from tests.builders import joint_paths_of
 
 FEW = [seed for seed in range(12) if seed not in (4, 5)]  # without the two whose search takes longest
 
@@ -44,7 +44,7 @@ def test_tables_survive_json_and_the_reader(cases: list[Case]) -> None:
 def test_reachable_scenarios_are_reached(cases: list[Case]) -> None:
     for case in (case for case in cases if not case.unreachable and "franka" not in case.structure):
         scene = scene_from_table(case.table, name="x")
-        found = joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset)
+        found = joint_paths_of(scene)
         assert found[0].limit_margin >= 0.0
 
 

@@ -19,7 +19,6 @@ from nospill.planning.backoff import first_backoff
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
@@ -27,6 +26,7 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import SolveOptions, solve
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -126,8 +126,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     """On the coarse grid, where the starts compete: 25 intervals, all rows, the reserves every plan begins with."""
     found = example_plan("matrix-liquid-still")
     scene, intervals = found.scene, 25
-    tool = {"tool_position": scene.tray.offset, "tool_yaw": scene.tray.yaw_on_flange}
-    path = joint_paths(scene.robot, scene.path, **tool)[0]
+    path = joint_path_of(scene)
     layout = layout_of(structure_of(scene))
     reserves = {
         (item.name, i): first_backoff(item.name) for item in CONSTRAINTS for i in range(len(item.subjects(scene)))

@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nospill.laws.scene_parameters import structure_of
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.transcription.collocation import advance_chain, interior
@@ -18,16 +17,13 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
 from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
+from tests.builders import joint_path_of
 
 STARTS = [
     Start(),
     Start(stretch=0.6, skew=-0.45),
     Start(stretch=1.4, skew=0.5, tilt=(0.1, -0.15)),
 ]
-
-
-def joint_path_of(scene):
-    return joint_paths(scene.robot, scene.path, tool_position=scene.tray.offset, tool_yaw=scene.tray.yaw_on_flange)[0]
 
 
 @pytest.fixture(scope="module")

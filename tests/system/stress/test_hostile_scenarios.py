@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import textwrap
 import tomllib
 from pathlib import Path
@@ -17,6 +16,7 @@ from nospill.errors import NospillError, ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import example_path
+from tests.builders import changed_table
 from tests.waiting import run_python
 
 RIGID: dict[str, Any] = tomllib.loads(example_path("matrix-rigid").read_text(encoding="utf-8"))
@@ -25,13 +25,7 @@ URDF = load_robot("ur5e").urdf
 
 
 def changed(place: str, value: object) -> dict[str, Any]:
-    table: Any = copy.deepcopy(RIGID)
-    *parents, key = place.split(".")
-    entry = table
-    for parent in parents:
-        entry = entry[int(parent)] if isinstance(entry, list) else entry.setdefault(parent, {})
-    entry[int(key) if isinstance(entry, list) else key] = value
-    return table
+    return changed_table(RIGID, {place: value})
 
 
 def refusal(table: dict[str, Any], folder: Path | str = ".") -> str:
