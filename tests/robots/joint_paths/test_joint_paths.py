@@ -1,6 +1,7 @@
 """Joint paths along a tray path: they follow it, never jump, keep the limits, and say why when there is none."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from nospill.robots.joint_paths.search import inverse_solutions, joint_paths, so
 from nospill.robots.kinematics.forward import kinematics
 
 ROBOT = load_robot("comau-smart-six")
-TOOL = {"tool_position": (0.0, 0.0, 0.108)}
+TOOL: dict[str, Any] = {"tool_position": (0.0, 0.0, 0.108)}
 
 
 @pytest.fixture(scope="module")
