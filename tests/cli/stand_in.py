@@ -59,7 +59,7 @@ class StandIn:
             self.calls.append(f"read {path}")
             return self.scene
 
-        def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None], fork: bool) -> StandIn:
+        def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:
             self.calls.append("plan")
             for phase, iteration in (("build", None), ("solve", 1), ("solve", 2), ("certify", None)):
                 progress(SimpleNamespace(phase=phase, iteration=iteration, duration_s=1.9, violation=1e-3))
