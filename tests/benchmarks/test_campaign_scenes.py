@@ -54,7 +54,7 @@ def test_distributions_name_what_there_is() -> None:
     random = np.random.default_rng(0)
     drawn = {campaign_scenes._object(random, DISTRIBUTIONS)[0]["shape"] for _ in range(50)}
     assert drawn == set(CARGO_TABLES)
-    assert len(DISTRIBUTIONS.rows()) == len(Distributions.__slots__)
+    assert len(DISTRIBUTIONS.rows()) == len(Distributions.__slots__)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize("spread", [Spread(0.1, 2.0, "m"), Spread(1e-3, 10.0, logarithmic=True)])

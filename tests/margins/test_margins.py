@@ -228,7 +228,7 @@ def test_command_writes_one_whole_folder_and_replaces_only_its_own(
         done = run(*arguments, "-o", str(study), "--json")
         assert done.exit_code == 0
     assert {path.name for path in study.iterdir()} == {"margins.json", "samples.csv", "tornado.png", "tornado.pdf"}
-    assert json.loads(done.stdout) == json.loads((study / "margins.json").read_text())
+    assert json.loads(done.stdout) == json.loads((study / "margins.json").read_text())  # pyright: ignore[reportPossiblyUnboundVariable]
     with (study / "samples.csv").open() as file:
         rows = list(csv.reader(file))
     assert len(rows) == 13 and rows[0][:2] == ["worst_margin", "c1: friction"] and len(rows[0]) == 1 + 4 * 6

@@ -83,8 +83,8 @@ def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Sce
     joined = active.after(task, violated)
     assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
     tightened = joined.after(task, violated)
-    assert tightened.backoff["slip", "c2"] > joined.backoff["slip", "c2"] + 0.004
-    assert tightened.raised() == {"slip | c2": tightened.backoff["slip", "c2"]}
+    assert tightened.backoff["slip", "c2"] > joined.backoff["slip", "c2"] + 0.004  # pyright: ignore[reportArgumentType]
+    assert tightened.raised() == {"slip | c2": tightened.backoff["slip", "c2"]}  # pyright: ignore[reportArgumentType]
 
 
 def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:
@@ -102,14 +102,14 @@ def test_rows_on_the_final_state_stay(scene: Scene) -> None:
 def test_near_rows_by_what_is_left_of_each(scene: Scene) -> None:
     active = ActiveSet.of(Task.of(scene, {"slip"}), Q)
     slack = {("slosh height", "c1"): 0.2, ("slosh height", "c2"): 0.4, ("slip", "c1"): 0.0}
-    assert active.near(slack) == {("slosh height", "c1")}
+    assert active.near(slack) == {("slosh height", "c1")}  # pyright: ignore[reportArgumentType]
 
 
 def test_known_back_off_goes_to_a_tray_in_another_order_and_is_never_lowered(scene: Scene) -> None:
     turned = replace(scene, cargo=scene.cargo[::-1])
     known = {("tip", "c4"): 0.07, ("slip", "c1"): 0.0, ("slip", "nobody"): 0.5}
-    other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)
-    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == first_backoff("slip")
+    other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)  # pyright: ignore[reportArgumentType]
+    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == first_backoff("slip")  # pyright: ignore[reportArgumentType]
     assert other.raised() == {"tip | c4": 0.07}
 
 
@@ -140,10 +140,10 @@ def test_the_published_tray_is_planned_as_it_is(scene: Scene) -> None:
 
 def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
     task = Task.of(grid_of_cups())
-    active = ActiveSet.of(task, Q).with_backoff({("slip", "c1"): 0.02})
+    active = ActiveSet.of(task, Q).with_backoff({("slip", "c1"): 0.02})  # pyright: ignore[reportArgumentType]
     grown = active.after(task, judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
     assert members(grown) == ["c1", "c3", "c5", "c7", "c9"]
-    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == first_backoff("slip")
+    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == first_backoff("slip")  # pyright: ignore[reportArgumentType]
     assert ("slip", "c1") not in grown.rows and {("slip", "c5"), ("tip", "c9")} <= grown.rows
 
 

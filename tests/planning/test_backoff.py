@@ -59,6 +59,6 @@ def test_the_back_off_of_a_range_leaves_what_the_path_needs() -> None:
     tight = replace(scene, robot=replace(scene.robot, upper=upper))
     level = replace(tight, motion=replace(tight.motion, tilt_free=False))
     key = ("joint position", scene.robot.joints[2])
-    assert range_backoff(level, path.q)[key] == pytest.approx(1e-5 / (upper[2] - scene.robot.lower[2]))
-    assert range_backoff(tight, path.q)[key] > 10 * range_backoff(level, path.q)[key]
+    assert range_backoff(level, path.q)[key] == pytest.approx(1e-5 / (upper[2] - scene.robot.lower[2]))  # pyright: ignore[reportArgumentType]
+    assert range_backoff(tight, path.q)[key] > 10 * range_backoff(level, path.q)[key]  # pyright: ignore[reportArgumentType]
     assert max(range_backoff(tight, path.q).values()) == first_backoff("joint position")

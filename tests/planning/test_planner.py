@@ -141,7 +141,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
             swing = random.normal(scale=0.005, size=table[1:-1, layout.displacement].shape)
             table[1:-1, layout.displacement] = swing
             motion = Stages(motion.interval, table)
-        problem = build_problem(scene, intervals, nominal_duration=motion.duration, backoff=reserves)
+        problem = build_problem(scene, intervals, nominal_duration=motion.duration, backoff=reserves)  # pyright: ignore[reportArgumentType]
         solution = solve(problem, motion, solver="ipopt", options=SolveOptions(max_iterations=150, max_time=30.0))
         if solution.converged and solution.violation < 1e-5:
             durations.append(solution.stages.duration)

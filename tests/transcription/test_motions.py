@@ -60,7 +60,7 @@ def consistent_motion(layout: Layout, intervals: int, interval: float) -> Stages
         row, following = table[node], table[node + 1]
         for chain in range(layout.chains):
             columns = tuple(ca.SX(row[3 * chain + order]) for order in range(3))
-            moved = advance_chain((columns[0], columns[1], columns[2]), row[layout.jerks.start + chain], interval)
+            moved = advance_chain((columns[0], columns[1], columns[2]), row[layout.jerks.start + chain], interval)  # pyright: ignore[reportArgumentType]
             following[3 * chain : 3 * chain + 3] = [float(ca.evalf(part)) for part in moved]
         accelerations = (row[layout.acceleration(0)], row[layout.acceleration(1)])
         following[layout.displacement], following[layout.velocity], _ = interior(

@@ -89,7 +89,7 @@ def eventually(page: Any, right: Callable[[np.ndarray], bool], what: str) -> np.
 def liquids(pixels: np.ndarray) -> int:
     """Separate blue bodies."""
     red, green, blue = np.moveaxis(pixels, 2, 0)
-    labels, count = ndimage.label(ndimage.binary_closing((blue > red + 40) & (blue > green + 15), iterations=6))
+    labels, count = ndimage.label(ndimage.binary_closing((blue > red + 40) & (blue > green + 15), iterations=6))  # pyright: ignore[reportGeneralTypeIssues]
     sizes = ndimage.sum_labels(np.ones(labels.shape), labels, np.arange(1, count + 1))
     return int(np.count_nonzero(sizes > 400))
 

@@ -66,7 +66,7 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
         player._speed.value = "0.1x"
         # Values set from this side carry no client; a user's do.
         for callback in player._slider._impl.update_cb:
-            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value=0.2)))
+            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value=0.2)))  # pyright: ignore[reportArgumentType]
         assert player.clock.t == pytest.approx(0.2)
         player.step(5.0)
         assert player.clock.t == pytest.approx(0.2)  # dragging the slider pauses

@@ -1,5 +1,6 @@
 """The scene tree of a real server: what stands where, what moves, what is taken away."""
 
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
 from __future__ import annotations
 
 from collections.abc import Iterator
