@@ -266,7 +266,7 @@ def test_a_folder_that_others_may_write_to_is_not_used(tmp_path: Path, mode: int
     tmp_path.chmod(mode)
     try:
         process = start(tmp_path)
-        out, err = process.communicate(timeout=120)
+        out, err = finished(process, "a user of the cache")
         assert (process.returncode, out.strip()) == (0, served(False))
         assert err.count("RuntimeWarning") == 1 and str(tmp_path) in err and "chmod go-w" in err
         assert endings(tmp_path) == before
