@@ -1,63 +1,88 @@
-# Every target does its own set-up: a virtual environment in .venv, made again when pyproject.toml or constraints.txt changed.
+# Every target does its own set-up, in a virtual environment of its own kind, made again when pyproject.toml or constraints.txt
+# changed: .venv runs the program and its tests, .venv-check holds the linter, .venv-docs what builds the documentation.
+# Apart, so that no test passes only because another tool brought a package.
 # Needs Python 3.11 or newer and make. Another interpreter: make test PYTHON=/path/to/python3.12
 
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-input -c constraints.txt
+CHECK := .venv-check
+DOCS := .venv-docs
+WHEEL := .venv-wheel
+PIP := -m pip install --quiet --disable-pip-version-check --no-input -c constraints.txt
 PINS := pyproject.toml constraints.txt
+PYTEST := $(VENV)/bin/python -m pytest -n 2 --dist loadfile
 DEMO := out/matrix-liquid
+TRIAL := out/from-the-wheel
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs bench clean
+.PHONY: help demo test test-fast check format docs build bench clean
 
 help:
-	@echo "make demo    plan the example matrix-liquid and write its folder to $(DEMO)"
-	@echo "make test    run the whole test suite"
-	@echo "make check   linter, formatting, types, import rules"
-	@echo "make docs    build the documentation, plans and pictures included, to docs/_build/html"
-	@echo "make bench   measure planning times against the published transcription (half an hour)"
-	@echo "make clean   remove the virtual environment and everything generated"
+	@echo "make demo       plan the example matrix-liquid and write its folder to $(DEMO)"
+	@echo "make test       run the whole test suite and name its slowest tests"
+	@echo "make test-fast  run the tests that take no long solve, in under a minute and a half"
+	@echo "make check      linter, formatting, types, import rules"
+	@echo "make format     mend formatting and what else the linter can mend by itself"
+	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
+	@echo "make build      build the wheel to dist, install it into a clean environment and plan with it"
+	@echo "make bench      measure planning times against the published transcription (half an hour)"
+	@echo "make clean      remove the virtual environments and everything generated"
 
-demo: $(VENV)/.ready-test
-	$(BIN)/nospill plan matrix-liquid -o $(DEMO)
+demo: $(VENV)/.ready
+	$(VENV)/bin/nospill plan matrix-liquid -o $(DEMO)
 	@echo "pictures: $(CURDIR)/$(DEMO)/figures"
 
-test: $(VENV)/.ready-test
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+test: $(VENV)/.ready
+	$(PYTEST) --durations=20
 
-check: $(VENV)/.ready-dev
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/pyright
-	$(BIN)/lint-imports --no-logo
+test-fast: $(VENV)/.ready
+	$(PYTEST) -m "not slow"
 
-docs: $(VENV)/.ready-docs
-	$(BIN)/python -m sphinx -q -b html -W --keep-going -n -d docs/_build/doctrees docs docs/_build/html
+check: $(CHECK)/.ready
+	$(CHECK)/bin/ruff check .
+	$(CHECK)/bin/ruff format --check .
+	$(CHECK)/bin/pyright --pythonpath $(CHECK)/bin/python
+	$(CHECK)/bin/lint-imports --no-logo
+
+format: $(CHECK)/.ready
+	$(CHECK)/bin/ruff check --fix .
+	$(CHECK)/bin/ruff format .
+
+docs: $(DOCS)/.ready
+	$(DOCS)/bin/python -m sphinx -q -b html -W --keep-going -n -d docs/_build/doctrees docs docs/_build/html
+	$(DOCS)/bin/python -m pytest tests/repository/docs
 	@echo "documentation: $(CURDIR)/docs/_build/html/index.html"
 
-bench: $(VENV)/.ready-test
-	$(BIN)/python -m benchmarks.planning.run
+# A clean environment: the wheel and what it asks for, none of the extras, nothing of this folder on the path.
+build: $(VENV)/.ready
+	rm -rf build dist $(WHEEL) $(TRIAL)
+	$(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-input --no-deps -c constraints.txt -w dist .
+	$(PYTHON) -m venv $(WHEEL)
+	@$(WHEEL)/bin/python $(PIP) dist/nospill-*.whl
+	cd $(WHEEL) && bin/nospill examples
+	cd $(WHEEL) && bin/nospill plan pp-two-cups --no-figures -o ../$(TRIAL)
+	rm -rf $(WHEEL)
+	@echo "wheel: $(CURDIR)/$$(ls dist/*.whl)"
+
+bench: $(VENV)/.ready
+	$(VENV)/bin/python -m benchmarks.planning.run
+
+$(VENV)/.ready: EXTRAS := test
+$(CHECK)/.ready: EXTRAS := test,dev
+$(DOCS)/.ready: EXTRAS := test,docs
 
 # The stamps are written last, so a set-up that was cut short is done again.
-$(VENV)/.ready-test: $(PINS)
+%/.ready: $(PINS)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "nospill needs Python 3.11 or newer; name one with: make PYTHON=/path/to/python3.11" >&2; exit 1; }
-	@echo "setting up $(VENV)"
-	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
-	@$(PIP) -e ".[test]"
-	@touch $@
-
-$(VENV)/.ready-dev: $(VENV)/.ready-test
-	@$(PIP) -e ".[test,dev]"
-	@touch $@
-
-$(VENV)/.ready-docs: $(VENV)/.ready-test
-	@$(PIP) -e ".[test,docs]"
+	@echo "setting up $*"
+	@$*/bin/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $*
+	@$*/bin/python $(PIP) -e ".[$(EXTRAS)]"
 	@touch $@
 
 clean:
 	rm -rf docs/_build docs/_generated docs/gallery/[0-9]* docs/notebooks/pictures
 	find docs/notebooks -name '*.md' ! -name index.md -delete
-	rm -rf $(VENV) build dist out src/nospill.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
-	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf $(VENV) $(CHECK) $(DOCS) $(WHEEL) build dist out src/nospill.egg-info
+	rm -rf .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

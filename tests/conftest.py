@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import os
 import shutil
 import signal
 from collections.abc import Callable, Iterator, Mapping
@@ -20,12 +18,13 @@ from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
-from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.robots.joint_paths.search import JointPath
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import changed_table, joint_path_of, measured_data
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
@@ -50,13 +49,7 @@ def changed_scene() -> Callable[..., Scene]:
     """Make a variant of an example: its name, and new values by place, for example {"motion.tilt": "fixed"}."""
 
     def make(name: str, changes: Mapping[str, Any]) -> Scene:
-        table: Any = copy.deepcopy(read_scenario(name).source)
-        for place, value in changes.items():
-            *parents, key = place.split(".")
-            entry = table
-            for parent in parents:
-                entry = entry[int(parent)] if isinstance(entry, list) else entry.setdefault(parent, {})
-            entry[int(key) if isinstance(entry, list) else key] = value
+        table = changed_table(read_scenario(name).source, changes)
         return scene_from_table(table, name=name)
 
     return make
@@ -80,7 +73,7 @@ class SmoothMotion:
 @cache
 def _joint_path(name: str) -> JointPath:
     scene = read_scenario(name)
-    return joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
+    return joint_path_of(scene)
 
 
 @cache
@@ -147,10 +140,7 @@ def samples() -> Callable[..., JointSamples]:
 @pytest.fixture(scope="session")
 def measured() -> Path:
     """The folder of measured and published data, named by NOSPILL_DATA; tests that ask for it are skipped without."""
-    folder = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[2] / "shared" / "data"))
-    if not folder.is_dir():
-        pytest.skip(f"measured data missing: {folder}; set NOSPILL_DATA")
-    return folder
+    return measured_data()
 
 
 @pytest.fixture(scope="module")

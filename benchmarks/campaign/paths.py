@@ -9,11 +9,12 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchmarks.campaign.distributions import Distributions
 from nospill.core.paths import PRESETS, Path
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import tray_poses
@@ -23,9 +24,6 @@ from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario import scene_from_table
-
-if TYPE_CHECKING:
-    from benchmarks.campaign.scenes import Distributions
 
 _PATHS, _POSES = 8, 15
 _SHRINK = 0.75

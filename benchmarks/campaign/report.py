@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.scenes import DISTRIBUTIONS
+from benchmarks.campaign.distributions import DISTRIBUTIONS
 from nospill.laws.constraints import CONSTRAINTS
 
 BEGIN, END = "<!-- campaign: begin -->", "<!-- campaign: end -->"

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.robots.joint_paths.search import joint_paths, preferred_path
+from nospill.robots.joint_paths.search import preferred_path
 from nospill.scene.scene import ApproachRules, Scene
+from tests.builders import joint_path_of, joint_paths_of
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,7 @@ def asked(changed_scene) -> Callable[..., Asked]:
     @cache
     def start(name: str) -> np.ndarray:
         scene = changed_scene(name, {})
-        tool = scene.tray.tool
-        return joint_paths(scene.robot, scene.path, tool=tool)[0].q[0]
+        return joint_path_of(scene).q[0]
 
     def make(name: str = "matrix-liquid", *, shift: list[float] | None = None, **table: Any) -> Asked:
         own = start(name)
@@ -40,8 +40,7 @@ def asked(changed_scene) -> Callable[..., Asked]:
         scene = changed_scene(name, {"approach": entry})
         assert scene.approach is not None
         if shift is None:
-            tool = scene.tray.tool
-            own = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, scene.start_near).q[0]
+            own = preferred_path(joint_paths_of(scene), scene.robot, scene.start_near).q[0]
         return Asked(scene, scene.approach, own)
 
     return make

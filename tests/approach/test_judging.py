@@ -29,7 +29,7 @@ def test_an_empty_tray_goes_as_fast_as_the_scales_allow(asked):
     found = find_approach(question.scene, question.rules, question.end)
     assert found.certificate.ok and found.segment.stretch == 1.0
     assert {row.constraint for row in found.certificate.rows if row.constraint.endswith("height")} == set()
-    speeds = np.max(np.abs(found.segment.samples.speed), axis=0) / question.rules.max_speed
+    speeds = np.max(np.abs(found.segment.samples.speed), axis=0) / question.rules.max_speed  # pyright: ignore[reportArgumentType, reportCallIssue]
     assert np.max(speeds) <= 0.5 * (1 + 1e-9)
     quick = asked(speed_scale=1.0, acceleration_scale=1.0)
     faster = find_approach(quick.scene, quick.rules, quick.end)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import json
-import subprocess
 import sys
 import types
 from concurrent.futures import Future
@@ -21,6 +20,7 @@ from benchmarks.campaign.lines import Lines
 from benchmarks.campaign.process import Job, line_of
 from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
 from nospill.scenario import read_scenario
+from tests.waiting import run_python
 
 LIMITED = """
 import resource, sys
@@ -256,13 +256,10 @@ def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_worker_starts_cases_from_the_archive_it_was_sent(tmp_path: Path) -> None:
     code = "from benchmarks.campaign import process; print(process.ROOT); process.run_job"
     environment = {"PYTHONPATH": str(campaign.archived(tmp_path)), "PATH": ""}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
-    )
+    done = run_python("-c", code, cwd=tmp_path, env=environment, check=True)
     assert done.stdout.strip() == str(tmp_path / "benchmarks.zip")
     environment["PYTHONPATH"] = done.stdout.strip()
-    case = [sys.executable, "-m", "benchmarks.campaign.case", "--help"]
-    subprocess.run(case, cwd=tmp_path, env=environment, capture_output=True, check=True)
+    run_python("-m", "benchmarks.campaign.case", "--help", cwd=tmp_path, env=environment, check=True)
 
 
 def test_without_dask_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

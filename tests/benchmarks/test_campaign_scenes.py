@@ -10,14 +10,15 @@ import pytest
 
 from benchmarks.campaign import paths as campaign_paths
 from benchmarks.campaign import scenes as campaign_scenes
-from benchmarks.campaign.scenes import DISTRIBUTIONS, Case, Choice, Spread, draw_case
+from benchmarks.campaign.distributions import DISTRIBUTIONS, Choice, Distributions, Spread
+from benchmarks.campaign.scenes import Case, draw_case
 from nospill.core.paths import Path as TrayPath
 from nospill.robots.description.catalog import ROBOTS
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.path_entries import PATH_TABLES
+from tests.builders import joint_paths_of
 
 FEW = [seed for seed in range(12) if seed not in (4, 5)]  # without the two whose search takes longest
 
@@ -43,7 +44,7 @@ def test_tables_survive_json_and_the_reader(cases: list[Case]) -> None:
 def test_reachable_scenarios_are_reached(cases: list[Case]) -> None:
     for case in (case for case in cases if not case.unreachable and "franka" not in case.structure):
         scene = scene_from_table(case.table, name="x")
-        found = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
+        found = joint_paths_of(scene)
         assert found[0].limit_margin >= 0.0
 
 
@@ -53,7 +54,7 @@ def test_distributions_name_what_there_is() -> None:
     random = np.random.default_rng(0)
     drawn = {campaign_scenes._object(random, DISTRIBUTIONS)[0]["shape"] for _ in range(50)}
     assert drawn == set(CARGO_TABLES)
-    assert len(DISTRIBUTIONS.rows()) == len(campaign_scenes.Distributions.__slots__)
+    assert len(DISTRIBUTIONS.rows()) == len(Distributions.__slots__)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize("spread", [Spread(0.1, 2.0, "m"), Spread(1e-3, 10.0, logarithmic=True)])

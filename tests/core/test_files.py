@@ -16,6 +16,7 @@ import pytest
 from nospill.core import files
 from nospill.core.files import atomic_folder, atomic_text, require_replaceable
 from nospill.errors import NospillError, PlanFolderError
+from tests.waiting import finished
 
 OLD_PLAN = {"trajectory.csv": "old", "summary.json": "{}"}
 
@@ -228,7 +229,7 @@ def test_file_size_limit_of_the_system(tmp_path: Path) -> None:
             print(error)
     """
     process = run(script, str(target))
-    out, err = process.communicate(timeout=20)
+    out, err = finished(process, "the writer that may not write so much")
     assert "File too large" in out, err
     assert content(target) == OLD_PLAN
     assert os.listdir(tmp_path) == ["plan"]
@@ -267,7 +268,7 @@ def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGKILL)
-    process.communicate(timeout=20)
+    finished(process, "the killed writer")
     if old and stage == "body":
         assert content(target) == OLD_PLAN
     else:
@@ -303,7 +304,7 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
                 assert not os.path.samestat(os.stat(target), os.fstat(handle))
         os.close(handle)
     for writer in writers:
-        _, err = writer.communicate(timeout=60)
+        _, err = finished(writer, "one of the writers")
         assert writer.returncode == 0, err
     assert len(set(content(target).values())) == 1
     assert len(content(target)) == 3

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
 
 from nospill.core.piecewise import interpolating_spline
+from tests.waiting import run_python
 
 
 @settings(deadline=None)
@@ -59,6 +58,5 @@ def test_a_plan_does_without_scipy(tmp_path: Path):
         "assert load_plan(sys.argv[1]).certificate.ok\n"
         "print([name for name in sys.modules if name.split('.')[0] == 'scipy'])"
     )
-    command = [sys.executable, "-c", code, str(tmp_path / "out")]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = run_python("-c", code, str(tmp_path / "out"), check=True)
     assert done.stdout.strip() == "[]"

@@ -76,7 +76,7 @@ def test_the_scene_of_a_relaxation_is_that_of_its_change(
 
 def main_relaxation(scene: Scene, constraint: str, subject: str) -> Relaxation:
     index = next(item.subjects(scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
-    return relaxations_of(scene, constraint, subject, {(constraint, index): 1.0})[0]
+    return relaxations_of(scene, constraint, subject, {(constraint, index): 1.0})[0]  # pyright: ignore[reportArgumentType]
 
 
 def numbers_text(scene: Scene) -> str:
@@ -98,7 +98,7 @@ def test_no_limit_is_raised_beyond_the_robots_own(changed_scene: Changed) -> Non
     scene = changed_scene("matrix-rigid", {"robot.limits": {"speed_scale": 0.5}})
     relaxation = main_relaxation(scene, "joint speed", "joint_1")
     assert relaxation.most == pytest.approx(1.0)
-    assert relaxations_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []
+    assert relaxations_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []  # pyright: ignore[reportArgumentType]
 
 
 def test_no_slosh_height_is_suggested_above_the_rim() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +10,7 @@ from benchmarks.infeasible import run as infeasible
 from benchmarks.infeasible.cases import BASES, CASES, Case
 from nospill.errors import Reason
 from nospill.scenario import scene_from_table
+from tests.waiting import run_python
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,7 +88,7 @@ def test_the_report_counts_what_was_found() -> None:
     assert "base 1 mm elsewhere: 1.25" in page and "x: not enough" in page and "**no**" in page
 
 
+@pytest.mark.slow
 def test_one_case_is_printed_as_json() -> None:
-    command = [sys.executable, "-m", "benchmarks.infeasible.run", "--only", "liquid above the rim"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True, cwd=ROOT)
+    done = run_python("-m", "benchmarks.infeasible.run", "--only", "liquid above the rim", check=True, cwd=ROOT)
     assert '"named": true' in done.stdout

@@ -18,9 +18,10 @@ from nospill.planning.active_set import Task
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.search import Searcher
-from nospill.robots.joint_paths.search import joint_paths, preferred_path
+from nospill.robots.joint_paths.search import preferred_path
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import USUAL_START
+from tests.builders import joint_paths_of
 
 pytestmark = pytest.mark.slow
 
@@ -86,8 +87,7 @@ def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Ch
 
 def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1, "planning.max_plan_time": 1e-3})
-    tool = scene.tray.tool
-    way = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, None)
+    way = preferred_path(joint_paths_of(scene), scene.robot, None)
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)
@@ -102,8 +102,7 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
 
 def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-rigid", FEW | {"tray.friction": 0.1})
-    tool = scene.tray.tool
-    way = preferred_path(joint_paths(scene.robot, scene.path, tool=tool), scene.robot, None)
+    way = preferred_path(joint_paths_of(scene), scene.robot, None)
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)

@@ -16,8 +16,7 @@ from hypothesis.extra import numpy as hnp
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export.lab_csv import LAB_CSV, read_lab_csv, write_lab_csv
 from nospill.motion.interpolation import JointSamples
-
-DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[3] / "shared" / "data"))
+from tests.builders import measured_data
 
 
 def motion(samples: int = 40, joints: int = 6, rate: float = 500.0) -> np.ndarray:
@@ -155,9 +154,7 @@ def test_a_scene_that_does_not_fit_is_told_before(tmp_path: Path, rate: float, j
 @pytest.mark.oracle
 @pytest.mark.parametrize("name", ["executed-joints-liquid.csv", "executed-joints-rigid-tilt.csv"])
 def test_published_motions_go_through_unchanged(tmp_path: Path, name: str) -> None:
-    source = DATA / "matrix-d3" / name
-    if not source.exists():
-        pytest.skip(f"measured data not found at {source}; set NOSPILL_DATA")
+    source = measured_data(f"matrix-d3/{name}")
     table = np.loadtxt(source, delimiter=",", skiprows=1)
     write_lab_csv(table[:, 1:], tmp_path / "robot.csv", rate=500.0)
     t, q = read_lab_csv(tmp_path / "robot.csv", rate=500.0)

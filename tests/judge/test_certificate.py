@@ -14,11 +14,11 @@ from nospill.judge.certificate import certify, judge
 from nospill.judge.verdict import Certificate
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.motion.trajectory import Trajectory
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
 
 RECORD_ROWS = {
     "path position",
@@ -409,7 +409,7 @@ class TestSpoiledScene:
 def test_too_fast_motion_names_what_gives_way():
     """A third of the duration: cups slide and spill, joints run too fast, all at once; the record itself is fine."""
     scene = read_scenario("matrix-liquid-soft-end")
-    arm = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
+    arm = joint_path_of(scene)
     trajectory = export_samples(scene, smooth_start(scene, arm, 200, Start(stretch=0.35)))
     broken = failed(certify(trajectory, scene))
     assert {"slosh height", "residual height", "slip", "joint speed"} <= broken

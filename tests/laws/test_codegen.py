@@ -26,6 +26,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
+from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
@@ -62,7 +63,7 @@ def forgotten() -> Iterator[None]:
 def run(folder: Path | str, **environment: str) -> str:
     """What the user of the cache prints, in a process of its own."""
     process = start(folder, **environment)
-    out, err = process.communicate(timeout=120)
+    out, err = finished(process, "a user of the cache")
     assert (process.returncode, err) == (0, "")
     return out.strip()
 
@@ -221,7 +222,7 @@ def test_a_compiler_that_fails_leaves_nothing_but_the_table(tmp_path: Path) -> N
 def test_two_processes_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
     pair = [start(tmp_path), start(tmp_path)]
     for process in pair:
-        out, err = process.communicate(timeout=120)
+        out, err = finished(process, "a user of the cache")
         assert (process.returncode, err) == (0, "")
         assert out.strip() in (served(True), served(False))
     assert run(tmp_path) == served(True)
@@ -265,7 +266,7 @@ def test_a_folder_that_others_may_write_to_is_not_used(tmp_path: Path, mode: int
     tmp_path.chmod(mode)
     try:
         process = start(tmp_path)
-        out, err = process.communicate(timeout=120)
+        out, err = finished(process, "a user of the cache")
         assert (process.returncode, out.strip()) == (0, served(False))
         assert err.count("RuntimeWarning") == 1 and str(tmp_path) in err and "chmod go-w" in err
         assert endings(tmp_path) == before

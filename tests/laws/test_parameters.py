@@ -50,12 +50,12 @@ def test_symbols_stand_where_the_numbers_stood():
         (record.leaves[0].scalar, 7.0),
         (record.leaves[0].row, np.array([[8.0], [9.0]])),
         (record.leaves[1].scalar, 10.0),
-        *[(record.cube[k], TREE.cube[:, :, k]) for k in range(4)],
+        *[(record.cube[k], TREE.cube[:, :, k]) for k in range(4)],  # pyright: ignore[reportIndexIssue]
     ]
     for symbol, value in leaves:
         numeric = ca.Function("f", [vector], [symbol])(flatten(TREE)).full()
         np.testing.assert_array_equal(numeric, np.atleast_2d(value))
-    assert record.nothing == () and record.leaves[1].row.numel() == 0
+    assert record.nothing == () and record.leaves[1].row.numel() == 0  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @pytest.mark.parametrize("size", [33, 35])
@@ -83,7 +83,7 @@ def _leaves(record: object) -> list[ca.SX]:
         return [leaf for item in record for leaf in _leaves(item)]
     if dataclasses.is_dataclass(record):
         return [leaf for field in dataclasses.fields(record) for leaf in _leaves(getattr(record, field.name))]
-    return [record]
+    return [record]  # pyright: ignore[reportReturnType]
 
 
 def test_structures_are_keys_and_say_what_differs():

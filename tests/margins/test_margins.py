@@ -115,6 +115,7 @@ def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: 
             assert mine.damping == pytest.approx(before.damping * math.exp(damping))
 
 
+@pytest.mark.slow
 def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("mixed-tray", stretch=1.2)
     report = margins(plan, ranges=NONE, samples=7)
@@ -134,6 +135,7 @@ def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Calla
     assert tip == pytest.approx(tip[0], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callable[..., Plan]) -> None:
     gentle = smooth_plan("matrix-liquid", cargo=2, stretch=2.0)
     report = margins(gentle, samples=20)
@@ -144,6 +146,7 @@ def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callabl
     assert worse.worst_margin.max() < 0.0
 
 
+@pytest.mark.slow
 def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-liquid", cargo=2, stretch=1.2)
     seen: list[tuple[int, int]] = []
@@ -205,6 +208,7 @@ def test_wrong_questions_are_refused(smooth_plan: Callable[..., Plan]) -> None:
         margins(plan, seed=-1)
 
 
+@pytest.mark.slow
 def test_command_writes_one_whole_folder_and_replaces_only_its_own(
     smooth_plan: Callable[..., Plan], tmp_path: Path
 ) -> None:
@@ -226,7 +230,7 @@ def test_command_writes_one_whole_folder_and_replaces_only_its_own(
         done = run(*arguments, "-o", str(study), "--json")
         assert done.exit_code == 0
     assert {path.name for path in study.iterdir()} == {"margins.json", "samples.csv", "tornado.png", "tornado.pdf"}
-    assert json.loads(done.stdout) == json.loads((study / "margins.json").read_text())
+    assert json.loads(done.stdout) == json.loads((study / "margins.json").read_text())  # pyright: ignore[reportPossiblyUnboundVariable]
     with (study / "samples.csv").open() as file:
         rows = list(csv.reader(file))
     assert len(rows) == 13 and rows[0][:2] == ["worst_margin", "c1: friction"] and len(rows[0]) == 1 + 4 * 6

@@ -89,7 +89,7 @@ def test_hermite_wants_all_columns(missing):
     samples = rest_to_rest(np.arange(5) / 4)
     columns = {"position": samples.position, "speed": samples.speed, "acceleration": samples.acceleration}
     with pytest.raises(ValueError, match="speeds and accelerations"):
-        QUINTIC_HERMITE.motion(JointSamples(samples.t, **(columns | {missing: None})))
+        QUINTIC_HERMITE.motion(JointSamples(samples.t, **(columns | {missing: None})))  # pyright: ignore[reportArgumentType]
 
 
 def test_spline_leaves_and_reaches_rest_smoothly():

@@ -13,6 +13,7 @@ import pytest
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import flange_load
 from nospill.planning.active_set import ActiveSet, Task
 from nospill.planning.log import Log
@@ -81,15 +82,18 @@ def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Sce
     joined = active.after(violated)
     assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
     tightened = joined.after(violated)
-    assert tightened.backoff["slip", "c2"] > joined.backoff["slip", "c2"] + 0.004
-    assert tightened.raised() == {"slip | c2": tightened.backoff["slip", "c2"]}
+    assert tightened.backoff[RowId("slip", "c2")] > joined.backoff[RowId("slip", "c2")] + 0.004
+    assert tightened.raised() == {"slip | c2": tightened.backoff[RowId("slip", "c2")]}
 
 
 def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
     active = ActiveSet.of(Task.of(scene), Q)
     for margin in (1e-3, 0.0, -0.01, -5.0):
         missing = 1.5e-3 - margin
-        added = active.after(judgement(row("slip", "c1", margin))).backoff["slip", "c1"] - active.backoff["slip", "c1"]
+        added = (
+            active.after(judgement(row("slip", "c1", margin))).backoff[RowId("slip", "c1")]
+            - active.backoff[RowId("slip", "c1")]
+        )
         assert min(missing, 0.1 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.1 + 1e-12)
 
 
@@ -107,15 +111,15 @@ def test_rows_on_the_final_state_stay(scene: Scene) -> None:
 
 def test_near_rows_by_what_is_left_of_each(scene: Scene) -> None:
     active = ActiveSet.of(Task.of(scene, {"slip"}), Q)
-    slack = {("slosh height", "c1"): 0.2, ("slosh height", "c2"): 0.4, ("slip", "c1"): 0.0}
+    slack = {RowId("slosh height", "c1"): 0.2, RowId("slosh height", "c2"): 0.4, RowId("slip", "c1"): 0.0}
     assert active.near(slack) == {("slosh height", "c1")}
 
 
 def test_known_back_off_goes_to_a_tray_in_another_order_and_is_never_lowered(scene: Scene) -> None:
     turned = replace(scene, cargo=scene.cargo[::-1])
-    known = {("tip", "c4"): 0.07, ("slip", "c1"): 0.0, ("slip", "nobody"): 0.5}
+    known = {RowId("tip", "c4"): 0.07, RowId("slip", "c1"): 0.0, RowId("slip", "nobody"): 0.5}
     other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)
-    assert other.backoff["tip", "c4"] == 0.07 and other.backoff["slip", "c1"] == BY_NAME["slip"].backoff
+    assert other.backoff[RowId("tip", "c4")] == 0.07 and other.backoff[RowId("slip", "c1")] == BY_NAME["slip"].backoff
     assert other.raised() == {"tip | c4": 0.07}
 
 
@@ -146,10 +150,10 @@ def test_the_published_tray_is_planned_as_it_is(scene: Scene) -> None:
 
 def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
     task = Task.of(grid_of_cups())
-    active = ActiveSet.of(task, Q).with_backoff({("slip", "c1"): 0.02})
+    active = ActiveSet.of(task, Q).with_backoff({RowId("slip", "c1"): 0.02})
     grown = active.after(judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
     assert members(grown) == ["c1", "c3", "c5", "c7", "c9"]
-    assert grown.backoff["slip", "c1"] == 0.02 and grown.backoff["slip", "c5"] == BY_NAME["slip"].backoff
+    assert grown.backoff[RowId("slip", "c1")] == 0.02 and grown.backoff[RowId("slip", "c5")] == BY_NAME["slip"].backoff
     assert ("slip", "c1") not in grown.rows and {("slip", "c5"), ("tip", "c9")} <= grown.rows
 
 

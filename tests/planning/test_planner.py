@@ -19,7 +19,6 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
@@ -27,6 +26,8 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.solvers import SolveOptions, solve
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -125,8 +126,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     """On the coarse grid, where the starts compete: 25 intervals, all rows, the reserves every plan begins with."""
     found = example_plan("matrix-liquid-still")
     scene, intervals = found.scene, 25
-    tool = scene.tray.tool
-    path = joint_paths(scene.robot, scene.path, tool=tool)[0]
+    path = joint_path_of(scene)
     layout = layout_of(structure_of(scene))
     backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)
@@ -220,7 +220,7 @@ def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed)
 
     thread = threading.Thread(target=work)
     thread.start()
-    thread.join(timeout=60)
+    wait_until(lambda: not thread.is_alive(), "the thread that plans has ended")
     assert [type(error) for error in ended] == [KeyboardInterrupt]
 
 

@@ -17,10 +17,10 @@ from nospill.judge.verdict import Certificate, Row, limit_use
 from nospill.judge.wording import describe, shown_unit
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, PlanningReport, Starts, failed_summary, motion_maxima
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:
@@ -31,8 +31,7 @@ def row(constraint: str, value: float, limit: float, margin: float, unit: str = 
 def judged() -> tuple[Plan, Judgement]:
     """A slow smooth motion of the liquid experiment; no solver is involved."""
     scene = read_scenario("matrix-liquid")
-    tool = scene.tray.tool
-    path = joint_paths(scene.robot, scene.path, samples=41, tool=tool)[0]
+    path = joint_path_of(scene, samples=41)
     trajectory = export_samples(scene, smooth_start(scene, path, 40, Start(stretch=1.5)))
     judgement = judge(trajectory, scene)
     starts = Starts(2, 2, 1, (1.8, 1.9))

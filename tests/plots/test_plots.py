@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,11 +29,12 @@ from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
+from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
@@ -88,8 +88,7 @@ EIGHT = [
 
 def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     """A smooth motion along the path, judged; no solver is involved, so the limits may or may not hold."""
-    tool = scene.tray.tool
-    path = joint_paths(scene.robot, scene.path, samples=41, tool=tool)[0]
+    path = joint_path_of(scene, samples=41)
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = export_samples(scene, smooth_start(scene, path, 40, start))
     judgement = judge(trajectory, scene)
@@ -181,7 +180,7 @@ def test_folder_that_cannot_be_made(tilting: Evidence, tmp_path: Path, monkeypat
 
 def test_importing_the_package_draws_in_nothing() -> None:
     code = "import sys, nospill.plots; print([m for m in ('matplotlib', 'casadi') if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = run_python("-c", code, check=True)
     assert run.stdout.strip() == "[]"
 
 

@@ -126,7 +126,7 @@ def test_nothing_is_clipped_in_the_report_s_own_figures(slow_report: Report, nam
     used = figure.get_tightbbox()
     width, height = figure.get_size_inches()
     letters = [item.get_fontsize() for item in figure.findobj(Text) if item.get_text() and item.get_visible()]
-    assert min(letters) * 85 / 25.4 / width > 5.5  # points, printed 85 mm wide
+    assert min(letters) * 85 / 25.4 / width > 5.5  # points, printed 85 mm wide  # pyright: ignore[reportOperatorIssue]
     assert used.x0 >= 0 and used.y0 >= 0 and used.x1 <= width + 0.01 and used.y1 <= height + 0.01
 
 

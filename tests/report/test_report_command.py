@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -19,6 +17,7 @@ from nospill.report import make_report, read_second_opinion, save_report, writin
 from nospill.report.second_opinion import NOT_ASKED, second_opinion
 from nospill.scene.scene import Scene
 from nospill.verify import ObjectReport, Peak, Thresholds, VerifyReport
+from tests.waiting import run_python
 
 
 def nospill(*arguments: str | Path) -> Result:
@@ -124,7 +123,7 @@ def test_plan_with_a_report_needs_a_folder(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_importing_the_command_draws_in_nothing() -> None:
     code = "import sys, nospill.cli; print([m for m in ('matplotlib', 'casadi', 'numpy') if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = run_python("-c", code, check=True)
     assert run.stdout.strip() == "[]"
 
 

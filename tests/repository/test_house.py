@@ -28,7 +28,7 @@ def label(path: Path) -> str:
 
 
 def make_targets() -> set[str]:
-    return set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
+    return set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE))
 
 
 def canonical(name: str) -> str:
@@ -58,23 +58,46 @@ def test_nothing_is_left_to_do(path: Path) -> None:
 
 @pytest.mark.parametrize("path", [*PAGES, ROOT / ".ci" / "run"], ids=label)
 def test_make_commands_in_the_pages_exist(path: Path) -> None:
-    named = set(re.findall(r"^\s*(?:\$ )?make ([a-z]+)", path.read_text(), flags=re.MULTILINE))
-    named |= set(re.findall(r"`make ([a-z]+)", path.read_text()))
+    named = set(re.findall(r"^\s*(?:\$ )?make ([a-z][a-z-]*)", path.read_text(), flags=re.MULTILINE))
+    named |= set(re.findall(r"`make ([a-z][a-z-]*)", path.read_text()))
     assert named <= make_targets()
 
 
 def test_readme_names_the_two_commands() -> None:
     text = (ROOT / "README.md").read_text()
     assert "    make demo\n    make test\n" in text
-    assert {"demo", "test", "check", "clean"} <= make_targets()
+    assert {"demo", "test", "test-fast", "check", "format", "build", "clean"} <= make_targets()
 
 
-def test_continuous_integration_runs_checks_and_then_tests() -> None:
+def goals(text: str) -> list[str]:
+    """Targets that make is called with, in order; setting up an environment alone is none."""
+    calls = re.findall(r"^\s*(?:- run: |time )?make ((?:-\S+ )*[a-z .\-/]+?)\s*(?:\||  #|$)", text, flags=re.MULTILINE)
+    words = (word for call in calls for word in call.split())
+    return [word for word in words if not word.startswith(("-", "."))]
+
+
+def test_continuous_integration_runs_the_two_commands_of_the_readme_first() -> None:
     script = ROOT / ".ci" / "run"
+    text = script.read_text()
     assert os.access(script, os.X_OK)
-    assert "set -euo pipefail" in script.read_text()
-    goals = re.findall(r"^(?:time )?make (?:-\S+ )*([a-z ]+?)(?:  #.*)?$", script.read_text(), flags=re.MULTILINE)
-    assert goals == ["check docs", "test"]
+    assert "set -euo pipefail" in text
+    assert goals(text) == ["demo", "test", "check", "docs", "build"]
+    # Before anything else is installed into any environment, and the tests' closing lines end the log.
+    assert text.index("make test") < text.index("make .venv-check")
+    assert text.splitlines()[-1].startswith("tail ") and text.splitlines()[-1].endswith("out/test.log")
+
+
+def test_the_visible_workflow_calls_the_same_targets() -> None:
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text()
+    assert goals(workflow) == goals((ROOT / ".ci" / "run").read_text())
+
+
+def test_tests_linter_and_documentation_have_environments_of_their_own() -> None:
+    text = (ROOT / "Makefile").read_text()
+    rules = dict(re.findall(r"^\$\(([A-Z]+)\)/\.ready: EXTRAS := (\S+)$", text, re.MULTILINE))
+    assert rules == {"VENV": "test", "CHECK": "test,dev", "DOCS": "test,docs"}
+    places = dict(re.findall(r"^(VENV|CHECK|DOCS) := (\S+)$", text, re.MULTILINE))
+    assert len(set(places.values())) == 3 and places["VENV"] == ".venv"
 
 
 @pytest.mark.parametrize("path", PAGES, ids=label)
@@ -128,7 +151,7 @@ def test_every_direct_dependency_is_pinned(name: str) -> None:
 
 
 def test_no_index_is_named_anywhere_in_the_set_up() -> None:
-    for name in ("Makefile", ".ci/run", "constraints.txt", "pyproject.toml"):
+    for name in ("Makefile", ".ci/run", ".github/workflows/ci.yml", "constraints.txt", "pyproject.toml"):
         text = (ROOT / name).read_text()
         assert not re.search(r"index-url|find-links|trusted-host|://", text), name
 

@@ -7,8 +7,6 @@ import dataclasses
 import datetime
 import json
 import math
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -27,6 +25,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
+from tests.waiting import run_python
 
 VALID: dict[str, Any] = tomllib.loads(
     (Path(__file__).parent / "bad_scenarios" / "_valid.toml").read_text(encoding="utf-8")
@@ -379,5 +378,5 @@ def test_reading_is_light() -> None:
         "import sys, nospill.scenario as s; s.read_scenario('matrix-liquid'); s.scenario_schema();"
         "print([m for m in ('casadi', 'scipy', 'matplotlib', 'adam', 'eaik') if m in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_python("-c", code, check=True)
     assert done.stdout.strip() == "[]"

@@ -12,7 +12,7 @@ def test_the_table_is_keyed_by_name_and_says_where_it_is_from():
         assert 600 < liquid.density < 1500
         assert 0.01 < liquid.surface_tension < 0.08
         with pytest.raises(dataclasses.FrozenInstanceError):
-            liquid.density = 1.0
+            liquid.density = 1.0  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,6 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import Planner, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.containers.cylinder import published_damping
@@ -34,6 +33,7 @@ from nospill.scene.variants import variants, variants_by_object
 from nospill.studio.draft import Draft
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+from tests.builders import joint_path_of
 
 ROBUST = "matrix-liquid-tilt-robust"
 EVERYTHING = {"friction": 0.1, "liquid_height": 2e-3, "damping": [0.5, 2.0], "position": 1e-3, "mass": 0.05}
@@ -48,7 +48,7 @@ def texts(cargo: Cargo, scene: Scene) -> list[str]:
 
 def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
     """A motion without a solver, fast enough for some limits and too fast for others."""
-    path = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
+    path = joint_path_of(scene)
     return export_samples(scene, smooth_start(scene, path, 200, Start(stretch, tilt=(0.1, 0.05))))
 
 

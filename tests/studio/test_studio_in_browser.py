@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -25,26 +24,9 @@ pytestmark = [
 from nospill.scenario import scene_from_table, write_scenario  # noqa: E402
 from nospill.studio.server import studio  # noqa: E402
 from nospill.studio.session import Session  # noqa: E402
+from tests.waiting import PATIENCE, finished, first_line, wait_until  # noqa: E402
 
 COMMAND = [sys.executable, "-c", "from nospill.cli import main; main()"]
-PATIENCE = 30.0
-SOON = 0.3
-"""s; from pressing Plan to the first progress."""
-WATCH = """
-() => {
-  const button = [...document.querySelectorAll('button')].find(found => found.textContent.trim() == 'Plan');
-  button.addEventListener('click', () => {
-    const pressed = performance.now();
-    window.nospillSoon = null;
-    const look = setInterval(() => {
-      if (document.querySelector('#nospill-progress b')) {
-        window.nospillSoon = (performance.now() - pressed) / 1e3;
-        clearInterval(look);
-      }
-    }, 5);
-  }, {once: true});
-}
-"""
 
 
 @pytest.fixture
@@ -91,17 +73,13 @@ def drag(page: Any, number: int, right: float, up: float) -> None:
 
 
 def until(page: Any, true: Callable[[], bool], what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < end, what
-        page.wait_for_timeout(30)
+    wait_until(true, what, pause=lambda seconds: page.wait_for_timeout(1e3 * seconds))
 
 
 def planned(page: Any) -> float:
     """Press Plan, wait for the verdict; the duration, s."""
-    page.evaluate(WATCH)
     press(page, "Plan")
-    page.wait_for_function("window.nospillSoon")
+    page.wait_for_selector("#nospill-progress b", state="attached")
     page.get_by_role("button", name="Plan", exact=True).wait_for()
     page.wait_for_function("document.getElementById('nospill-status')?.textContent == 'certified'")
     return float(page.get_attribute("#nospill-verdict", "data-duration"))
@@ -112,10 +90,9 @@ def command(*arguments: str) -> Iterator[str]:
     """A running `nospill studio`, ended as by Ctrl-C; its address."""
     process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
-        assert process.stdout is not None
-        yield process.stdout.readline().split()[0]
+        yield first_line(process, "nospill studio").split()[0]
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=15)
+        _, errors = finished(process, "nospill studio after Ctrl-C")
         assert (process.returncode, errors) == (0, "")
     finally:
         process.kill()
@@ -135,12 +112,11 @@ def test_move_fill_plan_save_and_plan_again_on_the_command_line(
         until(page, lambda: field(page, "x").input_value() == "40 mm", "the cup has moved")
         until(page, lambda: field(page, "y").input_value() == "60 mm", "the cup has moved")
         field(page, "Fill").fill("45 mm")
-        duration, soon = planned(page), page.evaluate("window.nospillSoon")
+        duration = planned(page)
         field(page, "Slosh limit").fill("14 mm")
         page.get_by_text("The scenario was changed since").wait_for()
         again = planned(page)
         assert again > duration  # less may slosh
-        assert min(soon, page.evaluate("window.nospillSoon")) < SOON
         press(page, "Undo")
         until(page, lambda: field(page, "Slosh limit").input_value() == "15 mm", "undone")
         page.get_by_text("Certificate", exact=True).click()

@@ -17,13 +17,13 @@ import pytest
 
 from nospill.plans.plan import SUMMARY_KEYS
 from nospill.scenario.examples import example_path
+from tests.waiting import finished, run_python
 
 pytestmark = pytest.mark.slow
 
 
-def real(*arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+def real(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return run_python("-c", "from nospill.cli import main; main()", *arguments)
 
 
 def changed_example(name: str, place: Path, changes: dict[str, str]) -> str:
@@ -175,7 +175,7 @@ def test_an_interrupt_stops_a_real_plan_at_once(tmp_path: Path, phase: str, dela
                 break
         time.sleep(delay)
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=10)
+        out, err = finished(process, "a plan that was stopped")
     finally:
         process.kill()
     assert (process.returncode, out) == (130, "")

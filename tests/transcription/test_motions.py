@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nospill.laws.scene_parameters import structure_of
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.transcription.collocation import advance_chain, interior
@@ -18,16 +17,13 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
 from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
+from tests.builders import joint_path_of
 
 STARTS = [
     Start(),
     Start(stretch=0.6, skew=-0.45),
     Start(stretch=1.4, skew=0.5, tilt=(0.1, -0.15)),
 ]
-
-
-def joint_path_of(scene):
-    return joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0]
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +60,7 @@ def consistent_motion(layout: Layout, intervals: int, interval: float) -> Stages
         row, following = table[node], table[node + 1]
         for chain in range(layout.chains):
             columns = tuple(ca.SX(row[3 * chain + order]) for order in range(3))
-            moved = advance_chain((columns[0], columns[1], columns[2]), row[layout.jerks.start + chain], interval)
+            moved = advance_chain((columns[0], columns[1], columns[2]), row[layout.jerks.start + chain], interval)  # pyright: ignore[reportArgumentType]
             following[3 * chain : 3 * chain + 3] = [float(ca.evalf(part)) for part in moved]
         accelerations = (row[layout.acceleration(0)], row[layout.acceleration(1)])
         following[layout.displacement], following[layout.velocity], _ = interior(

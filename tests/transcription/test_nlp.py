@@ -36,7 +36,7 @@ FUNCTIONS = (
 
 @cache
 def problem(name: str) -> Problem:
-    return build_problem(read_scenario(name), INTERVALS, nominal_duration=1.8, backoff=BACKOFF)
+    return build_problem(read_scenario(name), INTERVALS, nominal_duration=1.8, backoff=BACKOFF)  # pyright: ignore[reportArgumentType]
 
 
 def random_point(found: Problem, seed: int) -> np.ndarray:
@@ -149,7 +149,7 @@ def test_rows_left_out_change_nothing_else(name):
     last = whole.transcription.end_blocks[-1]
     active = frozenset({("slip", 0), ("slosh height", 1), ("joint speed", 2), ("tip", 0), ("tilt", 1)})
     active |= {(last.constraint, last.subject)}
-    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, backoff=BACKOFF, active=active)
+    part = build_problem(whole.scene, INTERVALS, nominal_duration=1.8, backoff=BACKOFF, active=active)  # pyright: ignore[reportArgumentType]
     full, less = whole.transcription, part.transcription
     assert {(block.constraint, block.subject) for block in less.blocks} == active & {
         (block.constraint, block.subject) for block in full.blocks

@@ -12,13 +12,13 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve
 from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
+from tests.builders import joint_path_of
 
 INTERVALS = 20
 PATIENT = SolveOptions(max_iterations=300, max_time=60.0)
@@ -45,8 +45,7 @@ class Task:
 def task(changed_scene: Callable[..., Scene]) -> Task:
     scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed"})
     scene = dataclasses.replace(scene, cargo=scene.cargo[:1])
-    tool = scene.tray.tool
-    path = joint_paths(scene.robot, scene.path, tool=tool)[0]
+    path = joint_path_of(scene)
     return Task(scene, smooth_start(scene, path, INTERVALS))
 
 

@@ -151,8 +151,8 @@ def test_film_shows_the_tray_moving(smooth_plan: Plan, folder: Path, tmp_path: P
     assert os.listdir(tmp_path) == ["plan", "film.gif"] or set(os.listdir(tmp_path)) == {"plan", "film.gif"}
     with imageio.get_reader(place) as reader:
         first, middle = (
-            np.asarray(reader.get_data(0), dtype=float),
-            np.asarray(reader.get_data(count // 3), dtype=float),
+            np.asarray(reader.get_data(0), dtype=float),  # pyright: ignore[reportAttributeAccessIssue]
+            np.asarray(reader.get_data(count // 3), dtype=float),  # pyright: ignore[reportAttributeAccessIssue]
         )
     assert first.shape[:2] == (video.HEIGHT, video.WIDTH)
     assert np.mean(np.abs(first - middle)) > 0.5

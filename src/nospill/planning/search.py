@@ -32,7 +32,7 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
         NoSolutionError: there is none; where the search is brief, without much of a reason.
     """
     scene, brief = task.searched_scene, task.passage.brief
-    log.durations.clear()
+    log.starts[:] = [None] * len(log.starts)  # answers on another passage do not compare
     best = last = None
     long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.max_duration
     if not (long and diagnosis.is_hopeless(scene, joint_path)):
@@ -64,9 +64,8 @@ def best_of(
         options = {"max_iterations": attempt.iterations, "kkt_error_globalization": attempt.kkt_error_globalization}
         last = solved_lazily(active, motion, log, options)
         active = last.active
-        log.tried += 1
+        log.starts.append(last.stages.duration if usable(last.solution) else None)
         if usable(last.solution):
-            log.durations.append(last.stages.duration)
             if best is None or last.solution.objective < best.solution.objective:
                 best = last
         elif best is None and diagnosis.is_hopeless(scene, joint_path):
@@ -152,6 +151,6 @@ class Searcher:
         """
         found = diagnosis.last_resort(self, joint_path, last)
         assert isinstance(found, Candidate)  # as `Trial.solve` returns it
-        self.log.durations.append(found.stages.duration)
+        self.log.starts.append(found.stages.duration)
         active = ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows)
         return Candidate(active, found.solution)

@@ -54,7 +54,6 @@ def _cautious(active: ActiveSet) -> ActiveSet:
 
 def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
-    log.tried += 1
     problem = problem_about(active, start)
     if is_broken(problem, start):
         start = slow_enough(problem, start)
@@ -66,7 +65,6 @@ def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution 
         barrier = _WARM_BARRIER if warm else BARRIERS[0]
         options = {**near_optimum(barrier, REFINE_ITERATIONS), "loose_tolerances": True}
         found = solved(active, start, log, options, warm=warm)
-    if not (found.has_converged and found.keeps_branch):
-        return None
-    log.durations.append(found.stages.duration)
-    return found
+    succeeded = found.has_converged and found.keeps_branch
+    log.starts.append(found.stages.duration if succeeded else None)
+    return found if succeeded else None

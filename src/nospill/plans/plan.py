@@ -61,10 +61,11 @@ class Starts:
     durations: tuple[float, ...]
 
     @classmethod
-    def of(cls, tried: int, durations: Sequence[float]) -> Starts:
-        """What a number of starts led to; s."""
+    def of(cls, starts: Sequence[float | None]) -> Starts:
+        """What starts led to, by the end time of each, s; None where it did not converge."""
+        durations = tuple(duration for duration in starts if duration is not None)
         agreed = sum(duration <= min(durations) * (1 + _AGREED) for duration in durations)
-        return cls(tried, len(durations), agreed, tuple(durations))
+        return cls(len(starts), len(durations), agreed, durations)
 
 
 @dataclass(frozen=True, slots=True)

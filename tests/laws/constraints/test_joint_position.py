@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario
@@ -21,7 +22,7 @@ def test_the_back_off_of_a_range_leaves_what_the_path_needs() -> None:
     upper[2] = path.q[middle, 2] + 1e-5
     tight = replace(scene, robot=replace(scene.robot, upper=upper))
     level = replace(tight, motion=replace(tight.motion, tilt_free=False))
-    key = ("joint position", scene.robot.joints[2])
+    key = RowId(JointPosition.name, scene.robot.joints[2])
     assert range_backoff(level, path.q)[key] == pytest.approx(1e-5 / (upper[2] - scene.robot.lower[2]))
     assert range_backoff(tight, path.q)[key] > 10 * range_backoff(level, path.q)[key]
     assert max(range_backoff(tight, path.q).values()) == JointPosition.backoff

@@ -7,7 +7,9 @@ potential x (b - z), b = h - 1/sigma, which meets bottom and surface and leaves 
 pressure is integrated over wall and bottom.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import casadi as ca
@@ -73,12 +75,23 @@ class Section:
         return np.tanh(x) / k, 2 * self.width * (self.reach / k - np.tanh(x) / k**2) / k
 
 
+def root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function crosses zero between two bounds."""
+    return brentq(function, low, high, xtol=1e-14)  # type: ignore[return-value]
+
+
+@cache
+def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points in (-1, 1) and weights of the quadrature: eigenvalues of a large matrix, the same for every case."""
+    return np.polynomial.legendre.leggauss(count)
+
+
 def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Response:
     """Amplitudes per metre of surge or per radian of pitch about the surface's centre."""
     section, h, sigma = Section(container), DEPTH, rate**2 / STANDARD_GRAVITY
-    k = brentq(lambda k: k * np.tanh(k * h) - sigma, 1e-9, 1e5, xtol=1e-14)
+    k = root(lambda k: k * np.tanh(k * h) - sigma, 1e-9, 1e5)
     kappa = np.array([
-        brentq(lambda x: x * np.sin(x) + sigma * h * np.cos(x), (j - 0.5) * np.pi, j * np.pi, xtol=1e-14) / h
+        root(lambda x: x * np.sin(x) + sigma * h * np.cos(x), (j - 0.5) * np.pi, j * np.pi) / h
         for j in range(1, TERMS)
     ])  # fmt: skip
     # Expansion of the wall's velocity offset + slope z in the depth functions.
@@ -89,7 +102,7 @@ def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Re
     others = flat / (h / 2 + np.sin(2 * kappa * h) / (4 * kappa))
     (wall, bottom), (walls, bottoms) = section.propagating(k), section.evanescent(kappa)
 
-    z, weights = np.polynomial.legendre.leggauss(1500)
+    z, weights = gauss_legendre(1500)
     z, weights = h / 2 * (z + 1), h / 2 * weights
     at_wall = first * wall * np.cosh(k * z) + (others * walls) @ np.cos(np.outer(kappa, z))
     at_rim = first * wall * np.cosh(k * h) + float(np.sum(others * walls * np.cos(kappa * h)))

@@ -47,7 +47,7 @@ def free_motion(displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray, d
     roots = OMEGA * (-damping + 1j * np.sqrt(1 - damping**2) * np.array((1.0, -1.0)))
     first = (velocity - roots[1] * displacement) / (roots[0] - roots[1])
     q = np.outer(np.exp(roots[0] * t), first) + np.outer(np.exp(roots[1] * t), displacement - first)
-    return np.linalg.norm(q.real, axis=1)
+    return np.linalg.norm(q.real, axis=1)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def brute_force(displacement: np.ndarray, velocity: np.ndarray, damping: float) -> float:

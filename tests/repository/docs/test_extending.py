@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.waiting import run_python
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = sorted(path for path in (ROOT / "docs" / "examples" / "extending").iterdir() if path.is_dir())
@@ -30,14 +30,8 @@ def extended(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     ("extended", "example"), [(e, e) for e in EXAMPLES], ids=[e.name for e in EXAMPLES], indirect=["extended"]
 )
 def test_a_worked_example_does_what_its_page_says(extended: Path, example: Path) -> None:
-    tried = subprocess.run(
-        [sys.executable, "-W", "error", str(example / "try_it.py")],
-        cwd=extended,
-        env={**os.environ, "PYTHONPATH": str(extended), "PYTHONDONTWRITEBYTECODE": "1", "NOSPILL_COMPILE": "off"},
-        text=True,
-        capture_output=True,
-        check=False,
-    )
+    settings = {"PYTHONPATH": str(extended), "PYTHONDONTWRITEBYTECODE": "1", "NOSPILL_COMPILE": "off"}
+    tried = run_python("-W", "error", str(example / "try_it.py"), cwd=extended, env={**os.environ, **settings})
     assert tried.returncode == 0, tried.stderr
     assert tried.stdout
 

@@ -1,7 +1,5 @@
 """Every arm of the catalogue, and what happens with a name that is not in it."""
 
-import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -9,6 +7,7 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot, robot_table
+from tests.waiting import run_python
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -74,5 +73,5 @@ def test_import_is_light():
         "import sys, nospill.robots.joint_paths.search, nospill.robots.description.catalog;"
         "print([name for name in ('adam', 'scipy', 'eaik') if name in sys.modules])"
     )
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    answer = run_python("-c", code, check=True)
     assert answer.stdout.strip() == "[]"

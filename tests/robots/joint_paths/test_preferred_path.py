@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.robots.joint_paths.search import NEARLY_AS_FAST, JointPath, branch_in_words, joint_paths, preferred_path
+from nospill.robots.joint_paths.search import NEARLY_AS_FAST, JointPath, branch_in_words, preferred_path
 from nospill.robots.robot import Robot
 from nospill.scenario import read_scenario
+from tests.builders import joint_paths_of
 
 
 def made(start: float, figure: float) -> JointPath:
@@ -18,8 +19,7 @@ def made(start: float, figure: float) -> JointPath:
 @pytest.fixture(scope="module")
 def arm() -> tuple[Robot, list[JointPath]]:
     scene = read_scenario("matrix-liquid")
-    tool = scene.tray.tool
-    return scene.robot, joint_paths(scene.robot, scene.path, tool=tool)
+    return scene.robot, joint_paths_of(scene)
 
 
 def test_without_a_wish_the_best_is_taken(arm):

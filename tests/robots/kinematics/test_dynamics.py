@@ -62,7 +62,7 @@ def test_gravity_torque_is_the_slope_of_the_potential(name):
     q = random_states(robot, 40, seed=2)[0]
     rest = np.zeros_like(q)
     share = joint_torques(robot, q, rest, rest, load) - joint_torques(robot, q, rest, rest)
-    jacobians = kinematics(robot).jacobians(q, tool=Tool(load.first_moment / load.mass))
+    jacobians = kinematics(robot).jacobians(q, tool=Tool(np.asarray(load.first_moment) / load.mass))
     np.testing.assert_allclose(share, load.mass * GRAVITY * jacobians[:, 2, :], atol=1e-10)
 
 

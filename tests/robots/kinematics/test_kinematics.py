@@ -1,8 +1,6 @@
 """Forward kinematics against Pinocchio, against finite differences and against the lab's own joint record."""
 
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -12,9 +10,9 @@ from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.tool import FLANGE, Tool
+from tests.builders import measured_data
 
 TOOL = Tool(np.array([0.03, -0.05, 0.108]), 0.7)
-DATA = Path(os.environ.get("NOSPILL_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
 
 def random_states(robot, count, seed=0):
@@ -167,9 +165,7 @@ def test_unusable_descriptions(change, words):
 
 @pytest.mark.oracle
 def test_recorded_joints_start_and_end_on_the_arc():
-    record = DATA / "matrix-d3" / "executed-joints-liquid.csv"
-    if not record.exists():
-        pytest.skip(f"measured data missing: {record}; set NOSPILL_DATA")
+    record = measured_data("matrix-d3/executed-joints-liquid.csv")
     q = np.loadtxt(record, delimiter=",", skiprows=1)[:, 1:]
     # the laboratory's flange is turned by half a turn against this chain, and its forearm 0.03 mm longer
     robot = load_robot("comau-smart-six")

@@ -71,9 +71,9 @@ def test_a_box_whose_modes_take_all_of_its_mass():
         return 1 - 16 * np.tanh(np.pi * depth) / (np.pi**3 * depth)
 
     depth = brentq(fixed, 0.1, 2.0, xtol=1e-16)
-    modes = Box(1.0, 1.0, 3.0).slosh_modes(WATER, depth, 1)
+    modes = Box(1.0, 1.0, 3.0).slosh_modes(WATER, depth, 1)  # pyright: ignore[reportArgumentType]
     moment = modes.fixed_mass * modes.fixed_height + sum(mode.mass * mode.height for mode in modes.oscillators)
-    assert moment == pytest.approx(modes.liquid_mass * depth / 2, rel=1e-8)
+    assert moment == pytest.approx(modes.liquid_mass * depth / 2, rel=1e-8)  # pyright: ignore[reportOperatorIssue]
 
 
 @pytest.mark.parametrize(("fill", "ratio"), [(1.0, 0.1565), (0.5, 0.4512), (2.0, 0.4512)])

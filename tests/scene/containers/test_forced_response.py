@@ -28,7 +28,7 @@ def depth_functions(rate: float) -> tuple[float, np.ndarray]:
         brentq(lambda x: x * np.sin(x) + sigma * DEPTH * np.cos(x), (j - 0.5) * np.pi, j * np.pi, xtol=1e-14)
         for j in range(1, TERMS)
     ]
-    return propagating, np.array(roots) / DEPTH
+    return propagating, np.array(roots) / DEPTH  # pyright: ignore[reportReturnType]
 
 
 def oracle(container: Cylinder | Box, rate: float) -> tuple[float, float, float]:

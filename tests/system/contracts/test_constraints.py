@@ -47,7 +47,7 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         gravity = ca.vertcat(0, 0, 9.8)
         motion = FrameMotion(x[:3] * 3, x[3:6] * 60, ca.vertcat(x[6:8] * 4, 12 * x[8]) + gravity)
         if point is EvaluationPoint.END:
-            motion = FrameMotion(ca.SX.zeros(3), ca.SX.zeros(3), gravity)
+            motion = FrameMotion(ca.SX.zeros(3), ca.SX.zeros(3), gravity)  # pyright: ignore[reportArgumentType]
         sizes = (0.01, 0.3, 6.0) if point is EvaluationPoint.OBJECT else (3e-3, 0.07, 0.0)
         q, qd, qdd = (x[9 + i * count : 9 + (i + 1) * count] * size for i, size in enumerate(sizes))
         objects = sample_objects(structure, numbers, motion, split_states(structure, q, qd, qdd))

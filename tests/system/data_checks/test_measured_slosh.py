@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from benchmarks.slosh import validate as benchmark
 from nospill.robots.kinematics.forward import kinematics
 from nospill.simulation.compare import Comparison
 from nospill.simulation.motion_file import read_heights
+from tests.builders import measured_data
 
 pytestmark = pytest.mark.oracle
 
@@ -22,16 +22,9 @@ Runs = dict[str, tuple[Comparison, ...]]
 ONE_MODE, TWO_MODES, CORRECTED = range(3)
 
 
-def folder(name: str) -> Path:
-    place = benchmark.data_folder() / name
-    if not place.is_dir():
-        pytest.skip(f"measured data are not here: {place} (NOSPILL_DATA names their folder)")
-    return place
-
-
 @pytest.fixture(scope="module")
 def runs() -> Runs:
-    return benchmark.compare_runs(folder("slosh-runs"))
+    return benchmark.compare_runs(measured_data("slosh-runs"))
 
 
 @pytest.mark.parametrize("rule", [ONE_MODE, TWO_MODES])
@@ -56,7 +49,7 @@ def test_corrected_height_is_never_more_than_a_tenth_low(runs: Runs) -> None:
 def test_table_in_the_page_is_fresh(runs: Runs) -> None:
     page = benchmark.PAGE.read_text(encoding="utf-8")
     shown = page[page.index(benchmark.BEGIN) : page.index(benchmark.END)]
-    published = benchmark.compare_published_experiment(folder("matrix-d3"))
+    published = benchmark.compare_published_experiment(measured_data("matrix-d3"))
 
     def figures(text: str) -> np.ndarray:
         return np.array([float(number) for number in re.findall(r"[-+]?\d+\.\d+", text)])
@@ -67,7 +60,7 @@ def test_table_in_the_page_is_fresh(runs: Runs) -> None:
 
 def test_published_prediction_from_the_executed_joints() -> None:
     # The laboratory's own simulation of the same joints: only its damping differs (against axes that do not spin).
-    place = folder("matrix-d3")
+    place = measured_data("matrix-d3")
     scene = ns.load("matrix-liquid")
     joints = np.loadtxt(place / "executed-joints-liquid.csv", delimiter=",", skiprows=1)
     position, rotation = kinematics(scene.robot).poses(

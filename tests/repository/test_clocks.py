@@ -1,0 +1,51 @@
+"""No test is about seconds: clocks are read, and time-outs named, in tests/waiting.py alone."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.repository.modules import ROOT, label, python_files
+
+CLOCKS = {"perf_counter", "perf_counter_ns", "monotonic", "monotonic_ns", "process_time", "thread_time", "timeit"}
+PAGES_CLOCK = "performance." + "now"
+EXEMPT = ROOT / "tests" / "waiting.py"
+FILES = [path for path in python_files("tests") if path != EXEMPT]
+
+
+def clocks_read(tree: ast.Module) -> list[str]:
+    """Where a clock of the time module is read, a wait has a time-out of its own, or a page's clock is read."""
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            name = ast.unparse(node.func)
+            if name.rpartition(".")[2] in CLOCKS or name in ("time.time", "datetime.now", "datetime.datetime.now"):
+                found.append(f"line {node.lineno}: {name}")
+            found += [f"line {node.lineno}: time-out of {name}" for word in node.keywords if word.arg == "timeout"]
+        elif isinstance(node, ast.ImportFrom) and node.module == "time":
+            found.append(f"line {node.lineno}: import from time")
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and PAGES_CLOCK in node.value:
+            found.append(f"line {node.lineno}: clock of a page")
+    return found
+
+
+@pytest.mark.parametrize("path", FILES, ids=label)
+def test_no_test_reads_a_clock(path: Path) -> None:
+    assert clocks_read(ast.parse(path.read_text())) == [], "wait by tests/waiting.py, or count what is to be fast"
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "assert time.monotonic() - began < 2.0",
+        "from time import perf_counter",
+        "took = time.perf_counter() - began",
+        "began = time.time()",
+        "process.communicate(timeout=20)",
+        f"page.evaluate('{PAGES_CLOCK}() / 1e3')",
+    ],
+)
+def test_a_clock_is_found(code: str) -> None:
+    assert clocks_read(ast.parse(code))

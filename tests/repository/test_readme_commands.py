@@ -1,0 +1,64 @@
+"""The commands of the README, run as they are printed, one after the other, in one folder."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nospill.scenario.examples import EXAMPLES
+from tests.repository.modules import ROOT
+from tests.waiting import run_python
+
+pytestmark = pytest.mark.slow
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+WAITS = {"view", "studio"}
+"""Commands that go on until they are stopped; tests of their own start and end them."""
+
+
+def commands() -> Iterator[list[str]]:
+    """Words after `nospill` in every indented command line, in order."""
+    for line in re.findall(r"^ {4}(?:\$ )?\.venv/bin/nospill (.+)$", README, re.MULTILINE):
+        words = shlex.split(line, comments=True)
+        if words[0] not in WAITS:
+            yield words
+
+
+def write_what_they_read(folder: Path) -> None:
+    """The scenario that the README prints; a cup, a motion and a measured height for the commands that take some."""
+    [scenario] = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    (folder / "tea.toml").write_text(scenario)
+    (folder / "cup.toml").write_text(
+        'shape = "cylinder"\nradius = "35 mm"\nheight = "99.1 mm"\nliquid = "water"\nliquid_height = "49 mm"\n'
+    )
+    t = np.arange(0.0, 3.0, 0.005)
+    u = np.clip(t / 2.0, 0.0, 1.0)
+    x = 0.5 * (10 * u**3 - 15 * u**4 + 6 * u**5)
+    rows = [
+        "t_s,x_m,y_m,z_m,qx,qy,qz,qw",
+        *(f"{a!r},{b!r},0,1,0,0,0,1" for a, b in zip(t.tolist(), x.tolist(), strict=True)),
+    ]
+    (folder / "motion.csv").write_text("\n".join(rows) + "\n")
+    height = 5.0 * np.sin(16.0 * t) * (t < 2.0)
+    rows = ["t_s,height_mm", *(f"{a!r},{b!r}" for a, b in zip(t.tolist(), height.tolist(), strict=True))]
+    (folder / "camera.csv").write_text("\n".join(rows) + "\n")
+
+
+def test_the_commands_run_as_printed(tmp_path: Path) -> None:
+    write_what_they_read(tmp_path)
+    # `make demo` comes before them in the page.
+    demo = ["plan", "matrix-liquid", "-o", "out/matrix-liquid"]
+    assert f"`make demo` plans the bundled example `{demo[1]}`" in README and demo[1] in EXAMPLES
+    listed = list(commands())
+    assert {words[0] for words in listed} >= {"plan", "check"}
+    for words in [demo, *listed]:
+        done = run_python("-c", "from nospill.cli import main; main()", *words, cwd=tmp_path)
+        assert done.returncode == 0, f"nospill {shlex.join(words)}: {done.stderr}"
+    for words in listed:
+        if "-o" in words:
+            assert (tmp_path / words[words.index("-o") + 1]).exists(), words
