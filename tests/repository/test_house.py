@@ -104,6 +104,13 @@ def test_scenario_of_the_page_can_be_planned(page: str) -> None:
     assert [cargo.name for cargo in scene.cargo] == ["c1"]
 
 
+@pytest.mark.parametrize("path", PAGES, ids=label)
+def test_files_named_in_the_pages_exist(path: Path) -> None:
+    folders = (ROOT, ROOT / "src", ROOT / "src" / "nospill", ROOT / "src" / "nospill" / "laws" / "constraints")
+    for name in re.findall(r"`((?:[a-z_-]+/)*[a-z_0-9]+\.py)`", path.read_text()):
+        assert any((folder / name).exists() for folder in folders), name
+
+
 def test_readme_is_short() -> None:
     assert len((ROOT / "README.md").read_text().split()) <= 1200
 
