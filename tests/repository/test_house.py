@@ -18,7 +18,12 @@ from nospill.scenario import scene_from_table
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs" / "decisions").glob("*.md")),
+]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PINS = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if line and not line.startswith("#")]
 
@@ -114,16 +119,28 @@ def test_links_between_the_pages_hold(path: Path) -> None:
             assert (path.parent / target).exists(), target
 
 
-def test_readme_scenario_can_be_planned() -> None:
-    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
+@pytest.mark.parametrize("page", ["README.md", "docs/scenario-guide.md"])
+def test_scenario_of_the_page_can_be_planned(page: str) -> None:
+    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / page).read_text(), flags=re.DOTALL)
     assert len(blocks) == 1
     scene = scene_from_table(tomllib.loads(blocks[0]), name="tea")
     assert [cargo.name for cargo in scene.cargo] == ["c1"]
 
 
-def test_readme_explains_every_constraint() -> None:
-    text = (ROOT / "README.md").read_text()
-    table = text[text.index("## Reading the certificate") : text.index("## What a plan folder holds")]
+@pytest.mark.parametrize("path", PAGES, ids=label)
+def test_files_named_in_the_pages_exist(path: Path) -> None:
+    folders = (ROOT, ROOT / "src", ROOT / "src" / "nospill", ROOT / "src" / "nospill" / "laws" / "constraints")
+    for name in re.findall(r"`((?:[a-z_-]+/)*[a-z_0-9]+\.py)`", path.read_text()):
+        assert any((folder / name).exists() for folder in folders), name
+
+
+def test_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text().split()) <= 1200
+
+
+def test_certificate_page_explains_every_constraint() -> None:
+    text = (ROOT / "docs" / "reading-a-certificate.md").read_text()
+    table = text[text.index("## The rows") : text.index("## An example")]
     explained = {
         name.strip() for first in re.findall(r"^\| ([^|]+) \|", table, re.MULTILINE) for name in first.split(",")
     }

@@ -67,7 +67,7 @@ class MotionTable(Table):
         Measured(dimension="angular_jerk", above=0.0, at_most=1e6),
         Field(description="bound on each tilt angle's third derivative"),
     ] = 1000.0
-    end: Annotated[EndCondition, Field(description="what is asked of the liquids at the end")] = "residual"
+    end: Annotated[EndCondition, Field(description="terminal condition on the liquids")] = "residual"
     residual_fraction: Annotated[
         float,
         Measured(dimension="ratio", above=0.0, at_most=1.0),
