@@ -16,7 +16,6 @@ pytest.importorskip("viser", reason="viser is not installed")
 
 from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts
-from nospill.viewer.film import Film
 from nospill.viewer.live import live_viewer, running_server, show_plans
 from nospill.viewer.playback import SPEEDS, Clock, Player
 from nospill.viewer.scene_view import PlanView

@@ -13,11 +13,11 @@ pytest.importorskip("viser", reason="viser is not installed")
 
 import viser
 
-from nospill.viewer.colours import SERIES, USE_STOPS, rgb, use_colours
-from nospill.viewer.film import Film
+from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
+from nospill.film.stage import camera, occupied, side_by_side, swept_box
+from nospill.film.timeline import Film
 from nospill.viewer.live import running_server, short_titles, show_plans, title_of
 from nospill.viewer.scene_view import PlanView, prepare
-from nospill.viewer.stage import camera, occupied, side_by_side, swept_box
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from nospill.cli import app
-from nospill.viewer.film import Film
+from nospill.film.timeline import Film
 from tests.waiting import finished, first_line
 
 

@@ -13,7 +13,7 @@ import typer
 from nospill.cli.reporting import say
 
 if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
-    from nospill.viewer.film import Film
+    from nospill.film.timeline import Film
     from nospill.viewer.meshes import Visuals
 
 _AFTER_END = 0.5
@@ -62,9 +62,9 @@ def view(
 
 def _films(folders: list[Path], rate: float) -> list[Film]:
     """Load and judge plans, and cut them into pictures of one common length."""
+    from nospill.film.timeline import make_film
     from nospill.judge.certificate import judge
     from nospill.plans.loading import load_plan
-    from nospill.viewer.film import make_film
 
     plans = [load_plan(folder) for folder in folders]
     length = max(plan.duration for plan in plans) + _AFTER_END

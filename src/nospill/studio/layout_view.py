@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nospill.errors import NospillError
+from nospill.film.robot_model import read_chain
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
-from nospill.viewer.robot_model import read_chain
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
+from nospill.film.timeline import make_film
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.viewer.charts import draw_charts
-from nospill.viewer.film import make_film
 from nospill.viewer.live import short_titles
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView

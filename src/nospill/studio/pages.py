@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from html import escape
 
+from nospill.film.colours import use_colours
 from nospill.judge.verdict import Row
 from nospill.judge.wording import shown_unit
 from nospill.plans.plan import Plan
 from nospill.studio.checks import Fault
 from nospill.studio.planning import PlanningState
-from nospill.viewer.colours import use_colours
 
 _TEXT = "padding:2px 10px;font-size:13px;line-height:1.4;color:#222"
 _WRONG = "#9A4300"

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
+from nospill.film.colours import BLUE, RED
 from nospill.studio.placing import GRID, Placed
-from nospill.viewer.colours import BLUE, RED
 
 WIDTH = 400
 """px; of the picture on the screen at most."""

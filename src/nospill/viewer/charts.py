@@ -13,8 +13,8 @@ from html import escape
 
 import numpy as np
 
-from nospill.viewer.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS
-from nospill.viewer.film import Film
+from nospill.film.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS
+from nospill.film.timeline import Film
 
 WIDTH = 320
 """Of the picture, px."""

@@ -7,8 +7,8 @@ from html import escape
 from pathlib import Path
 
 from nospill.core.files import atomic_text
+from nospill.film.timeline import Film
 from nospill.viewer.charts import Charts, colour_key
-from nospill.viewer.film import Film
 from nospill.viewer.live import running_server, show_plans, title_of
 from nospill.viewer.meshes import Visuals
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
+from nospill.film.stage import camera, side_by_side
+from nospill.film.timeline import Film
 from nospill.viewer.charts import Charts, draw_charts
-from nospill.viewer.film import Film
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView, prepare
-from nospill.viewer.stage import camera, side_by_side
 
 if TYPE_CHECKING:
     import viser

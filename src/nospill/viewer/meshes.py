@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.film.robot_model import Chain, origin_of, parsed_urdf, read_chain, three_numbers
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
 from nospill.viewer.library import require_viser
-from nospill.viewer.robot_model import Chain, origin_of, parsed_urdf, read_chain, three_numbers
 
 if TYPE_CHECKING:
     import trimesh

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nospill.film.colours import BLACK, GREEN, PURPLE, rgb, use_colours
+from nospill.film.geometry import Mesh, board, contact_collar, container_body
+from nospill.film.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
+from nospill.film.surfaces import LiquidSurface, liquid_surface
+from nospill.film.timeline import Film
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
-from nospill.viewer.colours import BLACK, GREEN, PURPLE, rgb, use_colours
-from nospill.viewer.film import Film
-from nospill.viewer.geometry import Mesh, board, contact_collar, container_body
-from nospill.viewer.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
-from nospill.viewer.surfaces import LiquidSurface, liquid_surface
 
 if TYPE_CHECKING:
     import trimesh

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
+from nospill.film.surfaces import liquid_surface
 from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
@@ -18,7 +19,6 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
-from nospill.viewer.surfaces import liquid_surface
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.film.geometry import Mesh, shrunk, wall_thickness
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.footprints import Footprint
-from nospill.viewer.geometry import Mesh, shrunk, wall_thickness
 
 _RING_POINTS = 32
 """Points round the wall, at least."""

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
+from nospill.film.robot_model import TRAY_THICKNESS, drawn_links, read_chain
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.tool import Tool
 from nospill.scene.tray import Tray
-from nospill.viewer.robot_model import TRAY_THICKNESS, drawn_links, read_chain
 
 TRAY = Tray(size=np.array([0.3, 0.2]), tool=Tool(np.array([0.0, 0.0, 0.05])))
 

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.viewer.film import Film
-from nospill.viewer.robot_model import read_chain
+from nospill.film.robot_model import read_chain
+from nospill.film.timeline import Film
 
 _GAP = 0.35
 """m between the spaces that two plans need."""

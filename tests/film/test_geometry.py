@@ -8,8 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.scene.containers import Box, Cylinder
-from nospill.viewer.geometry import (
+from nospill.film.geometry import (
     Mesh,
     board,
     contact_collar,
@@ -21,6 +20,7 @@ from nospill.viewer.geometry import (
     tube,
     wall_thickness,
 )
+from nospill.scene.containers import Box, Cylinder
 
 SIZE = st.floats(0.01, 0.5)
 PLACE = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)

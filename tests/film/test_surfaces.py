@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.film.geometry import wall_thickness
+from nospill.film.surfaces import liquid_surface
+from nospill.film.timeline import Film, make_film
 from nospill.judge.verdict import Trace
 from nospill.scene.cargo import Cargo
-from nospill.viewer.film import Film, make_film
-from nospill.viewer.geometry import wall_thickness
-from nospill.viewer.surfaces import liquid_surface
 
 FILMS = ("tilting_film", "level_film", "mixed_film")
 

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from nospill.errors import ScenarioError
+from nospill.film.geometry import Mesh, joined, tube
 from nospill.scene.tray import Tray
-from nospill.viewer.geometry import Mesh, joined, tube
 
 TRAY_THICKNESS = 0.006
 """m; the board is drawn this thick, below its upper surface."""
