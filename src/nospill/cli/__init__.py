@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from nospill.cli.exporting import export
+from nospill.cli.filming import film
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
@@ -28,6 +29,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     margins,
     plot,
     view,
+    film,
     studio,
     report,
     export,

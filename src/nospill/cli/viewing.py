@@ -36,6 +36,7 @@ def view(
     ] = None,
 ) -> int:
     """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
+    from nospill.film.timeline import load_films
     from nospill.viewer.library import require_viser
 
     require_viser()
@@ -43,7 +44,7 @@ def view(
     if html is not None:
         from nospill.viewer.html import HTML_RATE, LARGEST_FILE, save_html
 
-        films = _films(folders, HTML_RATE)
+        films = load_films(folders, rate=HTML_RATE, after_end=_AFTER_END)
         size = save_html(films, html, visuals=_visuals(urdf, films))
         print(f"written to {html} ({size / 1e6:.1f} MB)")
         if size > LARGEST_FILE:
@@ -51,24 +52,13 @@ def view(
         return 0
     from nospill.viewer.live import LIVE_RATE, live_viewer
 
-    films = _films(folders, LIVE_RATE)
+    films = load_films(folders, rate=LIVE_RATE, after_end=_AFTER_END)
     with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=_visuals(urdf, films)) as (address, _):
         print(f"{address}  (stop with Ctrl-C)", flush=True)
         if not no_browser:
             webbrowser.open(address)
         threading.Event().wait()
     return 0
-
-
-def _films(folders: list[Path], rate: float) -> list[Film]:
-    """Load and judge plans, and cut them into pictures of one common length."""
-    from nospill.film.timeline import make_film
-    from nospill.judge.certificate import judge
-    from nospill.plans.loading import load_plan
-
-    plans = [load_plan(folder) for folder in folders]
-    length = max(plan.duration for plan in plans) + _AFTER_END
-    return [make_film(plan, judge(plan.trajectory, plan.scene), rate=rate, length=length) for plan in plans]
 
 
 def _visuals(urdf: Path | None, films: list[Film]) -> Visuals | None:

@@ -109,13 +109,22 @@ def atomic_text(path: str | Path, text: str) -> None:
 
 def atomic_bytes(path: str | Path, content: bytes) -> None:
     """Write a file so that readers see the old or the new content; raises as `atomic_text`."""
+    with atomic_file(path) as partial:
+        partial.write_bytes(content)
+
+
+@contextmanager
+def atomic_file(path: str | Path) -> Iterator[Path]:
+    """Fill a new file and put it in the place of the old one when the block ends; raises as `atomic_text`.
+
+    Yields:
+        A hidden sibling of `path` with the same ending, which libraries choose a format by. It does not exist yet.
+    """
     place = Path(path)
-    partial = place.with_name(f".{place.name}.{secrets.token_hex(4)}.partial")
+    partial = place.with_name(f".{place.stem}.{secrets.token_hex(4)}.partial{place.suffix}")
     try:
-        with partial.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
+        yield partial
+        _flush(partial)
         partial.replace(place)
         _flush(place.parent)
     except OSError as error:

@@ -107,6 +107,12 @@ def contact_collar(container: Container, *, height: float = 0.006, overhang: flo
     return prism(shrunk(container.outline, -overhang), 0.0, height)
 
 
+def ribbon(ring: np.ndarray, height: float) -> Mesh:
+    """A narrow band along a closed line (n, 3), m, half of its height below and half above; its outside is seen."""
+    half = np.array([0.0, 0.0, height / 2])
+    return _strip(ring - half, ring + half)
+
+
 def board(size: np.ndarray, thickness: float) -> Mesh:
     """The tray, tray frame: sides (2,) in m, upper surface at z = 0."""
     corners = np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * np.asarray(size) / 2

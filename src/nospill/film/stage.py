@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -23,11 +23,19 @@ _ANGLE, _ASPECT, _MARGIN = float(np.radians(40.0)), 1.2, 1.04
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """Place (3,), m, the point looked at (3,), m, and the vertical angle of view, rad."""
+    """Where a picture is taken from.
+
+    Attributes:
+        position: (3,), m.
+        look_at: (3,) the point in the middle of the picture, m.
+        angle: vertical angle of view, rad.
+        up: (3,) what points upwards in the picture.
+    """
 
     position: np.ndarray
     look_at: np.ndarray
     angle: float
+    up: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
 
 
 def occupied(film: Film) -> np.ndarray:
@@ -67,19 +75,38 @@ def side_by_side(films: Sequence[Film]) -> list[np.ndarray]:
     return places
 
 
-def camera(films: Sequence[Film], places: Sequence[np.ndarray]) -> Camera:
+def camera(films: Sequence[Film], places: Sequence[np.ndarray], *, aspect: float = _ASPECT) -> Camera:
     """From the front, a little from above and from the side, just far enough to see every plan whole."""
     points = np.concatenate([occupied(film) + place for film, place in zip(films, places, strict=True)])
     back = np.array([1.0, 0.42 if len(films) == 1 else 0.0, 0.58])
-    back /= np.linalg.norm(back)
-    right = np.cross([0.0, 0.0, 1.0], back)
+    return framed(points, back / np.linalg.norm(back), aspect=aspect)
+
+
+def framed(
+    points: np.ndarray, back: np.ndarray, *, aspect: float, angle: float = _ANGLE, up: tuple[float, ...] = (0, 0, 1)
+) -> Camera:
+    """The nearest camera that sees all points.
+
+    Args:
+        points: (n, 3), m.
+        back: (3,) unit vector towards the camera.
+        aspect: width of the picture over its height.
+        angle: vertical angle of view, rad.
+        up: what points upwards in the picture.
+    """
+    right = np.cross(up, back)
     right /= np.linalg.norm(right)
-    up = np.cross(back, right)
-    axes = np.stack([right, up, back], axis=1)
-    seen = points @ axes
-    middle = axes @ ((seen.min(axis=0) + seen.max(axis=0)) / 2)
-    # A point at (r, u, b) from there is inside the picture where |u| <= tan(angle/2) (distance - b), likewise r.
-    r, u, b = ((points - middle) @ axes).T
-    slope = np.tan(_ANGLE / 2)
-    distance = float(np.max(b + np.maximum(np.abs(u) / slope, np.abs(r) / (slope * _ASPECT))))
-    return Camera(middle + back * distance * _MARGIN, middle, _ANGLE)
+    axes = np.stack([right, np.cross(back, right), back], axis=1)
+    r, u, b = (points @ axes).T
+    # A point at (r, u, b) is inside the picture of a camera at (x, y, d) where |u - y| <= slope (d - b), likewise r:
+    # the narrowest wedge that holds all points gives d for each direction, the wider one decides.
+    slope = np.tan(angle / 2)
+    centre, distances = [], []
+    for across, steep in ((r, slope * aspect), (u, slope)):
+        high, low = np.max(across + steep * b), np.min(across - steep * b)
+        centre.append((high + low) / 2)
+        distances.append((high - low) / (2 * steep))
+    near = float(np.max(b))
+    distance = max(near + (max(distances) - near) * _MARGIN, near + 1e-3)
+    position = axes @ np.array([*centre, distance])
+    return Camera(position, axes @ np.array([*centre, float(np.mean(b))]), angle, np.asarray(up, dtype=float))

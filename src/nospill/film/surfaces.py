@@ -46,6 +46,17 @@ class LiquidSurface:
     footprint: Footprint
     floor: float
 
+    @property
+    def upper_faces(self) -> int:
+        """How many of the first faces are the free surface; the others are the side."""
+        return len(self.rest.faces) - 2 * len(self.edge)
+
+    @property
+    def edge(self) -> np.ndarray:
+        """Indices of the vertices (n,) along the line where the free surface meets the wall, counter-clockwise."""
+        count = len(self.rest.vertices) - len(self.upper)
+        return self.upper[-count:]
+
     def rise(self, coordinates: np.ndarray) -> np.ndarray:
         """Height above rest of every upper vertex, (u,) m, from (k + 2,) coordinates and leans."""
         return self.basis @ coordinates

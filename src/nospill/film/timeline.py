@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
 from nospill.film.surfaces import liquid_surface
-from nospill.judge.certificate import Judgement
+from nospill.judge.certificate import Judgement, judge
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
@@ -17,6 +19,7 @@ from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_motion
+from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 
@@ -72,6 +75,17 @@ class Film:
     def at_rate(self, rate: float) -> Film:
         """The same motion, as long, at another rate."""
         return make_film(self.plan, self.judgement, rate=rate, length=self.length)
+
+
+def load_films(folders: Sequence[Path], *, rate: float, after_end: float) -> list[Film]:
+    """Plan folders, loaded, judged and cut at one rate, all as long as the longest and `after_end` s more.
+
+    Raises:
+        PlanFolderError: a folder is not a plan.
+    """
+    plans = [load_plan(folder) for folder in folders]
+    length = max(plan.duration for plan in plans) + after_end
+    return [make_film(plan, judge(plan.trajectory, plan.scene), rate=rate, length=length) for plan in plans]
 
 
 def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | None = None) -> Film:

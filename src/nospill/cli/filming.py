@@ -1,0 +1,71 @@
+"""film: a plan folder as a film, drawn without a graphics card, a screen or a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.progress import Progress
+
+if TYPE_CHECKING:  # for annotations only: everything heavy is imported inside the command
+    from nospill.film.views import View
+
+_AFTER_END = 0.4
+"""s of the motion; how long the liquids are seen swinging freely."""
+
+
+def film(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    other: Annotated[
+        Path | None, typer.Argument(metavar="[DIR2]", help="Another one, on the same clock.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="Film to write: .mp4, .webp or .gif.")
+    ] = Path("film.mp4"),
+    speed: Annotated[float, typer.Option("--speed", metavar="FACTOR", help="1 is real time.")] = 0.25,
+    view: Annotated[
+        str,
+        typer.Option(
+            "--view",
+            metavar="VIEW",
+            help="tray: follow it; fixed: fixed to it, the world tilts; arm: all of it; above.",
+        ),
+    ] = "tray",
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1280x720",
+    rate: Annotated[float, typer.Option("--rate", metavar="FPS", help="Pictures per second.")] = 25.0,
+) -> int:
+    """Film a plan, or two side by side on one clock: arm, tray, liquids, time and verdict."""
+    with Progress() as progress:
+        from nospill.film.timeline import load_films
+        from nospill.film.writing import Format, require_film, save_film
+
+        form = Format(_view(view), speed, _size(size), rate)
+        target = output.expanduser()
+        require_film(target)
+        folders = [folder] if other is None else [folder, other]
+        films = load_films(folders, rate=form.motion_rate, after_end=_AFTER_END)
+        count = save_film(
+            films, target, form, progress=lambda done, total: progress.say("film", f"picture {done} of {total}")
+        )
+    print(f"written to {output} ({count} pictures, {count / rate:.1f} s, {target.stat().st_size / 1e6:.1f} MB)")
+    return 0
+
+
+def _view(name: str) -> View:
+    from nospill.errors import ScenarioError
+    from nospill.film.views import View
+
+    if name not in list(View):
+        raise ScenarioError(f'--view "{name}" is no view; there are {", ".join(View)}')
+    return View(name)
+
+
+def _size(text: str) -> tuple[int, int]:
+    from nospill.errors import ScenarioError
+
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise ScenarioError(f'--size "{text}": width and height in pixels are needed, for example 1280x720')
+    return int(width), int(height)

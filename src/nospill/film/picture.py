@@ -1,0 +1,180 @@
+"""One picture of a plan: bodies lit, shadows, glass, ground."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.film.geometry import Mesh
+from nospill.film.ground import ground_colours
+from nospill.film.props import Body, Kind, Stagehand
+from nospill.film.raster import (
+    Canvas,
+    Triangles,
+    camera_axes,
+    clipped,
+    covered,
+    facing,
+    layer,
+    nearest,
+)
+from nospill.film.stage import Camera
+from nospill.film.views import Carriage
+
+SAMPLES = 2
+"""Samples a pixel along each side."""
+
+_LIGHT = np.array([-0.55, 0.25])
+"""Direction to the light for one upwards: to the right of the camera, and towards it. It goes with the carriage, so
+that colours do not change on the way."""
+_AMBIENT, _DIFFUSE = 0.62, 0.42
+_ON_BOARD, _ON_GROUND = 0.80, 0.87
+"""Brightness in a shadow."""
+_GLASS_FACE, _GLASS_EDGE = 0.10, 0.62
+"""Opacity of glass seen straight and along its wall."""
+_GLASS_TONE = 0.92
+"""Brightness of glass, which no lamp lights."""
+_SMOOTH = float(np.cos(np.radians(35.0)))
+"""Corners whose faces differ by less are shaded as one round surface."""
+
+
+def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: tuple[int, int]) -> np.ndarray:
+    """A picture of a film as (height, width, 3), 0 to 255.
+
+    Args:
+        hand: whose bodies.
+        index: of the picture.
+        camera: on its carriage.
+        ride: the carriage.
+        size: width and height, px.
+    """
+    width, height = size
+    canvas = Canvas.of(camera, SAMPLES * width, SAMPLES * height)
+    axes = camera_axes(camera)
+    rotation = ride.rotation[index] @ axes
+    origin = ride.position[index] + ride.rotation[index] @ camera.position
+    bodies = hand.bodies(index)
+    sun = ride.rotation[index] @ _lamp(camera)
+    light = rotation.T @ sun
+    colours = np.array([body.colour for body in bodies])
+    boards = np.array([body.kind is Kind.BOARD for body in bodies])
+
+    opaque = [(number, body) for number, body in enumerate(bodies) if body.kind is not Kind.GLASS]
+    triangles = clipped(_lit(opaque, origin, rotation, light))
+    marks = np.array([body.kind is Kind.MARK for body in bodies])
+    surface = nearest(canvas, triangles.of(facing(triangles) | marks[triangles.label]))
+
+    lookout = origin, rotation
+    colour = ground_colours(camera, lookout, (width, height), samples=SAMPLES).reshape(-1, 3)
+    _darken_ground(colour, bodies, lookout, canvas)
+    colour[surface.pixel] = np.clip(colours[surface.label] * surface.shade[:, None], 0.0, 255.0)
+    _darken_board(colour, bodies, hand, index, sun, lookout, canvas, surface.pixel[boards[surface.label]])
+    for number in _far_to_near(bodies, origin):
+        wall = clipped(_glass(number, bodies[number], origin, rotation))
+        front = facing(wall)
+        for side in (~front, front):
+            pixel, _, opacity = layer(canvas, wall.of(side), surface)
+            colour[pixel] += opacity[:, None].astype(np.float32) * (
+                colours[number].astype(np.float32) * 0.92 - colour[pixel]
+            )
+    mixed = colour.reshape(height, SAMPLES, width, SAMPLES, 3).mean(axis=(1, 3))
+    return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
+
+
+def _lamp(camera: Camera) -> np.ndarray:
+    axes = camera_axes(camera)
+    direction = np.array([0.0, 0.0, 1.0]) + axes[:, 0] * _LIGHT[0] + axes[:, 2] * _LIGHT[1]
+    return direction / np.linalg.norm(direction)
+
+
+def corner_normals(mesh: Mesh) -> np.ndarray:
+    """Outward unit normals (k, 3, 3) at the corners of every face: round where faces meet gently, else the face's."""
+    corners = mesh.vertices[mesh.faces]
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    vertex = np.zeros_like(mesh.vertices)
+    for corner in range(3):
+        np.add.at(vertex, mesh.faces[:, corner], face)
+    face, vertex = _unit(face), _unit(vertex)
+    at_corners = vertex[mesh.faces]
+    gentle = np.einsum("kci,ki->kc", at_corners, face) > _SMOOTH
+    return np.where(gentle[..., None], at_corners, face[:, None])
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+
+
+def _lit(bodies: list[tuple[int, Body]], origin: np.ndarray, rotation: np.ndarray, light: np.ndarray) -> Triangles:
+    """Bodies in camera coordinates with the light at their corners; marks shine by themselves."""
+    corners, shades, labels = [], [], []
+    for number, body in bodies:
+        corners.append(((body.mesh.vertices - origin) @ rotation)[body.mesh.faces])
+        if body.kind is Kind.MARK:
+            shade = np.ones((len(body.mesh.faces), 3))
+        else:
+            normals = corner_normals(body.mesh) @ rotation
+            shade = _AMBIENT + _DIFFUSE * (0.5 + 0.5 * (normals @ light))
+        shades.append(shade)
+        labels.append(np.full(len(body.mesh.faces), number))
+    return Triangles(np.concatenate(corners), np.concatenate(shades), np.concatenate(labels))
+
+
+def _glass(number: int, body: Body, origin: np.ndarray, rotation: np.ndarray) -> Triangles:
+    """A wall with its opacity at the corners, which grows where it is seen along."""
+    corners = ((body.mesh.vertices - origin) @ rotation)[body.mesh.faces]
+    normals = corner_normals(body.mesh) @ rotation
+    straight = np.abs(np.einsum("kci,kci->kc", normals, _unit(corners)))
+    opacity = _GLASS_FACE + (_GLASS_EDGE - _GLASS_FACE) * (1.0 - straight) ** 3
+    return Triangles(corners, opacity, np.full(len(corners), number))
+
+
+def _far_to_near(bodies: list[Body], origin: np.ndarray) -> list[int]:
+    glass = [number for number, body in enumerate(bodies) if body.kind is Kind.GLASS]
+    return sorted(glass, key=lambda number: -float(np.linalg.norm(bodies[number].mesh.vertices.mean(axis=0) - origin)))
+
+
+def _shadow(
+    bodies: list[Body],
+    plane: tuple[np.ndarray, np.ndarray],
+    light: np.ndarray,
+    lookout: tuple[np.ndarray, np.ndarray],
+    canvas: Canvas,
+) -> np.ndarray:
+    """Mask (pixels,) of the shadow of bodies on a plane (a point and the normal) in light from a direction."""
+    point, normal = plane
+    origin, rotation = lookout
+    pieces = []
+    for body in bodies:
+        above = body.mesh.vertices - np.outer((body.mesh.vertices - point) @ normal / (light @ normal), light)
+        pieces.append(((above - origin) @ rotation)[body.mesh.faces])
+    corners = np.concatenate(pieces)
+    triangles = clipped(Triangles(corners, np.zeros(corners.shape[:2]), np.zeros(len(corners), dtype=int)))
+    return covered(canvas, triangles)
+
+
+def _darken_ground(
+    colour: np.ndarray, bodies: list[Body], lookout: tuple[np.ndarray, np.ndarray], canvas: Canvas
+) -> None:
+    solid = [body for body in bodies if body.kind in (Kind.OPAQUE, Kind.BOARD)]
+    up = np.array([0.0, 0.0, 1.0])
+    if lookout[0][2] > 0.0:
+        colour[_shadow(solid, (np.zeros(3), up), up, lookout, canvas)] *= np.float32(_ON_GROUND)
+
+
+def _darken_board(
+    colour: np.ndarray,
+    bodies: list[Body],
+    hand: Stagehand,
+    index: int,
+    sun: np.ndarray,
+    lookout: tuple[np.ndarray, np.ndarray],
+    canvas: Canvas,
+    seen: np.ndarray,
+) -> None:
+    """Shadows of the objects on the tray, thrown slantwise as the light falls."""
+    load = [body for body in bodies if body.group and body.kind in (Kind.OPAQUE, Kind.GLASS)]
+    if not load or not len(seen):
+        return
+    normal = hand.film.tray_rotation[index][:, 2]
+    mask = _shadow(load, (hand.film.tray_position[index], normal), sun, lookout, canvas)
+    dark = seen[mask[seen]]
+    colour[dark] *= np.float32(_ON_BOARD)

@@ -1,0 +1,181 @@
+"""Everything that a drawn film shows of a plan, as bodies in frames that move: arm, tray, objects, liquids, marks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, auto
+from itertools import pairwise
+
+import numpy as np
+
+from nospill.film.colours import GREEN, GREY, PURPLE, RED, rgb, use_colours
+from nospill.film.geometry import (
+    Mesh,
+    board,
+    contact_collar,
+    container_body,
+    prism,
+    ribbon,
+    shrunk,
+    tube,
+    wall_thickness,
+)
+from nospill.film.robot_model import TRAY_THICKNESS, drawn_links, read_chain
+from nospill.film.surfaces import LiquidSurface, liquid_surface
+from nospill.film.timeline import Film
+from nospill.scene.cargo import Cargo
+
+ARM, BOARD, CUP, SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
+"""Colours of what carries none of a use."""
+
+_PATH_POINTS, _PATH_RADIUS, _END_RADIUS = 60, 0.003, 0.011
+_RING = 0.0013
+"""m; height of the ring at the limit and of the line round the water's edge."""
+_INK = np.array([25.0, 35.0, 45.0])
+
+
+class Kind(Enum):
+    """How a body is drawn."""
+
+    OPAQUE = auto()
+    GLASS = auto()
+    BOARD = auto()
+    """Opaque, and shows the shadows of what stands on it."""
+    MARK = auto()
+    """Opaque, in its own colour in any light, without a shadow."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A mesh with one colour, in place.
+
+    Attributes:
+        mesh: in the base frame, m.
+        colour: (3,), 0 to 255.
+        kind: how it is drawn.
+        group: name of the object it belongs to; empty for arm, tray and path.
+    """
+
+    mesh: Mesh
+    colour: np.ndarray
+    kind: Kind
+    group: str = ""
+
+
+class Stagehand:
+    """Bodies of a plan, made once and put in place for every picture.
+
+    Attributes:
+        film: what is shown.
+    """
+
+    def __init__(self, film: Film, *, path: bool) -> None:
+        """Make the bodies; `path` for the line that the tray follows.
+
+        Raises:
+            ScenarioError: the robot's URDF cannot be read.
+        """
+        self.film = film
+        scene = film.plan.scene
+        self._chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
+        self._links = drawn_links(self._chain, scene.tray)
+        self._frames = self._chain.frames(film.joint_position)
+        self._board = board(scene.tray.size, TRAY_THICKNESS)
+        self._surfaces = {item.name: liquid_surface(item) for item in scene.cargo if item.filling is not None}
+        self._path = _path_bodies(scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3]) if path else []
+
+    def bodies(self, index: int) -> list[Body]:
+        """Everything at a picture of the film."""
+        film, scene = self.film, self.film.plan.scene
+        found = [*self._path, *self._arm(index)]
+        position, rotation = film.tray_position[index], film.tray_rotation[index]
+        found.append(Body(_moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
+        for cargo in scene.cargo:
+            foot = position + rotation @ np.array([*cargo.position, 0.0])
+            sine, cosine = np.sin(cargo.yaw), np.cos(cargo.yaw)
+            turned = rotation @ np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+            for mesh, colour, kind in self._object(cargo, index):
+                found.append(Body(_moved(mesh, foot, turned), colour, kind, cargo.name))
+        return found
+
+    def _arm(self, index: int) -> list[Body]:
+        colour = np.array(ARM, dtype=float)
+        found = []
+        base = self._links.get(self._chain.base)
+        if base is not None:
+            found.append(Body(base, colour, Kind.OPAQUE))
+        for joint, (position, rotation) in zip(self._chain.joints, self._frames, strict=True):
+            mesh = self._links.get(joint.child)
+            if mesh is not None:
+                found.append(Body(_moved(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
+        return found
+
+    def _object(self, cargo: Cargo, index: int) -> list[tuple[Mesh, np.ndarray, Kind]]:
+        """Meshes of an object in its container frame."""
+        contact = use_colours(self.film.contact_use[cargo.name][index : index + 1])[0].astype(float)
+        found = [(contact_collar(cargo.container), contact, Kind.OPAQUE)]
+        if cargo.filling is None:
+            found.append((container_body(cargo.container, hollow=False), np.array(SOLID, dtype=float), Kind.OPAQUE))
+            return found
+        track = self.film.liquids[cargo.name]
+        colour = use_colours(track.height[index : index + 1] / track.limit)[0].astype(float)
+        found += _liquid(self._surfaces[cargo.name], track.coordinates[index], colour)
+        found.append((_glass(cargo), np.array(CUP, dtype=float), Kind.GLASS))
+        limit = limit_ring(cargo)
+        if limit is not None:
+            found.append((limit, np.array(rgb(RED), dtype=float), Kind.MARK))
+        rim = cargo.container.outline
+        found.append((ribbon(_at(rim, cargo.container.height), _RING), np.array(rgb(GREY), dtype=float), Kind.MARK))
+        return found
+
+
+def limit_ring(cargo: Cargo) -> Mesh | None:
+    """A ring round a cup at the greatest height its liquid may reach, container frame; None above the rim."""
+    assert cargo.filling is not None
+    height = cargo.filling.liquid_height + cargo.filling.max_slosh_height
+    if height > cargo.container.height:
+        return None
+    return ribbon(_at(shrunk(cargo.container.outline, -0.0006), height), _RING)
+
+
+def _liquid(surface: LiquidSurface, coordinates: np.ndarray, colour: np.ndarray) -> list[tuple[Mesh, np.ndarray, Kind]]:
+    """Side, free surface and the line round its edge: three tones, or the tilt is not seen."""
+    vertices = surface.vertices(coordinates)
+    flat = surface.upper_faces
+    top, side = Mesh(vertices, surface.rest.faces[:flat]), Mesh(vertices, surface.rest.faces[flat:])
+    edge = vertices[surface.edge]
+    edge = np.column_stack([1.006 * edge[:, :2], edge[:, 2]])
+    return [
+        (side, colour, Kind.OPAQUE),
+        (top, 0.55 * colour + 0.45 * 255.0, Kind.OPAQUE),
+        (ribbon(edge, _RING), 0.45 * colour + 0.55 * _INK, Kind.MARK),
+    ]
+
+
+def _glass(cargo: Cargo) -> Mesh:
+    """The wall alone, without a lid: what is seen of thin glass."""
+    outline = cargo.container.outline
+    sides = 2 * len(outline)
+    return Mesh(
+        (wall := prism(outline, wall_thickness(cargo.container), cargo.container.height)).vertices, wall.faces[:sides]
+    )
+
+
+def _path_bodies(points: np.ndarray) -> list[Body]:
+    pieces = [
+        Body(tube(start, end, (_PATH_RADIUS, _PATH_RADIUS), sides=6), _INK, Kind.MARK)
+        for start, end in pairwise(points)
+        if np.linalg.norm(end - start) > 1e-9
+    ]
+    up = np.array([0.0, 0.0, _END_RADIUS])
+    for at, colour in ((points[0], GREEN), (points[-1], PURPLE)):
+        pieces.append(Body(tube(at - up, at + up, (_END_RADIUS, _END_RADIUS)), np.array(rgb(colour), float), Kind.MARK))
+    return pieces
+
+
+def _moved(mesh: Mesh, position: np.ndarray, rotation: np.ndarray) -> Mesh:
+    return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
+
+
+def _at(outline: np.ndarray, height: float) -> np.ndarray:
+    return np.column_stack([outline, np.full(len(outline), height)])

@@ -1,0 +1,198 @@
+"""Views of a motion: what the camera rides on, and where on that it stands.
+
+A view is a carriage, a frame that moves with the motion or stands still, and one camera that is at rest on it. The
+viewer moves the world instead of the camera by the same carriage, so that whoever drags the scene still turns round
+the tray.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import combinations
+
+import numpy as np
+
+from nospill.film.robot_model import read_chain
+from nospill.film.stage import Camera, camera, framed, occupied
+from nospill.film.timeline import Film
+from nospill.scene.cargo import Cargo
+
+
+class View(StrEnum):
+    """Where a motion is watched from."""
+
+    TRAY = "tray"
+    """The camera goes and turns with the tray, level: the tray tilts before the horizon."""
+    FIXED = "fixed"
+    """The camera is fixed to the tray: the world tilts."""
+    ARM = "arm"
+    """The camera stands and sees the whole arm all the time."""
+    ABOVE = "above"
+    """The camera stands above and sees the whole way of the tray."""
+
+
+VIEW_NAMES = {
+    View.TRAY: "follow the tray",
+    View.FIXED: "fixed to the tray",
+    View.ARM: "whole arm",
+    View.ABOVE: "from above",
+}
+"""What the views are called on buttons."""
+
+CLOSE = (View.TRAY, View.FIXED)
+"""Views that show the tray as large as the picture allows."""
+
+_ELEVATION, _CLOSE_ANGLE = float(np.radians(27.0)), float(np.radians(28.0))
+_DIRECTIONS = 24
+_MOMENTS = 40
+_HIDDEN = 2.0
+"""How much a hidden cup counts against the sight of the tray's upper side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Carriage:
+    """A frame in the robot's base frame, a picture at a time.
+
+    Attributes:
+        position: (m, 3) of its origin, m.
+        rotation: (m, 3, 3), its axes to those of the base.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+
+    def seen(self, points: np.ndarray) -> np.ndarray:
+        """Points (m, n, 3) of the base frame, on the carriage."""
+        return (points - self.position[:, None]) @ self.rotation
+
+
+def carriage(film: Film, view: View) -> Carriage:
+    """What the camera of a view rides on: the tray, its heading, or the robot's base."""
+    if view is View.FIXED:
+        return Carriage(film.tray_position, film.tray_rotation)
+    if view is View.TRAY:
+        return Carriage(film.tray_position, headings(film.tray_rotation))
+    count = len(film.t)
+    return Carriage(np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))
+
+
+def headings(rotation: np.ndarray) -> np.ndarray:
+    """The turn about the vertical (m, 3, 3) that is left of rotations (m, 3, 3) without their tilt.
+
+    The swing-twist decomposition about z: a rotation is its heading followed by a turn about a horizontal axis.
+    """
+    sine = rotation[:, 1, 0] - rotation[:, 0, 1]
+    cosine = rotation[:, 0, 0] + rotation[:, 1, 1]
+    angle = np.arctan2(sine, cosine)
+    found = np.zeros_like(rotation)
+    found[:, 0, 0] = found[:, 1, 1] = np.cos(angle)
+    found[:, 1, 0], found[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    found[:, 2, 2] = 1.0
+    return found
+
+
+def viewpoint(films: Sequence[Film], view: View, *, aspect: float) -> Camera:
+    """The camera of a view on its carriage, one for several motions that are compared.
+
+    Args:
+        films: what is shown, each in a picture of its own.
+        view: which one.
+        aspect: width over height of such a picture.
+    """
+    if view is View.ARM:
+        return camera(films[:1], [np.zeros(3)], aspect=aspect) if len(films) == 1 else _whole(films, aspect)
+    if view is View.ABOVE:
+        points = np.concatenate([occupied(film) for film in films])
+        return framed(points, np.array([0.0, 0.0, 1.0]), aspect=aspect, up=(1.0, 0.0, 0.0))
+    points = np.concatenate([load_outline(film, view).reshape(-1, 3) for film in films])
+    return framed(points, best_direction(films, view, aspect=aspect), aspect=aspect, angle=_CLOSE_ANGLE)
+
+
+def _whole(films: Sequence[Film], aspect: float) -> Camera:
+    back = np.array([1.0, 0.42, 0.58])
+    points = np.concatenate([occupied(film) for film in films])
+    return framed(points, back / np.linalg.norm(back), aspect=aspect)
+
+
+def load_outline(film: Film, view: View) -> np.ndarray:
+    """Corners of the tray and of every object on it (m, n, 3), m, on the carriage of a view, at some pictures."""
+    scene = film.plan.scene
+    half = np.asarray(scene.tray.size) / 2
+    corners = [np.array([[sx * half[0], sy * half[1], 0.0] for sx in (-1, 1) for sy in (-1, 1)])]
+    for cargo in scene.cargo:
+        outline = cargo.container.outline
+        turned = outline @ np.array([[np.cos(cargo.yaw), np.sin(cargo.yaw)], [-np.sin(cargo.yaw), np.cos(cargo.yaw)]])
+        foot = turned + cargo.position
+        corners.append(np.column_stack([foot, np.full(len(foot), cargo.container.height)]))
+    points = np.concatenate(corners)
+    picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
+    ride = carriage(film, view)
+    world = film.tray_position[picked, None] + points @ np.swapaxes(film.tray_rotation[picked], 1, 2)
+    return Carriage(ride.position[picked], ride.rotation[picked]).seen(world)
+
+
+def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.ndarray:
+    """Unit vector (3,) on the carriage, from the tray to a camera that sees the most.
+
+    Of directions all round at one elevation, that one from which the tray's upper side is best seen when it is seen
+    worst, the tray is largest, no link of the arm stands before the objects and they hide each other least.
+    """
+    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    flat = np.column_stack([np.cos(angles), np.sin(angles)]) * np.cos(_ELEVATION)
+    towards = np.column_stack([flat, np.full(_DIRECTIONS, np.sin(_ELEVATION))])
+    worst = np.full(_DIRECTIONS, np.inf)
+    hidden = np.zeros(_DIRECTIONS)
+    for film in films:
+        ride = carriage(film, view)
+        normal = np.einsum("mji,mj->mi", ride.rotation, film.tray_rotation[:, :, 2])
+        worst = np.minimum(worst, (normal @ towards.T).min(axis=0))
+        hidden = np.maximum(hidden, _hidden(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
+    points = np.concatenate([load_outline(film, view).reshape(-1, 3) for film in films])
+    cameras = [framed(points, each, aspect=aspect, angle=_CLOSE_ANGLE) for each in towards]
+    distance = np.array([np.linalg.norm(each.position - each.look_at) for each in cameras])
+    return towards[int(np.argmax(worst + distance.min() / distance - _HIDDEN * hidden))]
+
+
+def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
+    """Part of the objects' area (d,) that lies over others, from far away in directions (d, 3), as boxes."""
+    found = []
+    for back in towards:
+        right = np.cross([0.0, 0.0, 1.0], back)
+        right /= np.linalg.norm(right)
+        up = np.cross(back, right)
+        boxes = []
+        for item in load:
+            reach = float(np.max(np.linalg.norm(item.container.outline, axis=1)))
+            middle = np.array([*item.position, item.container.height / 2])
+            tall = item.container.height / 2 * up[2] + reach * back[2]
+            boxes.append((middle @ right, middle @ up, reach, tall))
+        area = sum(4 * wide * tall for *_, wide, tall in boxes)
+        common = 0.0
+        for one, other in combinations(boxes, 2):
+            wide = min(2 * min(one[2], other[2]), one[2] + other[2] - abs(one[0] - other[0]))
+            tall = min(2 * min(one[3], other[3]), one[3] + other[3] - abs(one[1] - other[1]))
+            common += max(wide, 0.0) * max(tall, 0.0)
+        found.append(common / area if area else 0.0)
+    return np.array(found)
+
+
+def _hidden(film: Film, ride: Carriage, towards: np.ndarray) -> np.ndarray:
+    """Part of the pictures (d,) in which the arm stands between the objects and a far camera in directions (d, 3)."""
+    scene = film.plan.scene
+    picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
+    chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
+    joints = np.stack([position for position, _ in chain.frames(film.joint_position[picked])], axis=1)
+    along = np.linspace(0.0, 1.0, 8)[:, None]
+    links = (joints[:, :-1, None] * (1 - along) + joints[:, 1:, None] * along).reshape(len(joints), -1, 3)
+    seen = Carriage(ride.position[picked], ride.rotation[picked]).seen(links)
+    side = float(np.hypot(*scene.tray.size)) / 2
+    tall = max((cargo.container.height for cargo in scene.cargo), default=0.1)
+    centre = np.array([0.0, 0.0, tall / 2])
+    found = []
+    for direction in towards:
+        ahead = (seen - centre) @ direction
+        aside = np.linalg.norm((seen - centre) - ahead[..., None] * direction, axis=2)
+        found.append(float(np.mean(np.any((ahead > 0.0) & (aside < side), axis=1))))
+    return np.array(found)
