@@ -58,7 +58,7 @@ def caption(films: Sequence[Film], number: int, t: float) -> Caption:
         verdict = ""
     elif len(films) > 1 and film.end_time == fastest:
         ahead = sorted(other.end_time for other in films)[1] - fastest
-        verdict = f"{ahead:.2f} s ({ahead / (fastest + ahead):.0%}) faster, {status}" if ahead > 5e-3 else status
+        verdict = f"{ahead:.2f} s ({100 * ahead / (fastest + ahead):.0f} %) sooner, {status}" if ahead > 5e-3 else status
     else:
         verdict = status
     index = film.index(t)
