@@ -15,6 +15,9 @@ if TYPE_CHECKING:  # for annotations only: everything heavy is imported inside t
 _AFTER_END = 0.4
 """s of the motion; how long the liquids are seen swinging freely."""
 
+VIEWS = "tray: follow it; fixed: fixed to it, the world tilts; arm: all of it; above: all from there."
+"""What --view may be."""
+
 
 def film(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
@@ -30,7 +33,7 @@ def film(
         typer.Option(
             "--view",
             metavar="VIEW",
-            help="tray: follow it; fixed: fixed to it, the world tilts; arm: all of it; above.",
+            help=VIEWS,
         ),
     ] = "tray",
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1280x720",
@@ -41,7 +44,7 @@ def film(
         from nospill.film.timeline import load_films
         from nospill.film.writing import Format, require_film, save_film
 
-        form = Format(_view(view), speed, _size(size), rate)
+        form = Format(chosen_view(view), speed, _size(size), rate)
         target = output.expanduser()
         require_film(target)
         folders = [folder] if other is None else [folder, other]
@@ -53,7 +56,12 @@ def film(
     return 0
 
 
-def _view(name: str) -> View:
+def chosen_view(name: str) -> View:
+    """The view with this name.
+
+    Raises:
+        ScenarioError: there is none.
+    """
     from nospill.errors import ScenarioError
     from nospill.film.views import View
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nospill.cli.filming import VIEWS, chosen_view
 from nospill.cli.reporting import say
 
 if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
@@ -34,18 +35,20 @@ def view(
         Path | None,
         typer.Option("--urdf", metavar="FILE", help="A URDF of the same arm with meshes.", show_default=False),
     ] = None,
+    start: Annotated[str, typer.Option("--view", metavar="VIEW", help=f"{VIEWS} Live there are buttons.")] = "tray",
 ) -> int:
     """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
     from nospill.film.timeline import load_films
     from nospill.viewer.library import require_viser
 
     require_viser()
+    seen = chosen_view(start)
     folders = [folder] if other is None else [folder, other]
     if html is not None:
         from nospill.viewer.html import HTML_RATE, LARGEST_FILE, save_html
 
         films = load_films(folders, rate=HTML_RATE, after_end=_AFTER_END)
-        size = save_html(films, html, visuals=_visuals(urdf, films))
+        size = save_html(films, html, visuals=_visuals(urdf, films), view=seen)
         print(f"written to {html} ({size / 1e6:.1f} MB)")
         if size > LARGEST_FILE:
             say(f"{html} is larger than {LARGEST_FILE / 1e6:.0f} MB because of the meshes; leave --urdf out")
@@ -53,7 +56,8 @@ def view(
     from nospill.viewer.live import LIVE_RATE, live_viewer
 
     films = load_films(folders, rate=LIVE_RATE, after_end=_AFTER_END)
-    with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=_visuals(urdf, films)) as (address, _):
+    visuals = _visuals(urdf, films)
+    with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=visuals, view=seen) as (address, _):
         print(f"{address}  (stop with Ctrl-C)", flush=True)
         if not no_browser:
             webbrowser.open(address)

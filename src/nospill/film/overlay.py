@@ -16,6 +16,8 @@ HEIGHT = 720.0
 _INK, _SOFT, _GREEN, _TRACK = "#1b2530", "#3f4a55", "#00704f", "#d3d8de"
 _LARGE, _MEDIUM, _SMALL = 50, 30, 23
 _MARGIN, _BAR, _BAR_WIDTH = 24, 14, 190
+_NOTHING = 5e-3
+"""s; who is first by less is not said to be."""
 _BAND = 0.72
 """How white the band at the foot is, over what the picture shows there."""
 
@@ -58,7 +60,9 @@ def caption(films: Sequence[Film], number: int, t: float) -> Caption:
         verdict = ""
     elif len(films) > 1 and film.end_time == fastest:
         ahead = sorted(other.end_time for other in films)[1] - fastest
-        verdict = f"{ahead:.2f} s ({100 * ahead / (fastest + ahead):.0f} %) sooner, {status}" if ahead > 5e-3 else status
+        verdict = (
+            f"{ahead:.2f} s ({100 * ahead / (fastest + ahead):.0f} %) sooner, {status}" if ahead > 5e-3 else status
+        )
     else:
         verdict = status
     index = film.index(t)

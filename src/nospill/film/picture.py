@@ -10,14 +10,13 @@ from nospill.film.props import Body, Kind, Stagehand
 from nospill.film.raster import (
     Canvas,
     Triangles,
-    camera_axes,
     clipped,
     covered,
     facing,
     layer,
     nearest,
 )
-from nospill.film.stage import Camera
+from nospill.film.stage import Camera, axes_facing
 from nospill.film.views import Carriage
 
 SAMPLES = 2
@@ -49,7 +48,7 @@ def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: t
     """
     width, height = size
     canvas = Canvas.of(camera, SAMPLES * width, SAMPLES * height)
-    axes = camera_axes(camera)
+    axes = axes_facing(camera.position - camera.look_at)
     rotation = ride.rotation[index] @ axes
     origin = ride.position[index] + ride.rotation[index] @ camera.position
     bodies = hand.bodies(index)
@@ -81,7 +80,7 @@ def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: t
 
 
 def _lamp(camera: Camera) -> np.ndarray:
-    axes = camera_axes(camera)
+    axes = axes_facing(camera.position - camera.look_at)
     direction = np.array([0.0, 0.0, 1.0]) + axes[:, 0] * _LIGHT[0] + axes[:, 2] * _LIGHT[1]
     return direction / np.linalg.norm(direction)
 

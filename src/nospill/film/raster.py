@@ -103,15 +103,6 @@ class Surface:
     shade: np.ndarray
 
 
-def camera_axes(camera: Camera) -> np.ndarray:
-    """Columns right, up and back (3, 3) of a camera, in the frame it stands in."""
-    back = camera.position - camera.look_at
-    back = back / np.linalg.norm(back)
-    right = np.cross(camera.up, back)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(back, right), back], axis=1)
-
-
 def clipped(triangles: Triangles) -> Triangles:
     """Only what is at least `NEAREST` before the camera: triangles across that plane are cut."""
     ahead = -triangles.corners[..., 2] >= NEAREST

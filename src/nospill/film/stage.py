@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -28,14 +28,12 @@ class Camera:
     Attributes:
         position: (3,), m.
         look_at: (3,) the point in the middle of the picture, m.
-        angle: vertical angle of view, rad.
-        up: (3,) what points upwards in the picture.
+        angle: vertical angle of view, rad; z points upwards in the picture.
     """
 
     position: np.ndarray
     look_at: np.ndarray
     angle: float
-    up: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
 
 
 def occupied(film: Film) -> np.ndarray:
@@ -82,21 +80,16 @@ def camera(films: Sequence[Film], places: Sequence[np.ndarray], *, aspect: float
     return framed(points, back / np.linalg.norm(back), aspect=aspect)
 
 
-def framed(
-    points: np.ndarray, back: np.ndarray, *, aspect: float, angle: float = _ANGLE, up: tuple[float, ...] = (0, 0, 1)
-) -> Camera:
+def framed(points: np.ndarray, back: np.ndarray, *, aspect: float, angle: float = _ANGLE) -> Camera:
     """The nearest camera that sees all points.
 
     Args:
         points: (n, 3), m.
-        back: (3,) unit vector towards the camera.
+        back: (3,) unit vector towards the camera, not along z.
         aspect: width of the picture over its height.
         angle: vertical angle of view, rad.
-        up: what points upwards in the picture.
     """
-    right = np.cross(up, back)
-    right /= np.linalg.norm(right)
-    axes = np.stack([right, np.cross(back, right), back], axis=1)
+    axes = axes_facing(back)
     r, u, b = (points @ axes).T
     # A point at (r, u, b) is inside the picture of a camera at (x, y, d) where |u - y| <= slope (d - b), likewise r:
     # the narrowest wedge that holds all points gives d for each direction, the wider one decides.
@@ -109,4 +102,12 @@ def framed(
     near = float(np.max(b))
     distance = max(near + (max(distances) - near) * _MARGIN, near + 1e-3)
     position = axes @ np.array([*centre, distance])
-    return Camera(position, axes @ np.array([*centre, float(np.mean(b))]), angle, np.asarray(up, dtype=float))
+    return Camera(position, axes @ np.array([*centre, float(np.mean(b))]), angle)
+
+
+def axes_facing(back: np.ndarray) -> np.ndarray:
+    """Columns right, up and back (3, 3) of a camera in a direction (3,) that is not along z."""
+    back = back / np.linalg.norm(back)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(back, right), back], axis=1)

@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from nospill.film.robot_model import read_chain
-from nospill.film.stage import Camera, camera, framed, occupied
+from nospill.film.stage import Camera, axes_facing, camera, framed, occupied, side_by_side
 from nospill.film.timeline import Film
 from nospill.scene.cargo import Cargo
 
@@ -45,6 +45,10 @@ CLOSE = (View.TRAY, View.FIXED)
 """Views that show the tray as large as the picture allows."""
 
 _ELEVATION, _CLOSE_ANGLE = float(np.radians(27.0)), float(np.radians(28.0))
+_STEEP = np.array([0.03, 0.0, 1.0])
+"""From above, but for so little that it is clear what is up in the picture."""
+_APART = 1.05
+"""Distance of two trays in one picture, over their diagonal."""
 _DIRECTIONS = 24
 _MOMENTS = 40
 _HIDDEN = 2.0
@@ -66,6 +70,11 @@ class Carriage:
     def seen(self, points: np.ndarray) -> np.ndarray:
         """Points (m, n, 3) of the base frame, on the carriage."""
         return (points - self.position[:, None]) @ self.rotation
+
+    def base(self, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """Origin (3,), m, and rotation (3, 3) of the robot's base frame on the carriage at a picture."""
+        back = self.rotation[index].T
+        return -back @ self.position[index], back
 
 
 def carriage(film: Film, view: View) -> Carriage:
@@ -101,19 +110,29 @@ def viewpoint(films: Sequence[Film], view: View, *, aspect: float) -> Camera:
         view: which one.
         aspect: width over height of such a picture.
     """
+    return _camera(films, [np.zeros(3)] * len(films), view, aspect)
+
+
+def arrangement(films: Sequence[Film], view: View, *, aspect: float) -> tuple[list[np.ndarray], Camera]:
+    """Places (3,), m, of the carriages of motions that share one picture, from left to right, and its camera."""
+    if view in CLOSE:
+        across = axes_facing(best_direction(films, view, aspect=aspect))[:, 0]
+        side = max(float(np.hypot(*film.plan.scene.tray.size)) for film in films)
+        places = [number * _APART * side * across for number in range(len(films))]
+    else:
+        places = side_by_side(films)
+    return places, _camera(films, places, view, aspect)
+
+
+def _camera(films: Sequence[Film], places: Sequence[np.ndarray], view: View, aspect: float) -> Camera:
     if view is View.ARM:
-        return camera(films[:1], [np.zeros(3)], aspect=aspect) if len(films) == 1 else _whole(films, aspect)
+        return camera(films, places, aspect=aspect)
     if view is View.ABOVE:
-        points = np.concatenate([occupied(film) for film in films])
-        return framed(points, np.array([0.0, 0.0, 1.0]), aspect=aspect, up=(1.0, 0.0, 0.0))
-    points = np.concatenate([load_outline(film, view).reshape(-1, 3) for film in films])
-    return framed(points, best_direction(films, view, aspect=aspect), aspect=aspect, angle=_CLOSE_ANGLE)
-
-
-def _whole(films: Sequence[Film], aspect: float) -> Camera:
-    back = np.array([1.0, 0.42, 0.58])
-    points = np.concatenate([occupied(film) for film in films])
-    return framed(points, back / np.linalg.norm(back), aspect=aspect)
+        points = [occupied(film) + place for film, place in zip(films, places, strict=True)]
+        return framed(np.concatenate(points), _STEEP / np.linalg.norm(_STEEP), aspect=aspect)
+    points = [load_outline(film, view).reshape(-1, 3) + place for film, place in zip(films, places, strict=True)]
+    direction = best_direction(films, view, aspect=aspect)
+    return framed(np.concatenate(points), direction, aspect=aspect, angle=_CLOSE_ANGLE)
 
 
 def load_outline(film: Film, view: View) -> np.ndarray:
@@ -159,9 +178,7 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
     """Part of the objects' area (d,) that lies over others, from far away in directions (d, 3), as boxes."""
     found = []
     for back in towards:
-        right = np.cross([0.0, 0.0, 1.0], back)
-        right /= np.linalg.norm(right)
-        up = np.cross(back, right)
+        right, up, _ = axes_facing(back).T
         boxes = []
         for item in load:
             reach = float(np.max(np.linalg.norm(item.container.outline, axis=1)))

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from nospill.core.files import atomic_text
 from nospill.film.timeline import Film
+from nospill.film.views import View
 from nospill.viewer.charts import Charts, colour_key
 from nospill.viewer.live import running_server, show_plans, title_of
 from nospill.viewer.meshes import Visuals
+from nospill.viewer.playback import SPEEDS, START_SPEED
 
 HTML_RATE = 30.0
 """Pictures per second of the file."""
@@ -21,13 +23,16 @@ _SIDE = 350
 """px; width of the column with the charts."""
 
 
-def save_html(films: Sequence[Film], path: str | Path, *, visuals: Visuals | None = None) -> int:
+def save_html(
+    films: Sequence[Film], path: str | Path, *, visuals: Visuals | None = None, view: View = View.TRAY
+) -> int:
     """Write plans, side by side on one clock, as one HTML file that needs no network.
 
     Args:
         films: cut at the rate the file is to have, all of one length.
         path: of the file; an earlier one is replaced.
         visuals: meshes of the arm.
+        view: where everything is seen from; the file has that one alone.
 
     Returns:
         Size of the file, bytes.
@@ -38,13 +43,13 @@ def save_html(films: Sequence[Film], path: str | Path, *, visuals: Visuals | Non
         PlanFolderError: the file cannot be written.
     """
     with running_server(port=0) as server:
-        shown = show_plans(server, films, visuals=visuals)
+        shown = show_plans(server, films, visuals=visuals, view=view)
         recording = server.get_scene_serializer()
         longest = max(films, key=lambda film: film.length)
         for t in longest.t[1:]:
             recording.insert_sleep(1.0 / longest.rate)
-            for view in shown.views:
-                view.show(float(t))
+            for item in shown.views:
+                item.show(float(t))
         page = recording.as_html()
     text = _with_charts(page, [title_of(film) for film in films], shown.charts)
     atomic_text(path, text)
@@ -53,10 +58,10 @@ def save_html(films: Sequence[Film], path: str | Path, *, visuals: Visuals | Non
 
 def _with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
     """The page of viser with a column of charts beside the scene, and a cursor that follows its player's slider."""
-    head = f"<style>{_STYLE}</style></head>"
+    head = f"<style>{_STYLE}</style><script>{_CLOCK}</script></head>"
     lines = "".join(f"<h1>{escape(title)}</h1>" for title in titles)
     side = (
-        f"<aside id='nospill-side'>{lines}<p>Drag to turn, wheel to zoom, space bar to play or pause.</p>"
+        f"<aside id='nospill-side'>{lines}<p>Drag to turn, wheel to zoom, space bar to play or pause. {_speeds()}</p>"
         f"{colour_key()}{charts.page}</aside><script>{_script(charts)}</script></body>"
     )
     page = page.replace("<title>Viser</title>", f"<title>{escape(' | '.join(titles))}</title>", 1)
@@ -67,7 +72,24 @@ def _with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
     return f"{before}{side}{after}"
 
 
+def _speeds() -> str:
+    """The choice of speeds, the same as live."""
+    options = "".join(
+        f"<option value='{value}'{' selected' if label == START_SPEED else ''}>{label}</option>"
+        for label, value in SPEEDS.items()
+    )
+    return f"<label>Speed <select id='nospill-speed'>{options}</select></label>"
+
+
+_CLOCK = (
+    # viser's player measures time by Date.now and has no speed below a half: a clock that runs at the speed chosen.
+    f"(function(){{var now=Date.now,speed={SPEEDS[START_SPEED]},real=now(),shown=real;"
+    "Date.now=function(){return shown+(now()-real)*speed};"
+    "document.addEventListener('change',function(event){if(event.target.id==='nospill-speed'){"
+    "shown=Date.now();real=now();speed=+event.target.value;event.target.blur()}});})();"
+)
 _STYLE = (
+    "#root .mantine-Select-root{display:none}.mantine-Notifications-root{display:none}"
     f"#root{{width:calc(100% - {_SIDE}px)!important}}"
     f"#nospill-side{{position:fixed;top:0;right:0;bottom:0;width:{_SIDE}px;box-sizing:border-box;padding:10px 12px;"
     "overflow-y:auto;background:#fff;border-left:1px solid #ddd;font-family:system-ui,sans-serif;color:#222}"

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
-from nospill.film.stage import camera, side_by_side
 from nospill.film.timeline import Film
+from nospill.film.views import CLOSE, View, arrangement
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
@@ -23,14 +23,17 @@ if TYPE_CHECKING:
 
 LIVE_RATE = 50.0
 """Pictures per second of the live viewer."""
+_ASPECT = 1.2
+"""Width over height of the scene's part of a usual window."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """Plans in a scene: their views and their charts, titled alike."""
+    """Plans in a scene: their views and their charts, titled alike, and the ground."""
 
     views: tuple[PlanView, ...]
     charts: Charts
+    ground: viser.SceneNodeHandle
 
 
 def title_of(film: Film) -> str:
@@ -49,31 +52,45 @@ def short_titles(films: Sequence[Film]) -> list[str]:
     return names if len(set(names)) == len(names) else [f"{name} ({index + 1})" for index, name in enumerate(names)]
 
 
-def show_plans(server: viser.ViserServer, films: Sequence[Film], *, visuals: Visuals | None = None) -> Shown:
+def show_plans(
+    server: viser.ViserServer, films: Sequence[Film], *, visuals: Visuals | None = None, view: View = View.TRAY
+) -> Shown:
     """Build one or several plans side by side in an empty server, with ground, light and camera.
 
     Raises:
         ScenarioError: a robot's URDF cannot be read.
     """
-    prepare(server.scene)
-    places = side_by_side(films)
-    view = camera(films, places)
-    server.initial_camera.position = view.position
-    server.initial_camera.look_at = view.look_at
-    server.initial_camera.fov = view.angle
+    ground = prepare(server.scene)
     views = tuple(
         PlanView(
             server.scene,
             film,
             root=f"/plan_{number + 1}",
             title=title_of(film) if len(films) > 1 else "",
-            position=(float(place[0]), float(place[1]), float(place[2])),
             chain=visuals.chain if visuals else None,
             meshes=visuals.meshes if visuals else None,
+            ground=ground if number == 0 else None,
         )
-        for number, (film, place) in enumerate(zip(films, places, strict=True))
+        for number, film in enumerate(films)
     )
-    return Shown(views, draw_charts(films, short_titles(films)))
+    shown = Shown(views, draw_charts(films, short_titles(films)), ground)
+    aim(server, shown, view)
+    return shown
+
+
+def aim(server: viser.ViserServer, shown: Shown, view: View) -> None:
+    """See everything from another view, in every browser that looks on and in those to come."""
+    places, camera = arrangement([item.film for item in shown.views], view, aspect=_ASPECT)
+    with server.atomic():
+        for item, place in zip(shown.views, places, strict=True):
+            item.ride(view, place)
+        # Trays that go their own ways have no ground in common.
+        shown.ground.visible = view not in CLOSE or len(shown.views) == 1
+        start = server.initial_camera
+        start.position, start.look_at, start.fov = camera.position, camera.look_at, camera.angle
+        for client in server.get_clients().values():
+            now = client.camera
+            now.position, now.look_at, now.fov = camera.position, camera.look_at, camera.angle
 
 
 @contextmanager
@@ -96,7 +113,12 @@ def running_server(*, port: int, host: str = "127.0.0.1") -> Iterator[viser.Vise
 
 @contextmanager
 def live_viewer(
-    films: Sequence[Film], *, port: int = 8080, host: str = "127.0.0.1", visuals: Visuals | None = None
+    films: Sequence[Film],
+    *,
+    port: int = 8080,
+    host: str = "127.0.0.1",
+    visuals: Visuals | None = None,
+    view: View = View.TRAY,
 ) -> Iterator[tuple[str, Player]]:
     """A running viewer: its address and its player, which plays in a thread until the end of the block.
 
@@ -110,8 +132,14 @@ def live_viewer(
         server.gui.set_panel_label("nospill")
         lines = "<br>".join(escape(title_of(film)) for film in films)
         server.gui.add_html(f"<div style='padding:4px 8px;font-size:14px;line-height:1.4'>{lines}</div>")
-        shown = show_plans(server, films, visuals=visuals)
-        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
+        shown = show_plans(server, films, visuals=visuals, view=view)
+        player = Player(
+            server.gui,
+            shown.views,
+            charts=shown.charts,
+            atomic=server.atomic,
+            aim=lambda chosen: aim(server, shown, chosen),
+        )
         stop = threading.Event()
         thread = threading.Thread(target=player.run, args=(stop,), daemon=True)
         thread.start()

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
 
+from nospill.film.views import VIEW_NAMES, View
 from nospill.viewer.charts import Charts, colour_key
 from nospill.viewer.scene_view import PlanView
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 SPEEDS = {"0.1x": 0.1, "0.25x": 0.25, "0.5x": 0.5, "1x": 1.0, "2x": 2.0}
 """Speeds of playing, by label."""
+START_SPEED = "0.25x"
+"""Of a player that starts: in real time a motion is over before it is seen."""
 
 _CONTROLS_EVERY = 0.08
 """s between two updates of slider and cursor, which cost the browser more than the scene does."""
@@ -66,6 +69,7 @@ class Player:
         *,
         charts: Charts,
         atomic: Callable[[], AbstractContextManager[None]],
+        aim: Callable[[View], None] | None = None,
     ) -> None:
         """Add the controls.
 
@@ -74,20 +78,25 @@ class Player:
             views: what is played.
             charts: drawn below the controls.
             atomic: of the server or client, so that a picture arrives whole.
+            aim: sees everything from another view; where there is none, there are no buttons for it.
         """
         self._views, self._charts, self._atomic = views, charts, atomic
         self.clock = Clock(charts.length)
         self._lock = threading.Lock()
         self._controls_due = 0.0
+        self.clock.speed = SPEEDS[START_SPEED]
+        self._looks = None if aim is None else gui.add_button_group("View", tuple(VIEW_NAMES.values()))
+        self._aim = aim
         self._button = gui.add_button("Pause")
         self._slider = gui.add_slider("Time [s]", 0.0, round(charts.length, 3), 0.001, 0.0)
-        self._speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1x")
+        self._speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=START_SPEED)
         self._loop = gui.add_checkbox("Loop", True)
         self._names = gui.add_checkbox("Names", True)
         self._path = gui.add_checkbox("Path", True)
         self._page = gui.add_html(_page(charts))
         self._cursor = gui.add_html("")
         self._handles = (
+            *(() if self._looks is None else (self._looks,)),
             self._button,
             self._slider,
             self._speed,
@@ -114,6 +123,14 @@ class Player:
                 with self._lock:
                     self.clock.seek(float(event.target.value))
                 self._label()
+
+        if self._looks is not None:
+
+            @self._looks.on_click
+            def _(event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
+                assert self._aim is not None
+                with self._lock:
+                    self._aim(next(view for view, name in VIEW_NAMES.items() if name == event.target.value))
 
         @self._speed.on_update
         def _(_event: object) -> None:

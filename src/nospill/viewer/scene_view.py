@@ -10,12 +10,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from nospill.film.colours import BLACK, GREEN, PURPLE, rgb, use_colours
+from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body
+from nospill.film.props import limit_ring
 from nospill.film.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
+from nospill.film.views import View, carriage
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
@@ -27,6 +30,8 @@ if TYPE_CHECKING:
 _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
 _CUP_OPACITY = 0.22
 _PATH_POINTS = 120
+_BELOW = np.array([0.0, 0.0, -0.001])
+"""m; the ground lies a little below the robot's foot."""
 _ABOVE_RIM = 0.012
 """m; height of a name above its object."""
 
@@ -87,6 +92,9 @@ class TrayView:
             self._liquids[cargo.name] = _add(
                 scene, f"{root}/liquid", surface.rest, color=_colour(0.0), cast_shadow=False, receive_shadow=False
             )
+            ring = limit_ring(cargo)
+            if ring is not None:
+                _add(scene, f"{root}/limit", ring, color=rgb(RED), side="double", cast_shadow=False)
 
     def set_liquid(self, name: str, coordinates: np.ndarray, *, use: float) -> None:
         """Move a liquid's surface and colour it by the use of its height limit.
@@ -181,8 +189,11 @@ class ArmView:
 class PlanView:
     """A whole plan: arm, tray, objects, path; `show` moves it to a time.
 
+    The camera of a browser stays where its user leaves it, so a view that follows the tray moves the world the other
+    way.
+
     Attributes:
-        film: what is shown. root: name of the node everything hangs below.
+        film: what is shown. root: name of the node everything hangs below, which stands still.
         arm, tray: the parts.
     """
 
@@ -196,8 +207,9 @@ class PlanView:
         position: tuple[float, float, float] = (0.0, 0.0, 0.0),
         chain: Chain | None = None,
         meshes: Mapping[str, trimesh.Trimesh] | None = None,
+        ground: viser.SceneNodeHandle | None = None,
     ) -> None:
-        """Add the nodes and show the first picture.
+        """Add the nodes and show the first picture, seen from where the robot stands.
 
         Args:
             scene: where to.
@@ -207,15 +219,18 @@ class PlanView:
             position: of the robot's base in the world, m.
             chain: as in `ArmView`, likewise `meshes`.
             meshes: see there.
+            ground: what the robot stands on and goes with it, if anything does.
 
         Raises:
             ScenarioError: the robot's URDF cannot be read.
         """
         whole, planned = film.plan.scene, film.plan.trajectory
-        self.film, self.root = film, root
-        self._base = scene.add_frame(root, show_axes=False, position=position)
-        scene.add_frame(f"{root}/arm", show_axes=False)
-        self.arm = ArmView(scene, whole.robot, root=f"{root}/arm", tray=whole.tray, chain=chain, meshes=meshes)
+        self.film, self.root, self._ground = film, root, ground
+        self._root = scene.add_frame(root, show_axes=False, position=position)
+        world = f"{root}/world"
+        self._world = scene.add_frame(world, show_axes=False)
+        scene.add_frame(f"{world}/arm", show_axes=False)
+        self.arm = ArmView(scene, whole.robot, root=f"{world}/arm", tray=whole.tray, chain=chain, meshes=meshes)
         half = whole.tray.tool.yaw / 2
         tray_node = f"{self.arm.flange}/tray"
         scene.add_frame(
@@ -226,13 +241,14 @@ class PlanView:
         )
         scene.add_frame(f"{root}/names", show_axes=False)
         self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
-        self._paths = add_path(scene, f"{root}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
+        self._paths = add_path(scene, f"{world}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
         if title:
             scene.add_label(
-                f"{root}/title", title, position=(0.0, 0.0, -0.05), anchor="top-center", font_screen_scale=1.1
+                f"{world}/title", title, position=(0.0, 0.0, -0.05), anchor="top-center", font_screen_scale=1.1
             )
         assert planned.joints == whole.robot.joints
         self._attitudes = self.arm.attitudes(film.joint_position)
+        self._carriage = carriage(film, View.ARM)
         self._shown = -1
         self.show(0.0)
 
@@ -243,11 +259,26 @@ class PlanView:
             return
         self._shown = index
         self.arm.set_attitudes(self._attitudes[index])
-        self.tray.place_names(self.film.tray_position[index], self.film.tray_rotation[index])
+        position, rotation = self._carriage.base(index)
+        x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+        self._world.position, self._world.wxyz = position, (w, x, y, z)
+        if self._ground is not None:
+            self._ground.position = self._root.position + position + rotation @ _BELOW
+            self._ground.wxyz = (w, x, y, z)
+        self.tray.place_names(
+            position + rotation @ self.film.tray_position[index], rotation @ self.film.tray_rotation[index]
+        )
         for name, track in self.film.liquids.items():
             self.tray.set_liquid(name, track.coordinates[index], use=float(track.height[index] / track.limit))
         for name, use in self.film.contact_use.items():
             self.tray.set_contact(name, float(use[index]))
+
+    def ride(self, view: View, place: np.ndarray) -> None:
+        """See the plan from the carriage of a view, which stands at a place (3,), m."""
+        self._carriage = carriage(self.film, view)
+        self._root.position = place
+        shown, self._shown = self._shown, -1
+        self.show(float(self.film.t[shown]))
 
     def show_path(self, wanted: bool) -> None:
         """Show or hide the path."""
@@ -256,14 +287,14 @@ class PlanView:
 
     def remove(self) -> None:
         """Take everything away."""
-        self._base.remove()
+        self._root.remove()
 
 
-def prepare(scene: viser.SceneApi) -> None:
-    """Ground and light of an empty scene, of a server or of one client."""
+def prepare(scene: viser.SceneApi) -> viser.SceneNodeHandle:
+    """Ground and light of an empty scene, of a server or of one client; the ground is returned."""
     scene.set_up_direction("+z")
     scene.configure_default_lights(True, cast_shadow=True)
-    scene.add_grid(
+    return scene.add_grid(
         "/ground",
         width=12.0,
         height=12.0,
@@ -274,7 +305,7 @@ def prepare(scene: viser.SceneApi) -> None:
         plane_color=(250, 250, 250),
         plane_opacity=1.0,
         shadow_opacity=0.18,
-        position=(0.0, 0.0, -0.001),
+        position=tuple(_BELOW),
     )
 
 
