@@ -13,6 +13,7 @@ from PIL import Image
 from scipy import ndimage
 
 from nospill.film.timeline import Film
+from nospill.film.views import View
 
 pytest.importorskip("viser", reason="viser is not installed")
 # Playwright's own loop leaves sockets to the garbage collector.
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
 from nospill.viewer.html import save_html  # noqa: E402
 from nospill.viewer.live import live_viewer  # noqa: E402
+from nospill.viewer.playback import SPEEDS  # noqa: E402
 from tests.waiting import PATIENCE, wait_until  # noqa: E402
 
 CURSOR = "document.documentElement.style.getPropertyValue('--nospill-x')"
@@ -47,13 +49,6 @@ def file(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film) -> Path:
     return path
 
 
-def from_above(film: Film) -> str:
-    """Part of an address that puts the camera above the tray of the first picture."""
-    x, y, z = film.tray_position[0]
-    place, target = f"{x:.3f},{y - 0.1:.3f},{z + 0.7:.3f}", f"{x:.3f},{y:.3f},{z:.3f}"
-    return f"?initialCameraPosition={place}&initialCameraLookAt={target}"
-
-
 def picture(page: Any) -> np.ndarray:
     """The scene's part of the window, (height, width, 3), as numbers."""
     with Image.open(io.BytesIO(page.screenshot())) as image:
@@ -61,11 +56,12 @@ def picture(page: Any) -> np.ndarray:
 
 
 def open_page(page: Any, address: str) -> None:
-    """Go there, wait for the player and put the notice about software rendering away."""
+    """Go there, wait for the player and, live, put the notice about software rendering away; the file has none."""
     page.goto(address)
     page.wait_for_selector(".nospill-cursor", state="attached")
     page.wait_for_selector("#root [role=slider]", state="attached")
-    page.locator(".mantine-Notification-closeButton").click()
+    if address.startswith("http:"):
+        page.locator(".mantine-Notification-closeButton").click()
 
 
 def page_pause(page: Any) -> Callable[[float], object]:
@@ -94,6 +90,12 @@ def liquids(pixels: np.ndarray) -> int:
     return int(np.count_nonzero(sizes > 400))
 
 
+def cups(pixels: np.ndarray) -> float:
+    """Share of the picture in the blue of liquids at rest."""
+    red, green, blue = np.moveaxis(pixels, 2, 0)
+    return share((blue > red + 40) & (blue > green + 15))
+
+
 def share(mask: np.ndarray) -> float:
     """Part of the picture a mask covers where it is more than a thin line."""
     return float(np.mean(ndimage.binary_erosion(mask, iterations=3)))
@@ -116,24 +118,36 @@ def played(page: Any) -> float:
 
 
 def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting_film: Film) -> None:
-    open_page(page, f"file://{file}{from_above(tilting_film)}")
+    open_page(page, f"file://{file}")
     shown = [played(page)]
     for _ in range(3):  # a pass that ends starts again at zero
         wait_until(lambda: played(page) != shown[-1], "the motion plays", pause=page_pause(page))
         shown.append(played(page))
+    # The file's clock runs at a quarter of the real one, then at the speed chosen.
+    for label, speed in ((None, 0.25), ("2x", 2.0)):
+        if label is not None:
+            page.select_option("#nospill-speed", label=label)
+        before = page.evaluate("[Date.now(), performance.now()]")
+        page.wait_for_timeout(300)
+        after = page.evaluate("[Date.now(), performance.now()]")
+        # Both are read one after the other, in whole milliseconds.
+        assert (after[0] - before[0]) / (after[1] - before[1]) == pytest.approx(speed, rel=0.1)
+    assert page.locator("#nospill-speed option").all_inner_texts() == list(SPEEDS)
     page.wait_for_function(f"was => {CURSOR} != was", arg=page.evaluate(CURSOR))
     page.keyboard.press("Space")
     page.locator("#root input").first.fill("0")
     pixels = eventually(page, lambda found: liquids(found) == 4 and tray(found) > 0.03, "a tray with four cups")
     assert pixels.std() > 15  # not blank
+    assert cups(pixels) > 0.05  # their liquid alone is half of a cup
     assert page.locator("#nospill-side polyline").count() == 4 + 4 + 6
     assert page.inner_text("#nospill-side h1").startswith("matrix-liquid-tilt (tilting): ")
     assert [address for address in page.asked if not address.startswith(("file:", "data:", "blob:"))] == []
     assert page.errors == []
 
 
-def test_file_shows_the_arm(page: Any, file: Path) -> None:
-    open_page(page, f"file://{file}")
+def test_file_shows_the_arm(page: Any, tmp_path: Path, tilting_film: Film) -> None:
+    save_html([tilting_film], tmp_path / "arm.html", view=View.ARM)
+    open_page(page, f"file://{tmp_path / 'arm.html'}")
     page.keyboard.press("Space")
     pixels = eventually(page, lambda found: arm(found) > 0.02, "the arm")
     whole = ndimage.binary_erosion(np.ptp(pixels, axis=2) < 25, iterations=2) & (pixels.mean(axis=2) < 225)
@@ -146,6 +160,7 @@ def test_file_shows_the_arm(page: Any, file: Path) -> None:
 def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, _):
         open_page(page, address)
+        page.get_by_role("button", name="whole arm").click()
         pixels = eventually(page, lambda found: arm(found) > 0.02, "the arm")
         assert np.ptp(pixels) > 100
         page.goto("about:blank")
@@ -154,7 +169,7 @@ def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
 
 def test_live_viewer_plays(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, player):
-        open_page(page, f"{address}/{from_above(tilting_film)}")
+        open_page(page, address)
         page.get_by_role("button", name="Pause").click()
         page.get_by_role("button", name="Play", exact=True).wait_for()
         assert not player.clock.playing

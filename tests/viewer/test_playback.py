@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 
 pytest.importorskip("viser", reason="viser is not installed")
 
+from nospill.film.timeline import Film
+from nospill.film.views import View
 from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts
 from nospill.viewer.live import live_viewer, running_server, show_plans
@@ -53,7 +55,14 @@ def test_clock_stops_at_the_end_without_loop() -> None:
 def test_player_moves_views_and_controls_together(tilting_film: Film, level_film: Film) -> None:
     with running_server(port=0) as server:
         shown = show_plans(server, [level_film, tilting_film])
-        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
+        chosen: list[View] = []
+        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic, aim=chosen.append)
+        assert player.clock.speed == 0.25
+        assert player._looks is not None
+        for callback in player._looks._impl.update_cb:
+            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value="from above")))
+        assert chosen == [View.ABOVE]
+        player._speed.value = "1x"
         player.step(0.3)
         player.step(0.2)
         assert player.clock.t == pytest.approx(0.5)
@@ -105,6 +114,7 @@ def test_time_of_the_motion_is_real_time(tilting_film: Film, monkeypatch: pytest
     with running_server(port=0) as server:
         shown = show_plans(server, [tilting_film.at_rate(50.0)])
         player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic)
+        player.clock.speed = 1.0
         wall = ScriptedTime([0.0, 0.0, 0.3, 0.0, 0.004, 0.11])
         monkeypatch.setattr(playback, "time", wall)
         player.run(wall)  # type: ignore[arg-type]

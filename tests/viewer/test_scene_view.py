@@ -16,7 +16,8 @@ import viser
 from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
 from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
-from nospill.viewer.live import running_server, short_titles, show_plans, title_of
+from nospill.film.views import View
+from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
 from nospill.viewer.scene_view import PlanView, prepare
 
 
@@ -77,6 +78,30 @@ def test_everything_stands_where_the_judge_says(
     assert server.scene.get_handle_by_name("/one") is None
 
 
+def test_views_move_the_world_and_not_the_tray(tilting_film: Film) -> None:
+    with running_server(port=0) as server:
+        shown = show_plans(server, [tilting_film], view=View.FIXED)
+        view, tray = shown.views[0], node(server, "/tray")
+        ground = []
+        for t in (0.0, 0.4, 0.8):
+            view.show(t)
+            axes = world(server, tray, np.vstack([np.zeros(3), np.eye(3)]))
+            assert axes == pytest.approx(np.vstack([np.zeros(3), np.eye(3)]), abs=1e-6)
+            ground.append(np.array(shown.ground.wxyz))
+        assert not np.allclose(ground[0], ground[1])
+        assert not view._paths[0].visible
+        aim(server, shown, View.TRAY)  # at the same time as before, level
+        axes = world(server, tray, np.vstack([np.zeros(3), np.eye(3)]))
+        assert axes[0] == pytest.approx(np.zeros(3), abs=1e-6)
+        assert np.asarray(shown.ground.wxyz)[1:3] == pytest.approx([0.0, 0.0], abs=1e-6)
+        aim(server, shown, View.ARM)
+        axes = world(server, tray, np.zeros((1, 3)))
+        assert axes[0] == pytest.approx(tilting_film.tray_position[tilting_film.index(0.8)], abs=1e-6)
+        assert view._paths[0].visible
+        for item in ("c1", "c4"):
+            assert server.scene.get_handle_by_name(f"{tray}/{item}/limit") is not None
+
+
 def test_colours_follow_the_use_of_limits(server: viser.ViserServer, tilting_film: Film) -> None:
     view = PlanView(server.scene, tilting_film, root="/colours")
     index = int(np.argmax(tilting_film.contact_use["c1"]))
@@ -131,8 +156,8 @@ def test_scene_of_two_plans(tilting_film: Film, level_film: Film) -> None:
         shown = show_plans(server, [level_film, tilting_film])
         assert [view.root for view in shown.views] == ["/plan_1", "/plan_2"]
         for root in ("/plan_1", "/plan_2"):
-            assert server.scene.get_handle_by_name(f"{root}/path/line") is not None
-            assert server.scene.get_handle_by_name(f"{root}/title") is not None
+            assert server.scene.get_handle_by_name(f"{root}/world/path/line") is not None
+            assert server.scene.get_handle_by_name(f"{root}/world/title") is not None
     assert short_titles([level_film, tilting_film]) == ["level", "tilting"]
     assert short_titles([tilting_film, tilting_film]) == ["matrix-liquid-tilt (1)", "matrix-liquid-tilt (2)"]
     assert title_of(level_film).startswith("matrix-liquid (level): ")

@@ -163,14 +163,15 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
     left, right = np.full(len(row), -np.inf), np.full(len(row), np.inf)
     clockwise = np.sign(area)
     for here, after in ((0, 1), (1, 2), (2, 0)):
-        # Inside is where run x + rise y + offset >= 0.
-        run = clockwise * (y[:, here] - y[:, after])
-        rise = clockwise * (x[:, after] - x[:, here])
-        level = run == 0.0
-        slope = -rise / np.where(level, 1.0, run)
-        at_zero = x[:, here] - slope * y[:, here]
-        edge = at_zero[triangle] + slope[triangle] * row
-        rising, falling = (run > 0)[triangle], (run < 0)[triangle]
+        # Inside is where sign * (x - edge) >= 0. Both triangles of an edge take it from its upper end, so both find the
+        # same to the last bit, and a pixel on it goes to the one on its right.
+        sign = clockwise * np.sign(y[:, here] - y[:, after])
+        swap = y[:, here] > y[:, after]
+        top_x, end_x = np.where(swap, x[:, after], x[:, here]), np.where(swap, x[:, here], x[:, after])
+        top_y, end_y = np.where(swap, y[:, after], y[:, here]), np.where(swap, y[:, here], y[:, after])
+        slope = (end_x - top_x) / np.where(end_y == top_y, 1.0, end_y - top_y)
+        edge = top_x[triangle] + slope[triangle] * (row - top_y[triangle])
+        rising, falling = (sign > 0)[triangle], (sign < 0)[triangle]
         left = np.where(rising, np.maximum(left, edge), left)
         right = np.where(falling, np.minimum(right, edge), right)
     begin = np.clip(np.ceil(left), 0, canvas.width).astype(np.int64)

@@ -18,7 +18,7 @@ from nospill.film.props import limit_ring
 from nospill.film.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
-from nospill.film.views import View, carriage
+from nospill.film.views import CLOSE, View, carriage
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
@@ -248,7 +248,7 @@ class PlanView:
             )
         assert planned.joints == whole.robot.joints
         self._attitudes = self.arm.attitudes(film.joint_position)
-        self._carriage = carriage(film, View.ARM)
+        self._carriage, self._close, self._path_wanted = carriage(film, View.ARM), False, True
         self._shown = -1
         self.show(0.0)
 
@@ -275,15 +275,17 @@ class PlanView:
 
     def ride(self, view: View, place: np.ndarray) -> None:
         """See the plan from the carriage of a view, which stands at a place (3,), m."""
-        self._carriage = carriage(self.film, view)
+        self._carriage, self._close = carriage(self.film, view), view in CLOSE
         self._root.position = place
+        self.show_path(self._path_wanted)
         shown, self._shown = self._shown, -1
         self.show(float(self.film.t[shown]))
 
     def show_path(self, wanted: bool) -> None:
-        """Show or hide the path."""
+        """Show or hide the path; seen from close by it would cut through the cups and is hidden in any case."""
+        self._path_wanted = wanted
         for handle in self._paths:
-            handle.visible = wanted
+            handle.visible = wanted and not self._close
 
     def remove(self) -> None:
         """Take everything away."""
