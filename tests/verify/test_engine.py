@@ -59,7 +59,7 @@ def cylinder(friction: float = 0.5, modes: tuple[ModalMass, ...] = ()) -> Body:
 
 
 def run(body: Body, motion: TrayMotion) -> Simulation:
-    return simulate(build((body,), tray_size=np.array([0.4, 0.3])), (body,), motion)
+    return simulate(build((body,)), (body,), motion)
 
 
 def slide(found: Simulation) -> np.ndarray:
@@ -125,7 +125,7 @@ def swinging(axes: tuple[int, ...], amplitude: float, damping: float = 0.0) -> t
     mode = ModalMass(0.06, 0.02, axes, curvature, damping=2 * damping * omega * 0.06)
     heavy = replace(cylinder(0.9, (mode,)), mass=100.0, inertia=np.eye(3))
     motion = resting(3.0)
-    model = build((heavy,), tray_size=np.ones(2))
+    model = build((heavy,))
     stepper = Stepper(model, (heavy,), motion)
     last = axes[-1]
     stepper.data.qpos[model.joint(f"across0-0-{last}").qposadr[0]] = amplitude

@@ -95,7 +95,7 @@ def test_body_let_go_in_a_wild_frame_drifts_straight_on_in_space() -> None:
     )
     inertia = 1e-3 * np.diag([2.0, 3.0, 4.0])
     bodies = (block(inertia),)
-    stepper = Stepper(build(bodies, tray_size=np.ones(2)), bodies, motion)
+    stepper = Stepper(build(bodies), bodies, motion)
     drift, spin = np.array([0.1, -0.3, 0.2]), np.array([1.0, -2.0, 3.0])  # in space
     centre = np.array([0.1, 0.1, 0.6]) + origin[0]  # high above the tray, which it must not touch
     stepper.data.qpos[:3] = centre - origin[0] - bodies[0].centre

@@ -34,7 +34,12 @@ def verify(
     ] = False,
     video: Annotated[
         Path | None,
-        typer.Option("--video", metavar="FILE", help="Film the simulation (.mp4 or .gif).", show_default=False),
+        typer.Option(
+            "--video",
+            metavar="FILE",
+            help="Film the simulation (.mp4, .webp or .gif), at a quarter of its speed.",
+            show_default=False,
+        ),
     ] = None,
 ) -> int:
     """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves."""
@@ -47,7 +52,7 @@ def verify(
 
         thresholds = Thresholds(quantity(distance, "length"), quantity(angle, "angle"))
         if video is not None:
-            from nospill.verify.video import require_film
+            from nospill.film.writing import require_film
 
             require_film(video)
         plan = load_plan(folder)
@@ -61,7 +66,9 @@ def verify(
             from nospill.verify.video import write_film
 
             progress.say("film")
-            write_film(plan, joints, video)
+            write_film(
+                plan, joints, video, progress=lambda done, total: progress.say("film", f"picture {done} of {total}")
+            )
     if as_json:
         print_json(report.to_dict())
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
 from itertools import pairwise
@@ -62,6 +63,27 @@ class Body:
     group: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Where an object is on its tray, a picture at a time.
+
+    Attributes:
+        position: (m, 3) of its bottom centre in the tray frame, m.
+        rotation: (m, 3, 3), its container frame to the tray's.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+
+
+def standing(cargo: Cargo, count: int) -> Placed:
+    """An object that stays where the scene has it, over so many pictures."""
+    sine, cosine = np.sin(cargo.yaw), np.cos(cargo.yaw)
+    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    place = np.array([*cargo.position, 0.0])
+    return Placed(np.broadcast_to(place, (count, 3)), np.broadcast_to(turn, (count, 3, 3)))
+
+
 class Stagehand:
     """Bodies of a plan, made once and put in place for every picture.
 
@@ -69,13 +91,18 @@ class Stagehand:
         film: what is shown.
     """
 
-    def __init__(self, film: Film, *, path: bool) -> None:
-        """Make the bodies; `path` for the line that the tray follows.
+    def __init__(self, film: Film, *, path: bool, placed: Mapping[str, Placed] | None = None) -> None:
+        """Make the bodies.
+
+        Args:
+            film: what is shown.
+            path: whether the line is shown that the tray follows.
+            placed: where the objects stand, where that is not where the scene has them.
 
         Raises:
             ScenarioError: the robot's URDF cannot be read.
         """
-        self.film = film
+        self.film, self._placed = film, dict(placed or {})
         scene = film.plan.scene
         self._chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
         self._links = drawn_links(self._chain, scene.tray)
@@ -91,9 +118,8 @@ class Stagehand:
         position, rotation = film.tray_position[index], film.tray_rotation[index]
         found.append(Body(_moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:
-            foot = position + rotation @ np.array([*cargo.position, 0.0])
-            sine, cosine = np.sin(cargo.yaw), np.cos(cargo.yaw)
-            turned = rotation @ np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+            own = self._placed.get(cargo.name) or standing(cargo, len(film.t))
+            foot, turned = position + rotation @ own.position[index], rotation @ own.rotation[index]
             for mesh, colour, kind in self._object(cargo, index):
                 found.append(Body(_moved(mesh, foot, turned), colour, kind, cargo.name))
         return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,7 @@ from nospill.core.files import atomic_file
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.overlay import caption, write_over
 from nospill.film.picture import draw
-from nospill.film.props import Stagehand
+from nospill.film.props import Placed, Stagehand
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, carriage, viewpoint
 
@@ -93,7 +93,12 @@ def require_film(path: Path) -> None:
 
 
 def save_film(
-    films: Sequence[Film], path: Path, form: Format, *, progress: Callable[[int, int], None] | None = None
+    films: Sequence[Film],
+    path: Path,
+    form: Format,
+    *,
+    placed: Mapping[str, Placed] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> int:
     """Draw motions side by side on one clock and write the film.
 
@@ -101,6 +106,7 @@ def save_film(
         films: all cut at `form.motion_rate` and of one length.
         path: of the file; an earlier one is replaced.
         form: how it looks.
+        placed: where the objects stand, where that is not where their scene has them.
         progress: called with the number of pictures drawn and that of all.
 
     Returns:
@@ -112,7 +118,7 @@ def save_film(
     require_film(path)
     count = max(len(film.t) for film in films)
     with atomic_file(path) as partial:
-        _write(partial, _counted(pictures(films, form), count, progress), form.rate, count)
+        _write(partial, _counted(pictures(films, form, placed), count, progress), form.rate, count)
     return count
 
 
@@ -125,12 +131,12 @@ def _counted(
         yield picture
 
 
-def pictures(films: Sequence[Film], form: Format) -> Iterator[np.ndarray]:
-    """Every picture of a film (height, width, 3), 0 to 255, in order; several are drawn at a time."""
+def pictures(films: Sequence[Film], form: Format, placed: Mapping[str, Placed] | None = None) -> Iterator[np.ndarray]:
+    """Every picture of a film (height, width, 3), 0 to 255, in order; arguments as of `save_film`."""
     width, height = form.size
     edges = np.rint(np.linspace(0, width, len(films) + 1)).astype(int)
     camera = viewpoint(films, form.view, aspect=width / len(films) / height)
-    hands = [Stagehand(film, path=form.view not in CLOSE) for film in films]
+    hands = [Stagehand(film, path=form.view not in CLOSE, placed=placed) for film in films]
     rides = [carriage(film, form.view) for film in films]
     times = max(films, key=lambda film: film.length).t
 

@@ -78,22 +78,14 @@ def mujoco() -> Any:
         ) from error
 
 
-def build(bodies: tuple[Body, ...], *, tray_size: np.ndarray, scenery: str = "", looks: bool = False) -> Any:
-    """The model: tray frame = world frame.
-
-    Args:
-        bodies: the objects.
-        tray_size: (2,) m, for the eye only: the plane has no end.
-        scenery: more elements of the world, as MJCF.
-        looks: with visible walls and liquids, which touch nothing.
-    """
+def build(bodies: tuple[Body, ...]) -> Any:
+    """The model: tray frame = world frame; the tray has no end."""
     engine = mujoco()
-    parts = "".join(_body_text(index, body, looks) for index, body in enumerate(bodies))
-    half, sky = np.asarray(tray_size) / 2, _SKY if looks else ""
+    parts = "".join(_body_text(index, body) for index, body in enumerate(bodies))
     text = (
-        f"<mujoco>{_OPTIONS}<visual><global offwidth='1280' offheight='960'/></visual>{sky}<worldbody>"
-        f'<geom name="tray" type="plane" size="{half[0]} {half[1]} 0.01" friction="0 0 0" {_CONTACT} '
-        f'contype="1" conaffinity="0" rgba="0.55 0.5 0.45 1"/>{scenery}{parts}</worldbody>'
+        f"<mujoco>{_OPTIONS}<worldbody>"
+        f'<geom name="tray" type="plane" size="1 1 0.01" friction="0 0 0" {_CONTACT} '
+        f'contype="1" conaffinity="0"/>{parts}</worldbody>'
         f"<equality>{_bowls(bodies)}</equality></mujoco>"
     )
     model = engine.MjModel.from_xml_string(text)
@@ -185,23 +177,23 @@ class Stepper:
         return Simulation(self._motion.t, poses[:, :, :3], poses[:, :, 3:], modes)
 
 
-def _body_text(index: int, body: Body, looks: bool) -> str:
+def _body_text(index: int, body: Body) -> str:
     touch = (
         f'type="sphere" size="{CONTACT_RADIUS}" mass="0" friction="{body.friction} 0 0" {_CONTACT} '
-        'contype="0" conaffinity="1" rgba="0.2 0.2 0.2 1"'
+        'contype="0" conaffinity="1"'
     )
     contacts = "".join(f'<geom {touch} pos="{x:.17g} {y:.17g} {CONTACT_RADIUS}"/>' for x, y in body.contacts)
-    modes = "".join(_mode_text(f"{index}-{number}", mode, looks) for number, mode in enumerate(body.modes))
+    modes = "".join(_mode_text(f"{index}-{number}", mode) for number, mode in enumerate(body.modes))
     return (
         f'<body name="object{index}" simple="false"><freejoint name="free{index}"/>'
         '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-        f"{contacts}{_walls(body) if looks else ''}{modes}</body>"
+        f"{contacts}{modes}</body>"
     )
 
 
-def _mode_text(label: str, mode: ModalMass, looks: bool) -> str:
+def _mode_text(label: str, mode: ModalMass) -> str:
     """One body per direction, nested, each with a slide across and one up; the mass is on the last."""
-    text = f"<geom {_UNTOUCHED} type='sphere' size='0.004' rgba='0.1 0.3 0.8 1'/>" if looks else ""
+    text = ""
     for depth, axis in reversed(list(enumerate(mode.axes))):
         last, first = depth == len(mode.axes) - 1, depth == 0
         share = 1.0 - _LINK_FRACTION * (len(mode.axes) - 1) if last else _LINK_FRACTION
@@ -224,35 +216,6 @@ def _bowls(bodies: tuple[Body, ...]) -> str:
         for number, mode in enumerate(body.modes)
         for axis in mode.axes
     )
-
-
-_UNTOUCHED = 'contype="0" conaffinity="0" mass="0"'
-_SKY = (
-    '<asset><texture type="skybox" builtin="gradient" rgb1="0.93 0.95 0.98" rgb2="0.75 0.82 0.9" width="64" '
-    'height="64"/></asset>'
-)
-
-
-def _walls(body: Body) -> str:
-    """The object and its liquid at rest, for the eye: a prism over the outline's bounding ellipse or rectangle."""
-    half = np.max(np.abs(body.contacts), axis=0)
-    round_bottom = len(body.contacts) > 8
-    texts = []
-    solid = body.liquid_height == 0.0
-    for height, colour in (
-        (body.height, "0.75 0.45 0.2 1" if solid else "0.85 0.9 0.95 0.25"),
-        (body.liquid_height, "0.2 0.5 0.9 0.5"),
-    ):
-        if height > 0.0:
-            inner = 1.0 if height == body.height else 0.97
-            size = (
-                f"{inner * half[0]} {height / 2}"
-                if round_bottom
-                else f"{inner * half[0]} {inner * half[1]} {height / 2}"
-            )
-            kind = "cylinder" if round_bottom else "box"
-            texts.append(f'<geom {_UNTOUCHED} type="{kind}" size="{size}" pos="0 0 {height / 2}" rgba="{colour}"/>')
-    return "".join(texts)
 
 
 @contextlib.contextmanager

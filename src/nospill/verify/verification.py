@@ -58,7 +58,7 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
     used = thresholds or Thresholds()
     given = joints or planned_joints(plan.trajectory, plan.scene, source="trajectory")
     scene = stage(given, plan.scene)
-    model = build(scene.bodies, tray_size=plan.scene.tray.size)
+    model = build(scene.bodies)
     simulation = simulate(model, scene.bodies, scene.motion)
     return VerifyReport(
         objects=object_reports(simulation, scene.bodies, settled=scene.settled, thresholds=used),
