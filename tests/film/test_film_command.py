@@ -42,7 +42,7 @@ def test_webp_of_two_plans(folders: tuple[str, str], tmp_path: Path, tilting_fil
     assert f"{count} pictures" in result.stdout
     with Image.open(target) as image:
         assert image.size == (96, 64)
-        assert image.n_frames == count
+        assert image.n_frames == count  # pyright: ignore[reportAttributeAccessIssue]
         pictures = []
         for index in range(count):
             image.seek(index)
@@ -56,7 +56,7 @@ def test_gif_is_as_long_as_the_motion(folders: tuple[str, str], tmp_path: Path, 
     assert run(folders[1], "-o", str(target), "--view", "fixed", *SMALL).exit_code == 0
     total = 0.0
     with Image.open(target) as image:
-        for index in range(image.n_frames):
+        for index in range(image.n_frames):  # pyright: ignore[reportAttributeAccessIssue]
             image.seek(index)
             total += image.info["duration"] / 1000.0
     assert total == pytest.approx(wanted_pictures(tilting_film) / 4.0, abs=0.02)
@@ -69,8 +69,8 @@ def test_mp4_has_every_picture(folders: tuple[str, str], tmp_path: Path, tilting
     target = tmp_path / "one.mp4"
     assert run(folders[1], "-o", str(target), "--view", "arm", *SMALL).exit_code == 0
     with imageio.get_reader(target) as reader:
-        assert reader.count_frames() == wanted_pictures(tilting_film)
-        assert reader.get_data(0).shape == (64, 96, 3)
+        assert reader.count_frames() == wanted_pictures(tilting_film)  # pyright: ignore[reportAttributeAccessIssue]
+        assert reader.get_data(0).shape == (64, 96, 3)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @pytest.mark.parametrize(

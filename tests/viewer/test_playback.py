@@ -60,7 +60,7 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
         assert player.clock.speed == 0.25
         assert player._looks is not None
         for callback in player._looks._impl.update_cb:
-            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value="from above")))
+            callback(SimpleNamespace(client=object(), target=SimpleNamespace(value="from above")))  # type: ignore[arg-type]
         assert chosen == [View.ABOVE]
         player._speed.value = "1x"
         player.step(0.3)
