@@ -23,6 +23,8 @@ _DEPTHS, _NUMBERS = 2.0**40, 22
 """Steps of the depth buffer, and bits of a triangle's number behind them: one integer orders by depth first."""
 _LEAST_AREA = 1e-9
 """px^2, twice the area of a triangle that is drawn at all."""
+_LEVEL = 1e-9
+"""px; an edge that falls by less bounds no row."""
 _EMPTY = np.iinfo(np.int64).max
 
 
@@ -165,11 +167,13 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
     for here, after in ((0, 1), (1, 2), (2, 0)):
         # Inside is where sign * (x - edge) >= 0. Both triangles of an edge take it from its upper end, so both find the
         # same to the last bit, and a pixel on it goes to the one on its right.
-        sign = clockwise * np.sign(y[:, here] - y[:, after])
+        fall = y[:, here] - y[:, after]
+        level = np.abs(fall) < _LEVEL
+        sign = np.where(level, 0.0, clockwise * np.sign(fall))
         swap = y[:, here] > y[:, after]
         top_x, end_x = np.where(swap, x[:, after], x[:, here]), np.where(swap, x[:, here], x[:, after])
         top_y, end_y = np.where(swap, y[:, after], y[:, here]), np.where(swap, y[:, here], y[:, after])
-        slope = (end_x - top_x) / np.where(end_y == top_y, 1.0, end_y - top_y)
+        slope = (end_x - top_x) / np.where(level, 1.0, end_y - top_y)
         edge = top_x[triangle] + slope[triangle] * (row - top_y[triangle])
         rising, falling = (sign > 0)[triangle], (sign < 0)[triangle]
         left = np.where(rising, np.maximum(left, edge), left)
