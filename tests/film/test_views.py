@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -12,32 +14,35 @@ from nospill.film.raster import Canvas, Triangles, clipped, covered
 from nospill.film.stage import axes_facing, framed
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, arrangement, carriage, headings, load_outline, viewpoint
+from nospill.scene.scene import Scene
+from tests.films import film_of
 
 SIZE = (96, 72)
 ASPECT = SIZE[0] / SIZE[1]
 
 
-def share_of_cups(film: Film, index: int, view: View, aspect: float) -> float:
-    """Part of the picture that objects with liquid cover, by pixels."""
+def share_of_objects(hand: Stagehand, index: int, view: View, aspect: float) -> float:
+    """Part of the picture that the objects on the tray cover, by pixels."""
+    film = hand.film
     camera, ride = viewpoint([film], view, aspect=aspect), carriage(film, view)
     canvas = Canvas.of(camera, round(72 * aspect), 72)
     rotation = ride.rotation[index] @ axes_facing(camera.position - camera.look_at)
     origin = ride.position[index] + ride.rotation[index] @ camera.position
-    walls = [body.mesh for body in Stagehand(film, path=False).bodies(index) if body.kind is Kind.GLASS]
-    corners = np.concatenate([((wall.vertices - origin) @ rotation)[wall.faces] for wall in walls])
+    load = [body.mesh for body in hand.bodies(index) if body.group and body.kind is not Kind.MARK]
+    corners = np.concatenate([((mesh.vertices - origin) @ rotation)[mesh.faces] for mesh in load])
     blank = Triangles(corners, np.ones(corners.shape[:2]), np.zeros(len(corners), dtype=int))
     return float(np.mean(covered(canvas, clipped(blank))))
 
 
-@pytest.mark.parametrize("which", ["tilting_film", "level_film"])
+@pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "pp-two-cups", "mixed-tray"])
 @pytest.mark.parametrize("view", CLOSE)
-@pytest.mark.parametrize("aspect", [0.89, 1.2, 16 / 9])
-def test_cups_fill_a_tenth_of_the_picture_at_every_instant(
-    which: str, view: View, aspect: float, request: pytest.FixtureRequest
+def test_objects_fill_a_tenth_of_the_picture_at_every_instant(
+    name: str, view: View, changed_scene: Callable[..., Scene]
 ) -> None:
-    film: Film = request.getfixturevalue(which)
-    shares = [share_of_cups(film, index, view, aspect) for index in range(0, len(film.t), 4)]
-    assert min(shares) >= 0.1
+    film = film_of(changed_scene(name, {}), rate=5.0)
+    hand = Stagehand(film, path=False)
+    for aspect in (0.89, 16 / 9):
+        assert min(share_of_objects(hand, index, view, aspect) for index in range(len(film.t))) >= 0.1
 
 
 def test_a_heading_is_what_is_left_without_the_tilt() -> None:
