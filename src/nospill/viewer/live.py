@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 LIVE_RATE = 50.0
 """Pictures per second of the live viewer."""
-_ASPECT = 1.2
-"""Width over height of the scene's part of a usual window."""
+_ASPECT = 1.05
+"""Width over height of the scene's part of a narrow window; a wider one shows more of what is beside the tray."""
 
 
 @dataclass(frozen=True, slots=True)
