@@ -58,7 +58,7 @@ def save_html(
 
 def _with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
     """The page of viser with a column of charts beside the scene, and a cursor that follows its player's slider."""
-    head = f"<style>{_STYLE}</style><script>{_CLOCK}</script></head>"
+    head = f"<style>{_STYLE}</style><script>{CLOCK}</script></head>"
     lines = "".join(f"<h1>{escape(title)}</h1>" for title in titles)
     side = (
         f"<aside id='nospill-side'>{lines}<p>Drag to turn, wheel to zoom, space bar to play or pause. {_speeds()}</p>"
@@ -81,13 +81,14 @@ def _speeds() -> str:
     return f"<label>Speed <select id='nospill-speed'>{options}</select></label>"
 
 
-_CLOCK = (
+CLOCK = (
     # viser's player measures time by Date.now and has no speed below a half: a clock that runs at the speed chosen.
     f"(function(){{var now=Date.now,speed={SPEEDS[START_SPEED]},real=now(),shown=real;"
     "Date.now=function(){return shown+(now()-real)*speed};"
     "document.addEventListener('change',function(event){if(event.target.id==='nospill-speed'){"
     "shown=Date.now();real=now();speed=+event.target.value;event.target.blur()}});})();"
 )
+"""Script for the head of the file."""
 _STYLE = (
     "#root .mantine-Select-root{display:none}.mantine-Notifications-root{display:none}"
     f"#root{{width:calc(100% - {_SIDE}px)!important}}"
