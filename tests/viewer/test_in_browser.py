@@ -138,9 +138,8 @@ def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting
 
 def test_the_clock_of_the_file_runs_at_the_speed_chosen(page: Any) -> None:
     """A time that the test sets, seen through the file's clock: a quarter of it first, then the speed chosen."""
-    page.set_content(
-        "<select id='nospill-speed'><option value='0.25'>a</option><option value='2.0'>b</option></select>"
-    )
+    options = "<option value='0.25'>a</option><option value='2.0'>b</option>"
+    page.set_content(f"<select id='nospill-speed'>{options}</select>")
     page.evaluate("() => { window.real = 1000; Date.now = () => window.real }")
     page.evaluate(CLOCK)
     page.evaluate("() => { window.real += 400 }")
