@@ -18,9 +18,9 @@ JOINTS = tuple(f"joint_{number}" for number in range(1, 7))
 
 def limits(count: int, speed: float, acceleration: float, jerk: float) -> dict[str, np.ndarray]:
     return {
-        "speed": np.full(count, speed),
-        "acceleration": np.full(count, acceleration),
-        "jerk": np.full(count, jerk),
+        "max_speed": np.full(count, speed),
+        "max_acceleration": np.full(count, acceleration),
+        "max_jerk": np.full(count, jerk),
     }
 
 

@@ -319,6 +319,6 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
     solid = {f".objects[3].{name}" for name in ("liquid_height.0", "max_slosh_height.0")}
     solid |= {f".objects[3].static_correction.{axis}" for axis in range(2)}
     discs = {f".objects[{index}].half_lengths.1" for index in (0, 1, 3)}
-    unset = ("joint_acceleration_limit", "joint_jerk_limit", "joint_torque_limit", "load_", "self_motion")
+    unset = ("max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
     unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}
     assert silent == solid | discs | unlimited | {".path_breaks.7"}

@@ -19,7 +19,9 @@ class Profile:
     """A motion of n joints from rest to rest.
 
     Attributes:
-        start, end: (n,) rad. duration: s; zero where both are the same.
+        start: (n,) rad.
+        end: (n,) rad.
+        duration: s; zero where both are the same.
         curve: ruckig's trajectory.
     """
 
@@ -58,16 +60,16 @@ def require_ruckig() -> Any:
 
 
 def jerk_limited(
-    start: np.ndarray, end: np.ndarray, *, speed: np.ndarray, acceleration: np.ndarray, jerk: np.ndarray
+    start: np.ndarray, end: np.ndarray, *, max_speed: np.ndarray, max_acceleration: np.ndarray, max_jerk: np.ndarray
 ) -> Profile:
     """Return the fastest motion in which all joints keep pace, so that the way is a straight line in joint space.
 
     Args:
         start: (n,) joint positions, rad.
         end: likewise.
-        speed: (n,) limits above zero, rad/s.
-        acceleration: likewise, rad/s^2.
-        jerk: likewise, rad/s^3.
+        max_speed: (n,) limits above zero, rad/s.
+        max_acceleration: likewise, rad/s^2.
+        max_jerk: likewise, rad/s^3.
 
     Raises:
         MissingExtraError: ruckig is not installed.
@@ -77,7 +79,8 @@ def jerk_limited(
     count = len(start)
     wanted = library.InputParameter(count)
     wanted.current_position, wanted.target_position = start.tolist(), end.tolist()
-    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = speed.tolist(), acceleration.tolist(), jerk.tolist()
+    wanted.max_velocity = max_speed.tolist()
+    wanted.max_acceleration, wanted.max_jerk = max_acceleration.tolist(), max_jerk.tolist()
     wanted.synchronization = library.Synchronization.Phase
     curve = library.Trajectory(count)
     try:

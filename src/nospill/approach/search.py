@@ -51,9 +51,9 @@ def find_approach(scene: Scene, rules: ApproachRules, end: np.ndarray) -> Approa
     profile = jerk_limited(
         rules.start,
         end,
-        speed=rules.max_speed * min(rules.speed_scale, _RESERVE),
-        acceleration=rules.max_acceleration * min(rules.acceleration_scale, _RESERVE),
-        jerk=rules.max_jerk * _RESERVE,
+        max_speed=rules.max_speed * min(rules.speed_scale, _RESERVE),
+        max_acceleration=rules.max_acceleration * min(rules.acceleration_scale, _RESERVE),
+        max_jerk=rules.max_jerk * _RESERVE,
     )
 
     def tried(stretch: float) -> Approach:

@@ -90,10 +90,10 @@ class SceneNumbers:
     tool: Number
     joint_lower: Number
     joint_upper: Number
-    joint_speed_limit: Number
-    joint_acceleration_limit: Number
-    joint_jerk_limit: Number
-    joint_torque_limit: Number
+    max_speed: Number
+    max_acceleration: Number
+    max_jerk: Number
+    max_torque: Number
     self_motion: Number
     load_mass: Number
     load_first_moment: Number

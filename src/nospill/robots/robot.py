@@ -17,13 +17,17 @@ class Robot:
         urdf: URDF text without meshes.
         joints: names of the moving joints, base to tip, shape of every array below: (n,).
         tip: the flange link.
-        lower, upper: joint position limits, rad.
-        max_speed: rad/s. max_acceleration: rad/s^2, max_jerk: rad/s^3, max_torque: N m; each None where it is not set,
-            and then not limited.
+        lower: joint position limits, rad.
+        upper: likewise.
+        max_speed: joint speed limits, rad/s.
+        max_acceleration: joint acceleration limits, rad/s^2, or None where they are not limited.
+        max_jerk: joint jerk limits, rad/s^3, or None.
+        max_torque: joint torque limits, N m, or None.
         inertias_known: whether the URDF's masses and inertias are real, so that joint torques can be computed.
         home: (n,) configuration the arm stands in before and after, rad, or None. The scenario's if it gives one, else
             the catalogue's.
-        payload: kg or None. reach: m or None.
+        payload: kg, or None.
+        reach: m, or None.
         sources: quantity -> where the figure comes from.
         not_known: quantities nobody states for this arm, in words.
         notes: what was assumed when its description was read, one sentence each, for people.

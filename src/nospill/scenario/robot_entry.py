@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
@@ -11,8 +11,16 @@ from pydantic import Field
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot, moved_robot
-from nospill.robots.description.limits import LimitChanges, changed_limits, position_and_speed_only, with_home
-from nospill.robots.description.urdf import BasePose, read_arm, standalone_urdf
+from nospill.robots.description.limits import (
+    JointLimits,
+    LimitChanges,
+    LimitedArm,
+    changed_limits,
+    limits_of,
+    position_and_speed_only,
+    with_home,
+)
+from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standalone_urdf
 from nospill.robots.robot import Robot
 from nospill.scenario.fields import ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
 
@@ -62,7 +70,26 @@ class LimitsTable(Table):
 
     def changes(self) -> LimitChanges:
         """The same as a record."""
-        return LimitChanges(**{key: getattr(self, key) for key in type(self).model_fields})
+        scales = {
+            "max_speed": self.speed_scale,
+            "max_acceleration": self.acceleration_scale,
+            "max_jerk": self.jerk_scale,
+            "max_torque": self.torque_scale,
+        }
+        return LimitChanges(
+            lower=self.lower,
+            upper=self.upper,
+            max_speed=self.speed,
+            max_acceleration=self.acceleration,
+            max_jerk=self.jerk,
+            max_torque=self.torque,
+            scales={name: scale for name, scale in scales.items() if scale is not None},
+        )
+
+    def beyond_speed(self) -> str | None:
+        """The first key that is given and is no limit of position or speed, or None."""
+        keys = ("acceleration", "jerk", "torque", "acceleration_scale", "jerk_scale", "torque_scale")
+        return next((key for key in keys if getattr(self, key) is not None), None)
 
 
 class RobotTable(Table):
@@ -131,25 +158,36 @@ class RobotTable(Table):
         """
         yaw = 0.0 if isinstance(self.base_yaw, str) else self.base_yaw
         base = BasePose(self.base_position, (self.base_roll, self.base_pitch, yaw))
-        fault = None
         if self.model is not None:
-            robot = moved_robot(load_robot(self.model), tip=self.tip, base=base, locked=self.locked)
+            known = moved_robot(load_robot(self.model), tip=self.tip, base=base, locked=self.locked)
+            arm = LimitedArm(known.name, known.joints, known.inertias_known)
+            robot = replace(known, **self._limits(limits_of(known), arm).fields())
         else:
-            robot, fault = _from_urdf(self.urdf_text or "", self.tip, base, self.locked)
-        changes = self.limits.changes()
-        if self.limits_applied != "all":
-            stray = [
-                key
-                for key in ("acceleration", "jerk", "torque", "acceleration_scale", "jerk_scale", "torque_scale")
-                if getattr(changes, key) is not None
-            ]
-            if stray:
-                raise ScenarioError(
-                    f'limits.{stray[0]} is given, but limits_applied = "{self.limits_applied}" leaves it out; '
-                    "drop one of the two"
-                )
-        robot = with_home(changed_limits(robot, changes, inertia_fault=fault), self.home)
-        return robot if self.limits_applied == "all" else position_and_speed_only(robot)
+            read = read_arm(self.urdf_text or "", tip=self.tip, base=base, locked=self.locked)
+            arm = LimitedArm(read.name, read.joints, read.inertia_fault is None, read.inertia_fault)
+            robot = Robot(
+                name=read.name,
+                title=f"{read.name} (own URDF)",
+                urdf=read.urdf,
+                joints=read.joints,
+                tip=read.tip,
+                payload=None,
+                reach=None,
+                inertias_known=arm.inertias_known,
+                notes=read.notes,
+                **self._limits(_urdf_limits(read), arm).fields(),
+            )
+        return with_home(robot, self.home)
+
+    def _limits(self, limits: JointLimits, arm: LimitedArm) -> JointLimits:
+        published, stray = self.limits_applied != "all", self.limits.beyond_speed()
+        if published and stray:
+            raise ScenarioError(
+                f'limits.{stray} is given, but limits_applied = "{self.limits_applied}" leaves it out; '
+                "drop one of the two"
+            )
+        changed = changed_limits(limits, self.limits.changes(), arm)
+        return position_and_speed_only(changed) if published else changed
 
 
 def _from_file(file: FilePath, shown: str) -> str:
@@ -171,33 +209,24 @@ def _from_file(file: FilePath, shown: str) -> str:
         raise ScenarioError(f"urdf {as_written(shown)}: {error}") from None
 
 
-def _from_urdf(text: str, tip: str | None, base: BasePose, locked: Mapping[str, object]) -> tuple[Robot, str | None]:
-    arm = read_arm(text, tip=tip, base=base, locked=locked)
+def _urdf_limits(arm: UrdfArm) -> JointLimits:
+    """Joint limits of an arm from a URDF; torques only where every joint has one and the inertias are real."""
     real = arm.inertia_fault is None
-    torque_set = bool((arm.torque > 0.0).all())
+    torque_set = bool((arm.max_torque > 0.0).all())
     not_known = ["payload", "reach", "joint acceleration", "joint jerk"]
     if not (real and torque_set):
         not_known.append("joint torque")
     if not real:
         not_known.append("link masses and inertias")
-    robot = Robot(
-        name=arm.name,
-        title=f"{arm.name} (own URDF)",
-        urdf=arm.urdf,
-        joints=arm.joints,
-        tip=arm.tip,
+    return JointLimits(
         lower=arm.lower,
         upper=arm.upper,
-        max_speed=arm.speed,
+        max_speed=arm.max_speed,
         max_acceleration=None,
-        payload=None,
-        reach=None,
+        max_jerk=None,
+        max_torque=arm.max_torque if torque_set and real else None,
         sources=dict.fromkeys(
             ("chain", "position", "speed", *(("torque",) if torque_set and real else ())), "the URDF"
         ),
         not_known=tuple(not_known),
-        max_torque=arm.torque if torque_set and real else None,
-        inertias_known=real,
-        notes=arm.notes,
     )
-    return robot, arm.inertia_fault

@@ -122,9 +122,9 @@ def test_data_file_and_description_agree(name):
     np.testing.assert_allclose(arm.lower, robot.lower, atol=1e-11)
     np.testing.assert_allclose(arm.upper, robot.upper, atol=1e-11)
     if robot.max_torque is None:
-        assert np.isnan(arm.torque).all()
+        assert np.isnan(arm.max_torque).all()
     else:
-        np.testing.assert_array_equal(arm.torque, robot.max_torque)
+        np.testing.assert_array_equal(arm.max_torque, robot.max_torque)
     assert (inertia_fault(read_tree(robot.urdf), robot.joints) is None) == robot.inertias_known
     assert not [element for element in ElementTree.fromstring(robot.urdf).iter() if element.tag in ("visual", "mesh")]
 

@@ -58,7 +58,7 @@ def pose(arm: Any, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def test_a_plain_arm() -> None:
     arm = read_arm(arm_text())
     assert (arm.name, arm.tip, arm.joints) == ("testarm", "tool0", ("j1", "j2", "j3", "j4", "j5", "j6"))
-    for array, value in ((arm.lower, -2.5), (arm.upper, 2.5), (arm.speed, 2.0), (arm.torque, 90.0)):
+    for array, value in ((arm.lower, -2.5), (arm.upper, 2.5), (arm.max_speed, 2.0), (arm.max_torque, 90.0)):
         np.testing.assert_array_equal(array, np.full(6, value))
         assert not array.flags.writeable
     assert arm.inertia_fault is None
@@ -145,14 +145,14 @@ def test_a_long_list_of_frames_is_cut() -> None:
 )
 def test_placeholders_count_as_not_set(limit: str, lower: float, speed: float, torque: float) -> None:
     arm = read_arm(arm_text(changed=dict.fromkeys(range(1, 7), limit)))
-    for array, value in ((arm.lower, lower), (arm.speed, speed), (arm.torque, torque)):
+    for array, value in ((arm.lower, lower), (arm.max_speed, speed), (arm.max_torque, torque)):
         np.testing.assert_array_equal(array, np.full(6, value))
     assert pose(arm, np.zeros((1, 6)))[0][0, 2] == pytest.approx(1.25)
 
 
 def test_one_fast_joint_is_no_placeholder() -> None:
     arm = read_arm(arm_text(changed={6: LIMIT.replace('"2"', '"12"')}))
-    assert arm.speed.tolist() == [2, 2, 2, 2, 2, 12]
+    assert arm.max_speed.tolist() == [2, 2, 2, 2, 2, 12]
 
 
 def test_continuous_joints_get_a_turn_and_say_so() -> None:

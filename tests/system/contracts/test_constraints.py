@@ -57,7 +57,7 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         middle = (numbers.joint_lower + numbers.joint_upper) / 2
         half = (numbers.joint_upper - numbers.joint_lower) / 2
         position = middle + 1.5 * half * x[:joints]
-        speed = 1.5 * numbers.joint_speed_limit * x[joints:]
+        speed = 1.5 * numbers.max_speed * x[joints:]
         return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed), x)
     x = ca.SX.sym("x", 5)
     return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=1500 * x[2:]), x)

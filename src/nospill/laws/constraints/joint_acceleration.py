@@ -26,6 +26,6 @@ class JointAcceleration(Constraint):
         """One range per joint."""
         if "acceleration" not in sample.structure.joint_limits:
             return ()
-        qdd, limit = sample.joint_acceleration, sample.numbers.joint_acceleration_limit
+        qdd, limit = sample.joint_acceleration, sample.numbers.max_acceleration
         assert qdd is not None
         return tuple((Range(qdd[i], -limit[i], limit[i], limit[i]),) for i in range(qdd.numel()))

@@ -25,6 +25,6 @@ class JointJerk(Constraint):
         """One range per joint."""
         if "jerk" not in sample.structure.joint_limits:
             return ()
-        jerk, limit = sample.joint_jerk, sample.numbers.joint_jerk_limit
+        jerk, limit = sample.joint_jerk, sample.numbers.max_jerk
         assert jerk is not None
         return tuple((Range(jerk[i], -limit[i], limit[i], limit[i]),) for i in range(jerk.numel()))

@@ -23,6 +23,6 @@ class JointSpeed(Constraint):
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One range per joint."""
-        qd, limit = sample.joint_speed, sample.numbers.joint_speed_limit
+        qd, limit = sample.joint_speed, sample.numbers.max_speed
         assert qd is not None
         return tuple((Range(qd[i], -limit[i], limit[i], limit[i]),) for i in range(qd.numel()))

@@ -34,5 +34,5 @@ class JointTorque(Constraint):
         assert q is not None and qd is not None and qdd is not None
         load = Load(numbers.load_mass, numbers.load_first_moment, numbers.load_inertia)
         torque = torque_expression(sample.structure, q, qd, qdd, load, gravity=numbers.gravity)
-        limit = numbers.joint_torque_limit
+        limit = numbers.max_torque
         return tuple((Range(torque[i], -limit[i], limit[i], limit[i]),) for i in range(q.numel()))

@@ -1,9 +1,10 @@
-"""Limits of an arm changed by the scenario: given instead of the data's, scaled, left out; whether they can be true."""
+"""Joint limits: the arm's own, changed by the scenario (replaced, scaled, left out), and checked to be complete."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -24,57 +25,113 @@ _DIMENSIONS = {
     "jerk": "angular_jerk",
     "torque": "torque",
 }
-_FIELDS = {
+_KEYS = {
     "lower": "lower",
     "upper": "upper",
-    "speed": "max_speed",
-    "acceleration": "max_acceleration",
-    "jerk": "max_jerk",
-    "torque": "max_torque",
+    "max_speed": "speed",
+    "max_acceleration": "acceleration",
+    "max_jerk": "jerk",
+    "max_torque": "torque",
 }
+"""Attribute of a limit -> its key under [robot.limits]."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Joint limits of an arm and where each comes from; a `Robot` is built once they are complete.
+
+    Attributes:
+        lower: (n,) rad; NaN for a joint whose data set none.
+        upper: likewise.
+        max_speed: (n,) rad/s, likewise.
+        max_acceleration: (n,) rad/s^2, or None where it is not limited.
+        max_jerk: (n,) rad/s^3, or None.
+        max_torque: (n,) N m, or None.
+        sources: quantity -> where the figure comes from.
+        not_known: quantities nobody states for the arm, in words.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    max_speed: np.ndarray
+    max_acceleration: np.ndarray | None
+    max_jerk: np.ndarray | None
+    max_torque: np.ndarray | None
+    sources: Mapping[str, str]
+    not_known: tuple[str, ...]
+
+    def fields(self) -> dict[str, Any]:
+        """The same as the fields of a `Robot`."""
+        values: dict[str, np.ndarray | None] = {name: getattr(self, name) for name in _KEYS}
+        arrays = {name: None if value is None else read_only(value) for name, value in values.items()}
+        return {**arrays, "sources": dict(self.sources), "not_known": self.not_known}
 
 
 @dataclass(frozen=True, slots=True)
 class LimitChanges:
-    """What a scenario says about limits; None where it says nothing.
+    """Joint limits in a scenario, in place of the arm's own or scaling them; None where it states nothing.
 
     Attributes:
-        lower, upper: rad. speed: rad/s. acceleration: rad/s^2. jerk: rad/s^3. torque: N m.
-        speed_scale, acceleration_scale, jerk_scale, torque_scale: factor on the limit, above 0 and at most 1.
+        lower: rad.
+        upper: rad.
+        max_speed: rad/s.
+        max_acceleration: rad/s^2.
+        max_jerk: rad/s^3.
+        max_torque: N m.
+        scales: attribute -> factor on the limit, above 0 and at most 1.
     """
 
     lower: PerJoint = None
     upper: PerJoint = None
-    speed: PerJoint = None
-    acceleration: PerJoint = None
-    jerk: PerJoint = None
-    torque: PerJoint = None
-    speed_scale: float | None = None
-    acceleration_scale: float | None = None
-    jerk_scale: float | None = None
-    torque_scale: float | None = None
+    max_speed: PerJoint = None
+    max_acceleration: PerJoint = None
+    max_jerk: PerJoint = None
+    max_torque: PerJoint = None
+    scales: Mapping[str, float] = field(default_factory=dict)
 
 
-def changed_limits(robot: Robot, changes: LimitChanges, *, inertia_fault: str | None = None) -> Robot:
-    """Return the arm with other limits.
+@dataclass(frozen=True, slots=True)
+class LimitedArm:
+    """The arm that limits belong to, as far as they and their messages need it.
+
+    Attributes:
+        name: of the robot.
+        joints: names of its moving joints.
+        inertias_known: whether joint torques can be computed.
+        inertia_fault: why its inertias cannot be real, or None.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    inertias_known: bool
+    inertia_fault: str | None = None
+
+
+def limits_of(robot: Robot) -> JointLimits:
+    """Return the joint limits of a robot."""
+    return JointLimits(**{name: getattr(robot, name) for name in (*_KEYS, "sources", "not_known")})
+
+
+def changed_limits(limits: JointLimits, changes: LimitChanges, arm: LimitedArm) -> JointLimits:
+    """Return limits as changed, complete: no NaN is left.
 
     Args:
-        robot: the arm; NaN in `lower`, `upper` or `max_speed` means that its data set none.
+        limits: the arm's own.
         changes: values and scales.
-        inertia_fault: why its inertias cannot be real, for the message.
+        arm: the arm.
 
     Raises:
         ScenarioError: a wrong number of values, a scale for a limit that is not set, a torque limit without real
             inertias, a limit nobody sets, or limits that contradict each other. The message starts with the key.
     """
     values: dict[str, np.ndarray | None] = {}
-    sources = dict(robot.sources)
-    not_known = list(robot.not_known)
-    for key, field in _FIELDS.items():
-        data = getattr(robot, field)
-        given = getattr(changes, key)
-        scale = getattr(changes, f"{key}_scale", None)
-        value = data if given is None else _per_joint(given, key, robot)
+    sources = dict(limits.sources)
+    not_known = list(limits.not_known)
+    for name, key in _KEYS.items():
+        data = getattr(limits, name)
+        given = getattr(changes, name)
+        scale = changes.scales.get(name)
+        value = data if given is None else _per_joint(given, key, arm.joints)
         kind = "position" if key in ("lower", "upper") else key
         if given is not None:
             sources[kind] = "given in the scenario"
@@ -82,31 +139,27 @@ def changed_limits(robot: Robot, changes: LimitChanges, *, inertia_fault: str | 
         if scale is not None:
             if value is None or np.isnan(value).any():
                 raise ScenarioError(
-                    f"limits.{key}_scale is given, but no {key} limit is known for robot {robot.name!r}; "
+                    f"limits.{key}_scale is given, but no {key} limit is known for robot {arm.name!r}; "
                     f"give limits.{key} too"
                 )
             if scale != 1.0:
                 value = value * scale
                 sources[kind] = f"{sources.get(kind, 'the data of the robot')}; scaled to {100.0 * scale:.6g} %"
         values[key] = value
-    if values["torque"] is not None and not robot.inertias_known:
-        reason = inertia_fault or "nobody states them"
+    if values["torque"] is not None and not arm.inertias_known:
+        reason = arm.inertia_fault or "nobody states them"
         raise ScenarioError(
-            f"limits.torque is given, but the masses and inertias of robot {robot.name!r} are not known ({reason}), "
+            f"limits.torque is given, but the masses and inertias of robot {arm.name!r} are not known ({reason}), "
             "so torques cannot be computed; leave it out or give a URDF with real inertias"
         )
-    _check(robot, values)
-    return replace(
-        robot,
-        **{field: None if (value := values[key]) is None else read_only(value) for key, field in _FIELDS.items()},
-        sources=sources,
-        not_known=tuple(not_known),
-    )
+    _check(arm.joints, values)
+    changed: dict[str, Any] = {name: values[key] for name, key in _KEYS.items()}
+    return JointLimits(**changed, sources=sources, not_known=tuple(not_known))
 
 
-def position_and_speed_only(robot: Robot) -> Robot:
-    """Return the arm without limits of acceleration, jerk and torque: limits as published for some experiments."""
-    return replace(robot, max_acceleration=None, max_jerk=None, max_torque=None)
+def position_and_speed_only(limits: JointLimits) -> JointLimits:
+    """Return limits without those of acceleration, jerk and torque, as published for some experiments."""
+    return replace(limits, max_acceleration=None, max_jerk=None, max_torque=None)
 
 
 def with_home(robot: Robot, home: Sequence[float] | None) -> Robot:
@@ -136,11 +189,11 @@ def with_home(robot: Robot, home: Sequence[float] | None) -> Robot:
     return replace(robot, home=read_only(np.array(home)))
 
 
-def _per_joint(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:
-    count = len(robot.joints)
+def _per_joint(given: float | tuple[float, ...], key: str, joints: Sequence[str]) -> np.ndarray:
+    count = len(joints)
     if isinstance(given, tuple):
         if len(given) != count:
-            raise ScenarioError(_count(f"limits.{key}", len(given), robot.joints))
+            raise ScenarioError(_count(f"limits.{key}", len(given), joints))
         return np.array(given)
     return np.full(count, given)
 
@@ -150,11 +203,11 @@ def _count(key: str, given: int, joints: Sequence[str]) -> str:
     return f"{key} has {values} where {len(joints)} are needed, one for each of {', '.join(joints)}"
 
 
-def _check(robot: Robot, values: dict[str, np.ndarray | None]) -> None:
+def _check(joints: Sequence[str], values: dict[str, np.ndarray | None]) -> None:
     for key in ("lower", "upper", "speed"):
         value = values[key]
-        assert value is not None  # never optional in a Robot
-        missing = [name for name, entry in zip(robot.joints, value, strict=True) if np.isnan(entry)]
+        assert value is not None
+        missing = [name for name, entry in zip(joints, value, strict=True) if np.isnan(entry)]
         if missing:
             raise ScenarioError(
                 f"limits.{key} is missing: the URDF sets none for {', '.join(missing)} (placeholders do not count); "
@@ -162,7 +215,7 @@ def _check(robot: Robot, values: dict[str, np.ndarray | None]) -> None:
             )
     lower, upper = values["lower"], values["upper"]
     assert lower is not None and upper is not None
-    for name, low, high in zip(robot.joints, lower, upper, strict=True):
+    for name, low, high in zip(joints, lower, upper, strict=True):
         if not low < high:
             raise ScenarioError(
                 f"limits of {name} contradict each other: lower {format_quantity(low, 'angle')} is not below "
@@ -173,4 +226,4 @@ def _check(robot: Robot, values: dict[str, np.ndarray | None]) -> None:
         if value is not None and not (value > 0.0).all():
             joint = int(np.argmin(value))
             shown = format_quantity(float(value[joint]), _DIMENSIONS[key])
-            raise ScenarioError(f"limits.{key} of {robot.joints[joint]} is {shown}; it must be above 0")
+            raise ScenarioError(f"limits.{key} of {joints[joint]} is {shown}; it must be above 0")

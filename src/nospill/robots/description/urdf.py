@@ -52,14 +52,18 @@ class BasePose:
 
 
 @dataclass(frozen=True, slots=True)
-class Arm:
+class UrdfArm:
     """An arm as its URDF tells it; (n,) arrays, NaN where a limit is not set.
 
     Attributes:
         name: the robot's name in the file.
         urdf: text without meshes; base pose and locked joints are built in, all else stands still.
-        joints: moving joints, base to tip. tip: the flange link.
-        lower, upper: rad. speed: rad/s. torque: N m.
+        joints: moving joints, base to tip.
+        tip: the flange link.
+        lower: rad.
+        upper: rad.
+        max_speed: rad/s.
+        max_torque: N m.
         inertia_fault: why the inertias cannot be real, or None.
         notes: what was assumed, one sentence each.
     """
@@ -70,8 +74,8 @@ class Arm:
     tip: str
     lower: np.ndarray
     upper: np.ndarray
-    speed: np.ndarray
-    torque: np.ndarray
+    max_speed: np.ndarray
+    max_torque: np.ndarray
     inertia_fault: str | None
     notes: tuple[str, ...]
 
@@ -82,7 +86,7 @@ WORLD = BasePose()
 
 def read_arm(
     text: str, *, tip: str | None = None, base: BasePose = WORLD, locked: Mapping[str, object] = NO_LOCKS
-) -> Arm:
+) -> UrdfArm:
     """Read an arm of six or seven moving joints.
 
     Args:
@@ -111,15 +115,15 @@ def read_arm(
     tree, moving = _as_revolute(tree, moving)
     names = tuple(joint.name for joint in moving)
     fault = inertia_fault(tree, names)
-    return Arm(
+    return UrdfArm(
         name=tree.name,
         urdf=write_tree(_based(tree, base)),
         joints=names,
         tip=tip,
         lower=read_only([joint.lower for joint in moving]),
         upper=read_only([joint.upper for joint in moving]),
-        speed=read_only(_speeds(moving)),
-        torque=read_only(_torques(moving)),
+        max_speed=read_only(_speeds(moving)),
+        max_torque=read_only(_torques(moving)),
         inertia_fault=fault,
         notes=tuple(notes),
     )
@@ -274,12 +278,12 @@ def _as_revolute(tree: UrdfTree, moving: Sequence[UrdfJoint]) -> tuple[UrdfTree,
 
 
 def _speeds(moving: Sequence[UrdfJoint]) -> list[float]:
-    speeds = [joint.speed for joint in moving]
+    speeds = [joint.max_speed for joint in moving]
     for joint in moving:
-        if joint.speed < 0.0:
+        if joint.max_speed < 0.0:
             raise ScenarioError(
                 f"the URDF gives joint {joint.name!r} a negative speed, "
-                f"{format_quantity(joint.speed, 'angular_speed')}; a speed limit is above 0"
+                f"{format_quantity(joint.max_speed, 'angular_speed')}; a speed limit is above 0"
             )
     if all(speed >= PLACEHOLDER_SPEED for speed in speeds):
         return [math.nan] * len(speeds)
@@ -287,7 +291,7 @@ def _speeds(moving: Sequence[UrdfJoint]) -> list[float]:
 
 
 def _torques(moving: Sequence[UrdfJoint]) -> list[float]:
-    torques = [joint.effort for joint in moving]
+    torques = [joint.max_torque for joint in moving]
     same = len(set(torques)) == 1 and torques[0] >= PLACEHOLDER_EFFORT
     return [effort if effort > 0.0 and effort != PLACEHOLDER_EFFORT and not same else math.nan for effort in torques]
 
@@ -299,11 +303,11 @@ def _based(tree: UrdfTree, base: BasePose) -> UrdfTree:
             joint,
             lower=0.0 if math.isnan(joint.lower) else joint.lower,
             upper=0.0 if math.isnan(joint.upper) else joint.upper,
-            speed=0.0 if math.isnan(joint.speed) else joint.speed,
-            effort=0.0 if math.isnan(joint.effort) else joint.effort,
+            max_speed=0.0 if math.isnan(joint.max_speed) else joint.max_speed,
+            max_torque=0.0 if math.isnan(joint.max_torque) else joint.max_torque,
         )
         if joint.kind == "revolute"
-        else replace(joint, lower=math.nan, upper=math.nan, speed=math.nan, effort=math.nan)
+        else replace(joint, lower=math.nan, upper=math.nan, max_speed=math.nan, max_torque=math.nan)
         for joint in tree.joints
     )
     if not base.moved():

@@ -54,10 +54,17 @@ class UrdfJoint:
     """One joint; limits that are not written are NaN.
 
     Attributes:
-        name, kind, parent, child: as written.
-        position, rpy: joint frame in the parent link's frame at zero, m and rad.
+        name: as written.
+        kind: `type` of the file, one of `JOINT_KINDS`.
+        parent: link.
+        child: link.
+        position: origin of the joint frame in the parent link's frame at zero, m.
+        rpy: its roll, pitch and yaw there, rad.
         axis: as written, in the joint frame, never zero.
-        lower, upper: rad (m if prismatic). speed: rad/s. effort: N m.
+        lower: rad (m if prismatic).
+        upper: likewise.
+        max_speed: `velocity` of the file, rad/s.
+        max_torque: `effort` of the file, N m.
         mimic: whether it copies another joint.
     """
 
@@ -70,8 +77,8 @@ class UrdfJoint:
     axis: Vector = (1.0, 0.0, 0.0)
     lower: float = _NOT_SET
     upper: float = _NOT_SET
-    speed: float = _NOT_SET
-    effort: float = _NOT_SET
+    max_speed: float = _NOT_SET
+    max_torque: float = _NOT_SET
     mimic: bool = False
 
 
@@ -260,8 +267,8 @@ def _joint(element: ElementTree.Element) -> UrdfJoint:
         axis=axis if moves else (1.0, 0.0, 0.0),
         lower=_limit(limit, "lower", where, moves),
         upper=_limit(limit, "upper", where, moves),
-        speed=_limit(limit, "velocity", where, moves),
-        effort=_limit(limit, "effort", where, moves),
+        max_speed=_limit(limit, "velocity", where, moves),
+        max_torque=_limit(limit, "effort", where, moves),
         mimic=element.find("mimic") is not None,
     )
 
@@ -309,7 +316,7 @@ def _joint_lines(joint: UrdfJoint) -> list[str]:
     ]
     if joint.kind in ("revolute", "continuous", "prismatic"):
         lines.append(f'    <axis xyz="{_row(joint.axis)}"/>')
-    limits = {"lower": joint.lower, "upper": joint.upper, "velocity": joint.speed, "effort": joint.effort}
+    limits = {"lower": joint.lower, "upper": joint.upper, "velocity": joint.max_speed, "effort": joint.max_torque}
     stated = " ".join(f'{key}="{_digits(value)}"' for key, value in limits.items() if not math.isnan(value))
     if stated:
         lines.append(f"    <limit {stated}/>")
