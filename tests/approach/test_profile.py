@@ -64,7 +64,7 @@ LIMIT = st.lists(st.floats(0.3, 1.0), min_size=6, max_size=6).map(np.array)
 @given(ANGLES, ANGLES, LIMIT, LIMIT, LIMIT, st.sampled_from([1.0, 1.25, 10.0]), st.sampled_from([125.0, 500.0]))
 def test_any_way_keeps_its_limits_as_exported(start, end, speed, acceleration, jerk, stretch, rate):
     """Speed, acceleration and jerk as divided differences of the positions alone: ruckig's word is not taken."""
-    own = {"speed": 2.0 * speed, "acceleration": 6.0 * acceleration, "jerk": 60.0 * jerk}
+    own = {"max_speed": 2.0 * speed, "max_acceleration": 6.0 * acceleration, "max_jerk": 60.0 * jerk}
     found = sampled(jerk_limited(start, end, **own), JOINTS, rate=rate, loaded=False, stretch=stretch)
     position = found.samples.position
     # a way too short to be told from none is not gone
@@ -73,7 +73,7 @@ def test_any_way_keeps_its_limits_as_exported(start, end, speed, acceleration, j
     for order, name in ((1, "speed"), (2, "acceleration"), (3, "jerk")):
         means = np.abs(np.diff(padded, n=order, axis=0)) * rate**order
         rounding = 1e-14 * rate**order
-        assert np.all(means <= own[name] / stretch**order * (1 + 1e-6) + rounding), name
+        assert np.all(means <= own[f"max_{name}"] / stretch**order * (1 + 1e-6) + rounding), name
     low, high = np.minimum(start, end) - 1e-12, np.maximum(start, end) + 1e-12
     assert np.all((position >= low) & (position <= high))
     samples = found.samples

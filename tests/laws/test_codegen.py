@@ -21,8 +21,7 @@ import pytest
 
 from nospill.judge import replay, traces
 from nospill.laws import codegen as compiled
-from nospill.laws.parameters import Shapes
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
@@ -31,7 +30,7 @@ from tests.waiting import finished
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
 
-CACHES = (stage_functions._stage_functions, traces._figures, replay._functions)
+CACHES = (stage_functions.stage_functions, traces._figures, replay._functions)
 """What a process keeps of functions once made."""
 
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
@@ -94,18 +93,18 @@ def small(changed_scene: Callable[..., Scene]) -> Scene:
 def test_machine_code_gives_the_same_values_and_the_same_plan(
     small: Scene, forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    structure, numbers = structure_of(small), numbers_of(small)
+    structure = structure_of(small)
     slow = plan(small)
-    plain = stage_functions.stage_functions(structure, numbers)
-    figures = traces._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    plain = stage_functions.stage_functions(structure)
+    figures = traces._figures(structure) | replay._functions(structure)
     assert not plain.compiled
     for kept in CACHES:
         kept.cache_clear()
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    fast = stage_functions.stage_functions(structure, numbers)
+    fast = stage_functions.stage_functions(structure)
     assert fast.compiled
-    fast_figures = traces._figures(structure, Shapes(numbers)) | replay._functions(structure, Shapes(numbers))
+    fast_figures = traces._figures(structure) | replay._functions(structure)
     pairs = [
         (getattr(fast, field.name), getattr(plain, field.name))
         for field in dataclasses.fields(plain)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nospill.core.frames import FrameMotion
 from nospill.laws.constraints import Tip, Twist
 from nospill.laws.constraints.base import figures
-from nospill.laws.parameters import Shapes, flatten, symbolic
+from nospill.laws.parameters import flatten, parameter_count, symbolic_numbers
 from nospill.laws.sample import Sample, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
@@ -27,14 +27,14 @@ BALLAST = 1e-3
 
 def wrench_function(scene: Scene) -> ca.Function:
     """(tray motion (9,), q, q', q'') -> wrenches (6, objects) in object axes about their bottom centres."""
-    structure, record = structure_of(scene), Shapes(numbers_of(scene))
+    structure = structure_of(scene)
     count = sum(item.coordinates for item in structure.objects)
     body = ca.SX.sym("body", 9)
     slosh = [ca.SX.sym(name, count) for name in ("q", "qd", "qdd")]
-    parameters = ca.SX.sym("p", record.size)
+    parameters = ca.SX.sym("p", parameter_count(structure))
     objects = sample_objects(
         structure,
-        symbolic(record.record, parameters),
+        symbolic_numbers(structure, parameters),
         FrameMotion(body[:3], body[3:6], body[6:]),
         split_states(structure, *slosh),
     )
@@ -178,10 +178,10 @@ DELIVERABLE = (wrench_function(read_scenario("matrix-liquid")), read_scenario("m
 
 def test_published_conditions_follow_from_the_deliverable_wrench():
     scene = read_scenario("matrix-liquid")
-    structure, record = structure_of(scene), Shapes(numbers_of(scene))
-    parameters, body = ca.SX.sym("p", record.size), ca.SX.sym("body", 9)
+    structure = structure_of(scene)
+    parameters, body = ca.SX.sym("p", parameter_count(structure)), ca.SX.sym("body", 9)
     motion = FrameMotion(body[:3], body[3:6], body[6:])
-    numbers = symbolic(record.record, parameters)
+    numbers = symbolic_numbers(structure, parameters)
     zeros = ca.SX.zeros(8)
     objects = sample_objects(structure, numbers, motion, split_states(structure, zeros, zeros, zeros))
     sample = Sample(structure, numbers, objects=objects)

@@ -8,9 +8,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from nospill.laws.parameters import Shapes, constants, flatten, symbolic
+from nospill.laws.parameters import blank_numbers, constants, flatten, parameter_count, symbolic
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
+from nospill.scenario.examples import EXAMPLES
 from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
 
 
@@ -67,7 +68,7 @@ def test_a_vector_of_another_length_is_refused(size):
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-rigid", "mixed-tray"])
 def test_scenes_there_and_back(name):
     numbers = numbers_of(read_scenario(name))
-    vector = ca.SX.sym("p", Shapes(numbers).size)
+    vector = ca.SX.sym("p", len(flatten(numbers)))
     record = symbolic(numbers, vector)
     leaves = ca.vertcat(*[ca.vec(leaf) for leaf in _leaves(record)])
     np.testing.assert_array_equal(
@@ -103,10 +104,13 @@ def test_structures_are_keys_and_say_what_differs():
     assert mixed.objects[2].oscillators == ((0,), (1,))
 
 
-def test_records_of_one_structure_are_one_key():
-    first, second = (Shapes(numbers_of(read_scenario(name))) for name in ("matrix-liquid", "matrix-liquid-still"))
-    assert first == second and hash(first) == hash(second)
-    assert first != "shapes"
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_structure_alone_decides_every_shape(name):
+    scene = read_scenario(name)
+    expected, found = numbers_of(scene), blank_numbers(structure_of(scene))
+    shapes = [[np.shape(leaf) for leaf in _leaves(record)] for record in (expected, found)]
+    assert shapes[0] == shapes[1]
+    assert parameter_count(structure_of(scene)) == len(flatten(expected))
 
 
 def test_full_fidelity_splits_the_mass_and_loses_none():

@@ -17,7 +17,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.transcription.nlp import _transcribe, transcribe
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.stage_functions import _stage_functions, stage_functions
+from nospill.transcription.stage_functions import stage_functions
 
 INTERVALS = 3
 SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
@@ -185,22 +185,22 @@ def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
         pytest.skip("no C compiler")
     scene = read_scenario("matrix-rigid")
     structure, numbers = structure_of(scene), numbers_of(scene)
-    plain = stage_functions(structure, numbers)
+    plain = stage_functions(structure)
     assert not plain.compiled
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    _stage_functions.cache_clear()
+    stage_functions.cache_clear()
     try:
-        fast = stage_functions(structure, numbers)
+        fast = stage_functions(structure)
     finally:
-        _stage_functions.cache_clear()
+        stage_functions.cache_clear()
     assert fast.compiled
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so", ".sum"]
     random = np.random.default_rng(1)
     for name in FUNCTIONS:
         ours, theirs = getattr(fast, name), getattr(plain, name)
         inputs = [0.5 + 0.1 * random.random(theirs.size1_in(index)) for index in range(theirs.n_in())]
-        inputs[1] = transcribe(structure, numbers, 3).parameters(numbers, np.ones(plain.layout.size), {})
+        inputs[1] = transcribe(structure, 3).parameters(numbers, np.ones(plain.layout.size), {})
         for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
             np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
     for field in dataclasses.fields(plain.sizes):

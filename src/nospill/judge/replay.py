@@ -16,9 +16,9 @@ import numpy as np
 
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.laws import codegen
-from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
+from nospill.laws.parameters import SceneNumbers, Structure, parameter_count, symbolic_numbers
 from nospill.laws.sample import coordinate_count, object_motion
-from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.laws.scene_parameters import flat_numbers, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
@@ -73,12 +73,12 @@ def replay(
     Raises:
         ModelError: the slosh integration does not converge (the liquid would leave its cup).
     """
-    structure, numbers = structure_of(scene), numbers_of(scene)
+    structure = structure_of(scene)
     # The slosh integration compares two grids, so the coarser one starts at half the rate that is wanted.
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    made, parameters = _functions(structure, Shapes(numbers)), flat_numbers(scene)
+    made, parameters = _functions(structure), flat_numbers(scene)
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -148,13 +148,13 @@ def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
+def _functions(structure: Structure) -> codegen.Functions:
     """The arm's `motion_function` and one Runge-Kutta step of all liquids."""
 
     def build() -> tuple[codegen.Functions, None]:
         made = {"flat_motion": kinematics(structure).motion_function}
         if coordinate_count(structure):
-            made["step"] = _step(structure, shapes)
+            made["step"] = _step(structure)
         return made, None
 
     return codegen.functions("replay", structure, build)[0]
@@ -170,16 +170,16 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-def _step(structure: Structure, shapes: Shapes) -> Any:
+def _step(structure: Structure) -> Any:
     """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
     count = coordinate_count(structure)
 
     def rate(state: SX, body: SX, parameters: SX) -> SX:
         q, qd = state[:count], state[count:]
-        numbers = symbolic(shapes.record, parameters)
+        numbers = symbolic_numbers(structure, parameters)
         return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
 
-    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=shapes.size)
+    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=parameter_count(structure))
 
 
 def _integrate(step: Any, parameters: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:

@@ -17,9 +17,9 @@ from nospill.judge.verdict import Trace
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import Shapes, Structure, symbolic
+from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.laws.scene_parameters import flat_numbers, structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -79,13 +79,13 @@ def evaluated_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    structure, numbers, parameters = structure_of(scene), numbers_of(scene), flat_numbers(scene, payload)
+    structure, parameters = structure_of(scene), flat_numbers(scene, payload)
     traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in CONSTRAINTS}
     for point, (t, columns) in inputs.items():
         present = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(scene)]
         if not any(item in constraints for item in present):
             continue
-        function = _figures(structure, Shapes(numbers))[f"figures_{point.value}"]
+        function = _figures(structure)[f"figures_{point.value}"]
         rows = iter(evaluate(function, columns, parameters).reshape(-1, 3, len(t)))
         for constraint in present:
             for subject in constraint.subjects(scene):
@@ -123,21 +123,21 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=16)
-def _figures(structure: Structure, shapes: Shapes) -> codegen.Functions:
+def _figures(structure: Structure) -> codegen.Functions:
     def build() -> tuple[codegen.Functions, None]:
-        points = [_figures_function(structure, shapes, point) for point in EvaluationPoint]
+        points = [_figures_function(structure, point) for point in EvaluationPoint]
         return {function.name(): function for function in points if function is not None}, None
 
     return codegen.functions("figures", structure, build)[0]
 
 
-def _figures_function(structure: Structure, shapes: Shapes, point: EvaluationPoint) -> Any | None:
+def _figures_function(structure: Structure, point: EvaluationPoint) -> Any | None:
     """(columns of `Inputs`, parameters) -> value, limit, margin of all constraints and subjects of one point.
 
     None where no constraint has a subject there.
     """
-    parameters = SX.sym("p", shapes.size)
-    numbers = symbolic(shapes.record, parameters)
+    parameters = SX.sym("p", parameter_count(structure))
+    numbers = symbolic_numbers(structure, parameters)
     count = coordinate_count(structure)
     q, qd = SX.sym("q", count), SX.sym("qd", count)
     if point is EvaluationPoint.OBJECT:

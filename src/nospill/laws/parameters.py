@@ -225,23 +225,64 @@ def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
     return piece, start + size
 
 
-class Shapes:
-    """A numbers record as a cache key beside its structure, which already decides every shape: all compare equal.
+def parameter_count(structure: Structure) -> int:
+    """Number of leaves of the numbers of a structure."""
+    return len(flatten(blank_numbers(structure)))
 
-    Attributes:
-        record: the template for `symbolic`.
-    """
 
-    def __init__(self, record: SceneNumbers) -> None:
-        self.record = record
+def symbolic_numbers(structure: Structure, vector: ca.SX) -> SceneNumbers:
+    """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
+    return symbolic(blank_numbers(structure), vector)
 
-    @property
-    def size(self) -> int:
-        """Number of leaves."""
-        return len(flatten(self.record))
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Shapes)
+def blank_numbers(structure: Structure) -> SceneNumbers:
+    """Zeros of the shapes that a structure decides."""
+    spans, joints, scalar = structure.spans, np.zeros(len(structure.joints)), 0.0
+    return SceneNumbers(
+        gravity=scalar,
+        path_breaks=np.zeros(spans + 1),
+        path_coefficients=np.zeros((structure.degree + 1, spans, 4)),
+        tool=np.zeros(4),
+        joint_lower=joints,
+        joint_upper=joints,
+        max_speed=joints,
+        max_acceleration=joints,
+        max_jerk=joints,
+        max_torque=joints,
+        self_motion=joints,
+        load_mass=scalar,
+        load_first_moment=np.zeros(3),
+        load_inertia=np.zeros((3, 3)),
+        max_tilt=scalar,
+        path_jerk_limit=scalar,
+        tilt_jerk_limit=scalar,
+        path_jerk_weight=scalar,
+        tilt_jerk_weight=scalar,
+        residual_fraction=scalar,
+        objects=tuple(_blank_object(item) for item in structure.objects),
+    )
 
-    def __hash__(self) -> int:
-        return 0
+
+def _blank_object(item: ObjectStructure) -> ObjectNumbers:
+    scalar = 0.0
+    oscillator = OscillatorNumbers(
+        frequency=scalar, curvature=scalar, mass=scalar, height=scalar, damping=scalar, surface_gain=scalar
+    )
+    return ObjectNumbers(
+        position=np.zeros(3),
+        yaw=scalar,
+        mass=scalar,
+        first_moment=np.zeros(3),
+        inertia=np.zeros((3, 3)),
+        spin_inertia=scalar,
+        weight=scalar,
+        planned_friction=scalar,
+        half_lengths=np.zeros(2),
+        footprint_reserve=scalar,
+        twist_radius=scalar,
+        grip_radius=scalar,
+        liquid_height=scalar,
+        max_slosh_height=scalar,
+        static_correction=np.zeros(2),
+        oscillators=(oscillator,) * len(item.oscillators),
+    )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -17,28 +18,9 @@ from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Fidelity, Scene
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Known:
-    """A scene and its payload as a key: the same objects, since they cannot be hashed by what they hold, nor change."""
-
-    scene: Scene
-    payload: Sequence[Cargo] | None = None
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Known) and other.scene is self.scene and other.payload is self.payload
-
-    def __hash__(self) -> int:
-        return id(self.scene)
-
-
-def structure_of(scene: Scene) -> Structure:
-    """The structure of a scene; those of the last few scenes are kept."""
-    return _structure(_Known(scene))
-
-
 @lru_cache(maxsize=8)
-def _structure(known: _Known) -> Structure:
-    scene = known.scene
+def structure_of(scene: Scene) -> Structure:
+    """The structure of a scene; those of the last few scenes are cached."""
     return Structure(
         fidelity=scene.fidelity,
         tilt_free=scene.motion.tilt_free,
@@ -74,27 +56,26 @@ def numbers_of(scene: Scene, payload: Sequence[Cargo] | None = None) -> SceneNum
 
     `payload` is what the flange carries, where that is not the cargo of the scene.
     """
-    return _numbers(_Known(scene, payload))
+    numbers = _numbers(scene)
+    return numbers if payload is None else replace(numbers, **_load_numbers(scene, payload))
 
 
 def flat_numbers(scene: Scene, payload: Sequence[Cargo] | None = None) -> np.ndarray:
     """The same as one vector, see `parameters.flatten`; read-only."""
-    return _flat(_Known(scene, payload))
+    return _flat(scene) if payload is None else read_only(flatten(numbers_of(scene, payload)))
 
 
 @lru_cache(maxsize=8)
-def _flat(known: _Known) -> np.ndarray:
-    return read_only(flatten(_numbers(known)))
+def _flat(scene: Scene) -> np.ndarray:
+    return read_only(flatten(_numbers(scene)))
 
 
 @lru_cache(maxsize=8)
-def _numbers(known: _Known) -> SceneNumbers:
-    scene = known.scene
+def _numbers(scene: Scene) -> SceneNumbers:
     further = {
         name: np.zeros(len(scene.robot.joints)) if limit is None else limit
         for name, limit in _further_limits(scene).items()
     }
-    load = flange_load(scene, known.payload)
     return SceneNumbers(
         gravity=scene.gravity,
         path_breaks=scene.path.breaks,
@@ -107,9 +88,7 @@ def _numbers(known: _Known) -> SceneNumbers:
         max_jerk=further["jerk"],
         max_torque=further["torque"],
         self_motion=np.zeros(len(scene.robot.joints)),
-        load_mass=load.mass,
-        load_first_moment=load.first_moment,
-        load_inertia=load.inertia,
+        **_load_numbers(scene, scene.cargo),
         max_tilt=scene.motion.max_tilt,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
@@ -118,6 +97,11 @@ def _numbers(known: _Known) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
+
+
+def _load_numbers(scene: Scene, payload: Sequence[Cargo]) -> dict[str, Any]:
+    load = flange_load(scene, payload)
+    return {"load_mass": load.mass, "load_first_moment": load.first_moment, "load_inertia": load.inertia}
 
 
 def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:

@@ -21,9 +21,9 @@ from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Shapes, Structure, flatten, symbolic
+from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Structure, blank_numbers, flatten, symbolic
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
 from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
@@ -90,9 +90,8 @@ def object_margins(
     """
     whole = structure_of(scene)
     structure = replace(whole, objects=whole.objects[index : index + 1])
-    template = replace(numbers_of(scene), objects=(numbers[0],))
-    shared = (template.gravity, template.residual_fraction)
-    made = _function(structure, Shapes(template), motion.body.shape[1], _BATCH)
+    shared = (scene.gravity, scene.motion.residual_fraction)
+    made = _function(structure, motion.body.shape[1], _BATCH)
     names = tuple(constraint.name for constraint in made.constraints)
     points = tuple(constraint.evaluated_at for constraint in made.constraints)
     body = ca.DM(motion.body)
@@ -112,16 +111,17 @@ class _Made:
 
 
 @lru_cache(maxsize=16)
-def _function(structure: Structure, shapes: Shapes, steps: int, batch: int) -> _Made:
+def _function(structure: Structure, steps: int, batch: int) -> _Made:
     """(numbers of the samples, motion) -> worst margin and limit of every constraint, margin by margin."""
-    count, size = coordinate_count(structure), 3 + len(flatten(shapes.record.objects))
+    blank = blank_numbers(structure)
+    count, size = coordinate_count(structure), 3 + len(flatten(blank.objects))
     p = SX.sym("p", size)
-    numbers = _scene_numbers(shapes.record, p)
+    numbers = _scene_numbers(blank, p)
     state, first, middle, last = SX.sym("state", 2 * count), SX.sym("b0", 9), SX.sym("b1", 9), SX.sym("b2", 9)
     following = state
     if count:
         step = runge_kutta_step(
-            lambda x, b, q: _rate(structure, _scene_numbers(shapes.record, q), x, b),
+            lambda x, b, q: _rate(structure, _scene_numbers(blank, q), x, b),
             states=2 * count,
             inputs=9,
             parameters=size,

@@ -77,16 +77,22 @@ class PlanningOptions:
     seed: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One planning task, complete.
+    """One planning task, complete; its arrays cannot be compared as one, so a scene equals itself alone.
 
     Attributes:
         name: short name, from the file or its key `name`.
         fidelity: which physics: the report's equations or the whole wrench.
-        robot, tray, cargo, path, motion, planning: the parts.
+        robot: the arm with its limits.
+        tray: on the flange.
+        cargo: the objects on the tray.
+        path: of the tray.
+        motion: what the motion must keep to.
+        planning: how it is looked for.
         output_rate: rate of the exported samples, Hz.
         gravity: m/s^2.
+        slosh_modes: modes of a liquid in each direction.
         source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
             which `scenario.write_scenario` writes the copy that is kept with a plan.
         approach: how the arm gets to the start, or None where that is not asked for.

@@ -14,9 +14,9 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
 from nospill.errors import ModelError
 from nospill.laws import codegen
-from nospill.laws.parameters import Shapes, Structure, symbolic
+from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import flat_numbers, numbers_of, structure_of
+from nospill.laws.scene_parameters import flat_numbers, structure_of
 from nospill.laws.slosh.height import crest
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.joint_paths.search import JointPath
@@ -120,15 +120,15 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure, shapes: Shapes) -> codegen.Functions:
+def _functions(structure: Structure) -> codegen.Functions:
     """The tray's pose and motion from the chains; the liquids' crests from their displacements and the tray's motion.
 
     Last input of both: the scene's numbers.
     """
 
     def build() -> tuple[codegen.Functions, None]:
-        parameters = SX.sym("p", shapes.size)
-        numbers = symbolic(shapes.record, parameters)
+        parameters = SX.sym("p", parameter_count(structure))
+        numbers = symbolic_numbers(structure, parameters)
         layout = layout_of(structure)
         symbol = SX.sym("chains", 3 * layout.chains)
         state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
@@ -164,8 +164,7 @@ def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
 
 
 def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
-    numbers = numbers_of(scene)
-    function = _functions(structure_of(scene), Shapes(numbers))["tray"]
+    function = _functions(structure_of(scene))["tray"]
     flat = evaluate(function, [chains.T], flat_numbers(scene))
     return TraySamples(
         position=flat[:3].T.copy(),
@@ -225,10 +224,10 @@ def smooth_where_singular(
 
 
 def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
-    structure, numbers = structure_of(scene), numbers_of(scene)
+    structure = structure_of(scene)
     if not coordinate_count(structure):
         return {}
-    function = _functions(structure, Shapes(numbers))["crests"]
+    function = _functions(structure)["crests"]
     table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
     tracks = {}
     carriers = [

@@ -79,22 +79,20 @@ class Transcription:
 
 def transcribe(
     structure: Structure,
-    numbers: SceneNumbers,
     intervals: int,
     *,
     active: IndexedRows | None = None,
     derivable: bool = False,
 ) -> Transcription:
-    """The transcription of a structure; `numbers` only shows the shapes.
+    """The transcription of a structure.
 
     Args:
         structure: what there is.
-        numbers: of any scene of that structure.
         intervals: N.
         active: which rows take part; None for all. The judge looks at all of them in any case.
         derivable: from functions that CasADi can derive itself, for a solver that does not take ours.
     """
-    return _transcribe(stage_functions(structure, numbers, derivable=derivable), intervals, active)
+    return _transcribe(stage_functions(structure, derivable=derivable), intervals, active)
 
 
 @lru_cache(maxsize=32)

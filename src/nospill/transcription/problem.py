@@ -130,7 +130,7 @@ def build_problem(
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(
-        structure, numbers, intervals, active=taking_part, derivable=scene.planning.solver in DERIVING_SOLVERS
+        structure, intervals, active=taking_part, derivable=scene.planning.solver in DERIVING_SOLVERS
     )
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals, exact_rest=exact_rest)

@@ -12,7 +12,7 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.parameters import SceneNumbers, Shapes, Structure, symbolic
+from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stage import Block, RowIndex, stage_expressions, terminal_rows
 
@@ -94,21 +94,17 @@ def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, 
     return numbers, layout_of(structure).size, len(backoff_keys(structure)), 1
 
 
-def stage_functions(structure: Structure, numbers: SceneNumbers, *, derivable: bool = False) -> StageFunctions:
-    """The functions of a structure; `numbers` only shows the shapes, `derivable` asks for functions CasADi can derive.
+@lru_cache(maxsize=16)
+def stage_functions(structure: Structure, *, derivable: bool = False) -> StageFunctions:
+    """The functions of a structure; with `derivable`, functions that CasADi can differentiate itself.
 
     Compiled ones are taken from the disk where an earlier run has left them; otherwise they are built for CasADi's
     virtual machine, and a compiler, where there is one, is started in the background for the next time.
     """
-    return _stage_functions(structure, Shapes(numbers), derivable)
-
-
-@lru_cache(maxsize=16)
-def _stage_functions(structure: Structure, shapes: Shapes, derivable: bool) -> StageFunctions:
     if derivable:
-        made, data, is_compiled = *_build(structure, shapes), False
+        made, data, is_compiled = *_build(structure), False
     else:
-        made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure, shapes))
+        made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure))
     return StageFunctions(layout_of(structure), _sizes(data), backoff_keys(structure), **made, compiled=is_compiled)
 
 
@@ -123,12 +119,12 @@ def _sizes(data: dict[str, Any]) -> StageSizes:
     return StageSizes(**table)
 
 
-def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[str, Any]]:
+def _build(structure: Structure) -> tuple[dict[str, Any], dict[str, Any]]:
     layout, keys = layout_of(structure), backoff_keys(structure)
-    sizes = parameter_sizes(structure, shapes.size)
+    sizes = parameter_sizes(structure, parameter_count(structure))
     parameters = SX.sym("p", sum(sizes))
     flat, scales, fractions, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
-    numbers = symbolic(shapes.record, flat)
+    numbers = symbolic_numbers(structure, flat)
     backoff = {key: fractions[index] for index, key in enumerate(keys)}
 
     z, x = SX.sym("z", layout.size), SX.sym("x", layout.states)
@@ -158,7 +154,7 @@ def _build(structure: Structure, shapes: Shapes) -> tuple[dict[str, Any], dict[s
         for name, (inputs, results) in outputs.items()
     }
     data = {
-        "numbers": shapes.size,
+        "numbers": parameter_count(structure),
         "rows_per_stage": constraints.numel(),
         "fixed": fixed,
         "lower": stage.lower.tolist(),
