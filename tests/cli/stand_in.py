@@ -15,6 +15,7 @@ from nospill.cli import app
 from nospill.core.files import atomic_folder
 from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
+from nospill.plans.names import is_plan_folder
 from nospill.plans.plan import SUMMARY_KEYS, failed_summary
 
 
@@ -49,7 +50,7 @@ class StandIn:
         return self
 
     def save(self, folder: Path, extra: Callable[[Path], None] | None = None, time_writing: bool = False) -> None:
-        with atomic_folder(folder) as partial:
+        with atomic_folder(folder, replaceable=is_plan_folder) as partial:
             (partial / "summary.json").write_text(json.dumps(self.summary()))
             if extra is not None:
                 extra(partial)

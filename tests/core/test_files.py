@@ -9,14 +9,19 @@ import subprocess
 import sys
 import textwrap
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from nospill.core import files
-from nospill.core.files import atomic_folder, atomic_text, require_replaceable
+from nospill.core.files import atomic_text
 from nospill.errors import NospillError, PlanFolderError
+from nospill.plans.names import is_plan_folder
 from tests.waiting import finished
+
+atomic_folder = partial(files.atomic_folder, replaceable=is_plan_folder)
+require_replaceable = partial(files.require_replaceable, replaceable=is_plan_folder)
 
 OLD_PLAN = {"trajectory.csv": "old", "summary.json": "{}"}
 
@@ -221,9 +226,10 @@ def test_file_size_limit_of_the_system(tmp_path: Path) -> None:
         import resource, sys
         from nospill.errors import PlanFolderError
         from nospill.core.files import atomic_folder
+        from nospill.plans.names import is_plan_folder
         resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
         try:
-            with atomic_folder(sys.argv[1]) as folder:
+            with atomic_folder(sys.argv[1], replaceable=is_plan_folder) as folder:
                 (folder / "summary.json").write_text("{}" * 5000)
         except PlanFolderError as error:
             print(error)
@@ -247,6 +253,7 @@ def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
         from pathlib import Path
         from nospill.core import files
         from nospill.core.files import atomic_folder
+        from nospill.plans.names import is_plan_folder
         target, stage = sys.argv[1:]
         files._exchange = lambda *_: False
         rename = Path.rename
@@ -257,7 +264,7 @@ def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
             return rename(self, place)
         if stage == "between":
             Path.rename = slow
-        with atomic_folder(target) as folder:
+        with atomic_folder(target, replaceable=is_plan_folder) as folder:
             (folder / "trajectory.csv").write_text("half")
             if stage == "body":
                 print("ready", flush=True)
@@ -284,9 +291,10 @@ def test_many_writers_at_once(tmp_path: Path) -> None:
     script = """
         import sys
         from nospill.core.files import atomic_folder
+        from nospill.plans.names import is_plan_folder
         target, who = sys.argv[1:]
         for turn in range(40):
-            with atomic_folder(target) as folder:
+            with atomic_folder(target, replaceable=is_plan_folder) as folder:
                 for name in ("trajectory.csv", "certificate.json", "summary.json"):
                     (folder / name).write_text(f"{who}-{turn}")
     """

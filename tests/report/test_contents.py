@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from nospill.plans.folder import TRAJECTORY_FILE
 from nospill.plans.loading import load_plan
+from nospill.plans.names import TRAJECTORY_FILE
 from nospill.plans.plan import Plan
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.report_pages import report_pdf

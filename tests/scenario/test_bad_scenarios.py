@@ -94,7 +94,7 @@ def test_folder_and_device(tmp_path: Path) -> None:
         (b"\x00\x01\x02", "is not valid TOML"),
         (b"a = " + b"[" * 100_000, "nested too deeply"),
         (b"a = " + b"9" * 10_000, "cannot be read"),
-        (b"#" * 10_000_001, "too large for a scenario"),
+        (b"#" * 10_000_001, "is too large (10000001 bytes; at most"),
         (b'a = "x"\r\n[robot]\r\nmodel = \'x', "is not valid TOML"),
     ],
     ids=["latin-1", "binary", "deep", "long number", "large", "windows lines"],

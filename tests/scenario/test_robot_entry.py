@@ -190,7 +190,7 @@ SMALL = '<limit lower="-2.5" upper="2.5" velocity="{}" effort="{}"/>'
         ({"model": "ur5e", "urdf": "a.urdf"}, "model and urdf are both given; keep one of"),
         ({"urdf": "gone.urdf"}, '[robot]: urdf "gone.urdf" does not exist; the path counts from the scenario file'),
         ({"urdf": "."}, 'urdf "." is a folder'),
-        ({"urdf": "a\0b"}, 'urdf "a\\u0000b" does not exist'),
+        ({"urdf": "a\0b"}, 'urdf "a\\u0000b" cannot be read'),
         ({"urdf": 3}, "urdf 3 is not text"),
         ({"urdf": "latin.urdf"}, 'urdf "latin.urdf" is not UTF-8 text (byte 2)'),
         ({"urdf": "arm.xacro"}, 'urdf "arm.xacro": this is a xacro file, not a URDF; expand it first'),

@@ -34,12 +34,13 @@ def plan(
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), Progress() as progress:
         from nospill.core.files import require_replaceable
+        from nospill.plans.names import SUMMARY_FILE, is_plan_folder
         from nospill.scenario import read_scenario
 
         if report and output is None:
             raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
-            require_replaceable(output)
+            require_replaceable(output, replaceable=is_plan_folder)
         scene = read_scenario(scenario)
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
@@ -69,7 +70,7 @@ def plan(
             print_json(failed_summary(scene.name, one_line(outcome)))
         raise NoSolutionError(f"{scenario}: {outcome}", outcome.reason)
     if as_json:
-        saved = output / "summary.json" if output is not None else None
+        saved = output / SUMMARY_FILE if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
         _print_certificate(outcome.certificate)

@@ -21,24 +21,7 @@ Replaceable = Callable[[set[str]], bool]
 """Judges by the names in a folder that is not empty whether it may be thrown away."""
 
 
-PLAN_NAMES = {
-    "scenario.toml",
-    "trajectory.csv",
-    "approach.csv",
-    "certificate.json",
-    "summary.json",
-    "robot.csv",
-    "figures",
-}
-"""What a plan folder may hold."""
-
-
-def is_plan_folder(names: set[str]) -> bool:
-    """Whether a folder with these names in it was written as a plan: it holds summary.json and nothing foreign."""
-    return "summary.json" in names and names <= PLAN_NAMES
-
-
-def require_replaceable(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Path:
+def require_replaceable(target: str | Path, *, replaceable: Replaceable) -> Path:
     """Check, before any long work and without writing, that `atomic_folder` may write `target`.
 
     Args:
@@ -65,7 +48,7 @@ def require_replaceable(target: str | Path, *, replaceable: Replaceable = is_pla
 
 
 @contextmanager
-def atomic_folder(target: str | Path, *, replaceable: Replaceable = is_plan_folder) -> Iterator[Path]:
+def atomic_folder(target: str | Path, *, replaceable: Replaceable) -> Iterator[Path]:
     """Fill a new folder and put it in the place of the old one when it is complete.
 
     The body writes into a hidden sibling of `target`. When it ends, everything is flushed to the disk, the two folders
@@ -138,11 +121,16 @@ class UnreadableError(Exception):
     """A file of the user's that cannot be read; the message is the reason, without its name."""
 
 
+class MissingFileError(UnreadableError):
+    """A file that does not exist."""
+
+
 def bounded_text(path: str | os.PathLike[str], largest: int) -> str:
     """Content of a text file (UTF-8, with or without a byte order mark) of at most so many bytes.
 
     Raises:
-        UnreadableError: there is none, it is no regular file (a device may never end), larger, or not such text.
+        MissingFileError: there is none.
+        UnreadableError: it is no regular file (a device may never end), larger, or not such text.
     """
     place = Path(path)
     try:
@@ -155,9 +143,9 @@ def bounded_text(path: str | os.PathLike[str], largest: int) -> str:
             raise UnreadableError(f"is too large ({size} bytes; at most {largest} are read)")
         return place.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise UnreadableError("does not exist") from None
+        raise MissingFileError("does not exist") from None
     except UnicodeDecodeError as error:
-        raise UnreadableError(f"is not UTF-8 text (byte {error.start + 1})") from None
+        raise UnreadableError(f"is not UTF-8 text (byte {error.start + 1}); save it as UTF-8") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
         raise UnreadableError(f"cannot be read: {reason}") from None

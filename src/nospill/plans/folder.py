@@ -1,4 +1,4 @@
-"""The plan folder: names of its files, and writing it in one piece."""
+"""Writing of a plan folder in one piece."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ from nospill.judge.verdict import Certificate
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.motion.trajectory import Trajectory, trajectory_text
+from nospill.plans.names import (
+    APPROACH_FILE,
+    CERTIFICATE_FILE,
+    SCENARIO_FILE,
+    SUMMARY_FILE,
+    TRAJECTORY_FILE,
+    is_plan_folder,
+)
 from nospill.scenario import scenario_text, scene_from_table
 from nospill.scene.scene import ApproachRules, Scene
-
-SCENARIO_FILE = "scenario.toml"
-TRAJECTORY_FILE = "trajectory.csv"
-APPROACH_FILE = "approach.csv"
-CERTIFICATE_FILE = "certificate.json"
-SUMMARY_FILE = "summary.json"
 
 
 def write_folder(
@@ -56,7 +58,7 @@ def write_folder(
     """
     began = time.perf_counter()
     _require_faithful(scene)
-    with atomic_folder(folder) as partial:
+    with atomic_folder(folder, replaceable=is_plan_folder) as partial:
         _write(partial / SCENARIO_FILE, scenario_text(scene))
         _write(partial / TRAJECTORY_FILE, trajectory_text(trajectory))
         _write(partial / CERTIFICATE_FILE, _json(certificate.to_dict()))

@@ -10,7 +10,7 @@ from nospill.approach import Segment, read_segment
 from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import read_trajectory
-from nospill.plans.folder import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
+from nospill.plans.names import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
 from nospill.plans.plan import Plan, restored_records
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene

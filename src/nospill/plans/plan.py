@@ -16,7 +16,8 @@ from nospill.judge.wording import describe
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
-from nospill.plans.folder import APPROACH_FILE, write_folder
+from nospill.plans.folder import write_folder
+from nospill.plans.names import APPROACH_FILE
 from nospill.scene.scene import Scene
 
 

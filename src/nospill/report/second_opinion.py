@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from nospill.errors import PlanFolderError
-from nospill.plans.folder import TRAJECTORY_FILE
+from nospill.plans.names import TRAJECTORY_FILE
 from nospill.plots.text_pages import TextTable
 from nospill.scene.scene import Scene
 

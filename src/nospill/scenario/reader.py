@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
-from nospill.core.files import atomic_text
+from nospill.core.files import UnreadableError, atomic_text, bounded_text
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
@@ -112,17 +112,14 @@ def _locate(label: str) -> FilePath:
 
 def _parsed(file: FilePath, label: str) -> dict[str, Any]:
     try:
-        size = file.stat().st_size
-        if size > _LARGEST_FILE:
-            raise report(label, [("", f"is too large for a scenario ({size} bytes, at most {_LARGEST_FILE} are read)")])
-        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise report(label, [("", f"is not UTF-8 text (byte {error.start + 1}); save it as UTF-8")]) from None
+        return tomllib.loads(bounded_text(file, _LARGEST_FILE))
+    except UnreadableError as error:
+        raise report(label, [("", str(error))]) from None
     except tomllib.TOMLDecodeError as error:
         raise report(label, [("", _syntax(str(error)))]) from None
     except RecursionError:
         raise report(label, [("", "is not a scenario: it is nested too deeply")]) from None
-    except (OSError, ValueError) as error:  # ValueError: a whole number of thousands of digits
+    except ValueError as error:  # a whole number of thousands of digits
         raise report(label, [("", f"cannot be read: {_reason(error)}")]) from None
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from nospill.core.files import MissingFileError, UnreadableError, bounded_text
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot, moved_robot
@@ -192,17 +193,12 @@ class RobotTable(Table):
 
 def _from_file(file: FilePath, shown: str) -> str:
     try:
-        if not file.is_file():
-            reason = "is a folder" if file.is_dir() else "does not exist"
-            raise ScenarioError(f"urdf {as_written(shown)} {reason}; the path counts from the scenario file's folder")
-        size = file.stat().st_size
-        if size > _LARGEST_URDF:
-            raise ScenarioError(f"urdf {as_written(shown)} is too large ({size} bytes; at most {_LARGEST_URDF})")
-        text = file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"urdf {as_written(shown)} is not UTF-8 text (byte {error.start + 1})") from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
-        raise ScenarioError(f"urdf {as_written(shown)} cannot be read: {error}") from None
+        text = bounded_text(file, _LARGEST_URDF)
+    except MissingFileError as error:
+        place = "the path counts from the scenario file's folder"
+        raise ScenarioError(f"urdf {as_written(shown)} {error}; {place}") from None
+    except UnreadableError as error:
+        raise ScenarioError(f"urdf {as_written(shown)} {error}") from None
     try:
         return standalone_urdf(text, name=file.stem)
     except ScenarioError as error:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from nospill.core.files import UnreadableError, bounded_text
 from nospill.errors import ModelError, ScenarioError
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.cargo_reader import read_cargo
@@ -68,22 +68,14 @@ def read_cup(path: str | os.PathLike[str], *, slosh_modes: int = 1) -> Cargo:
         ModelError: the slosh model does not cover the filling.
     """
     label = os.fsdecode(path)
-    file = Path(path)
     try:
-        if file.is_dir():
-            raise report(label, [("", "is a folder; name a TOML file with the keys of one cargo entry")])
-        if file.stat().st_size > _LARGEST_FILE:
-            raise report(label, [("", "is too large for the description of a cup")])
-        table = tomllib.loads(file.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise report(label, [("", f"no such file; write one with the keys of a cargo entry, {_EXAMPLE}")]) from None
+        table = tomllib.loads(bounded_text(path, _LARGEST_FILE))
+    except UnreadableError as error:
+        raise report(label, [("", f"{error}; give a TOML file with the keys of one cargo entry, {_EXAMPLE}")]) from None
     except tomllib.TOMLDecodeError as error:
         raise report(label, [("", f"is not valid TOML: {error}")]) from None
-    except UnicodeDecodeError as error:
-        raise report(label, [("", f"is not UTF-8 text (byte {error.start + 1}); save it as UTF-8")]) from None
     except RecursionError:
         raise report(label, [("", "is not the description of a cup: it is nested too deeply")]) from None
-    except (OSError, ValueError) as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise report(label, [("", f"cannot be read: {reason}")]) from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise report(label, [("", f"cannot be read: {error}")]) from None
     return cup_from_table(table, label=label, slosh_modes=slosh_modes)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nospill.export import EXPORTERS
-from nospill.plans.folder import TRAJECTORY_FILE
 from nospill.plans.loading import load_plan
+from nospill.plans.names import TRAJECTORY_FILE
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.verify.bodies import Body, bodies_of

@@ -1,0 +1,23 @@
+"""Names of the files in a plan folder, and whether a folder is one."""
+
+from __future__ import annotations
+
+from nospill.export import EXPORTERS
+
+SCENARIO_FILE = "scenario.toml"
+TRAJECTORY_FILE = "trajectory.csv"
+APPROACH_FILE = "approach.csv"
+CERTIFICATE_FILE = "certificate.json"
+SUMMARY_FILE = "summary.json"
+FIGURES_FOLDER = "figures"
+
+_CONTROLLER_FILES = {exporter.plan_file for exporter in EXPORTERS.values() if exporter.plan_file is not None}
+PLAN_NAMES = frozenset(
+    {SCENARIO_FILE, TRAJECTORY_FILE, APPROACH_FILE, CERTIFICATE_FILE, SUMMARY_FILE, FIGURES_FOLDER, *_CONTROLLER_FILES}
+)
+"""What a plan folder may hold."""
+
+
+def is_plan_folder(names: set[str]) -> bool:
+    """Whether a folder with these names in it was written as a plan: it holds the summary and nothing foreign."""
+    return SUMMARY_FILE in names and names <= PLAN_NAMES
