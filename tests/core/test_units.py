@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity
+from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity, unit_written
 from nospill.errors import ScenarioError
 
 
@@ -155,3 +155,13 @@ def test_values_are_shown_as_they_stand_in_a_file() -> None:
     assert as_written(list(range(20))) == "[0, 1, 2, 3, 4, 5, 6, 7, ...]"
     assert as_written("x" * 100).endswith(" ...")
     assert listed(["a"]) == "a" and listed(["a", "b", "c"]) == "a, b or c"
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension", "unit"),
+    [("35 mm", "length", "mm"), (35, "length", "m"), ("35", "length", "m"), ("30°", "angle", "deg"),
+     ("10 %", "ratio", "%"), (0.1, "ratio", ""), ("1 mm²/s", "kinematic_viscosity", "mm^2/s")],
+)  # fmt: skip
+def test_bounds_are_shown_in_the_unit_of_the_value(value: object, dimension: str, unit: str) -> None:
+    assert unit_written(value, dimension) == unit
+    assert quantity(format_quantity(0.25, dimension, unit=unit, digits=15), dimension) == pytest.approx(0.25, rel=1e-12)

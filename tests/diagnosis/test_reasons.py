@@ -123,7 +123,7 @@ def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Change
 
 
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
-    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ on .*, by up to \d+"):
+    with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ \(x, y, z = .* mm\) on, by up to \d+"):
         plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
 
 

@@ -174,6 +174,13 @@ def test_an_impossible_limit_is_named(changes: dict[str, object], told: str, cha
 # --- stopping and looking on ----------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def watched(changed_scene: Changed) -> tuple[Plan, list[PlanningProgress]]:
+    """A quick scene planned with somebody looking on, and what was seen."""
+    seen: list[PlanningProgress] = []
+    return plan(changed_scene("matrix-rigid", {"planning.intervals": 40}), progress=seen.append), seen
+
+
 class Stopper:
     """A progress callback that raises at the first report of a phase, or at an iteration of the solver."""
 
@@ -197,15 +204,15 @@ class Stopper:
     ],
 )
 def test_an_interrupt_ends_planning_at_once_and_leaves_nothing(
-    phase: str, iteration: int | None, changed_scene: Changed
+    phase: str, iteration: int | None, watched: tuple[Plan, list[PlanningProgress]]
 ) -> None:
-    scene = changed_scene("matrix-rigid", {"planning.intervals": 40})
+    usual, _ = watched
     stop = Stopper(KeyboardInterrupt(), phase, iteration)
     with pytest.raises(KeyboardInterrupt) as raised:
-        plan(scene, progress=stop)
+        plan(usual.scene, progress=stop)
     assert raised.value is stop.error and stop.raised == 1
-    # Nothing is left of it: the next plan is as if nothing had been.
-    assert plan(scene).duration == pytest.approx(plan(scene, progress=lambda _: None).duration, rel=1e-9)
+    # Nothing is left of it: the next plan is as if nothing had been, and nobody looked on.
+    assert plan(usual.scene).duration == pytest.approx(usual.duration, rel=1e-9)
 
 
 def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed) -> None:
@@ -224,9 +231,8 @@ def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed)
     assert [type(error) for error in ended] == [KeyboardInterrupt]
 
 
-def test_progress_tells_the_story_in_order(changed_scene: Changed) -> None:
-    seen: list[PlanningProgress] = []
-    found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}), progress=seen.append)
+def test_progress_tells_the_story_in_order(watched: tuple[Plan, list[PlanningProgress]]) -> None:
+    found, seen = watched
     phases = [phase for phase, _ in itertools.groupby(item.phase for item in seen if item.iteration is None)]
     assert phases[:3] == ["kinematics", "build", "solve"] and phases[-2:] == ["export", "certify"]
     iterations = [item for item in seen if item.iteration is not None]

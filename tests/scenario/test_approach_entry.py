@@ -113,7 +113,7 @@ COUNT = r"6 are needed, one for each of joint_1, joint_2"
         ({"approach": approach(start="home")}, r'\[approach\]: unknown key "start".*allowed here: from, tray'),
         ({"approach": "home"}, r"approach.* is not a table"),
         ({"motion": {"hold_before": "-1 s"}}, r"\[motion\]: hold_before .* out of range"),
-        ({"motion": {"hold_after": "2 min"}}, r"\[motion\]: hold_after .* at most 60 s"),
+        ({"motion": {"hold_after": "2 min"}}, r"\[motion\]: hold_after .* at most 1 min"),
         ({"motion": {"hold": 1}}, r'\[motion\]: unknown key "hold"'),
         ({"robot": {"model": "ur5e", "base_yaw": "any"}}, r'\[robot\]: base_yaw .*the word "free" is possible too'),
         ({"robot": {"model": "ur5e", "base_yaw": "1 m"}}, r"\[robot\]: base_yaw .*free"),

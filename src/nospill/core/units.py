@@ -97,11 +97,20 @@ def quantity(value: object, dimension: str) -> float:
     return number
 
 
-def format_quantity(value: float, dimension: str, *, digits: int = 6) -> str:
-    """Text for a message: `value` (SI) in the unit people use, at most `digits` significant digits ("120 mm")."""
+def format_quantity(value: float, dimension: str, *, digits: int = 6, unit: str | None = None) -> str:
+    """Text for a message: `value` (SI) in the unit people use, or another, to `digits` significant digits."""
     kind = DIMENSIONS[dimension]
-    number = f"{value / float(kind.units[kind.shown]):.{digits}g}"
-    return f"{number} {kind.shown}".rstrip()
+    shown = kind.shown if unit is None else unit
+    number = f"{value / float(kind.units[shown]):.{digits}g}"
+    return f"{number} {shown}".rstrip()
+
+
+def unit_written(value: object, dimension: str) -> str:
+    """The unit in which a value is given that `quantity` reads: that of its text, else the SI unit."""
+    kind = DIMENSIONS[dimension]
+    match = _NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    unit = (match[2] or "").strip().translate(_SPELLINGS) if match is not None else ""
+    return unit or next(iter(kind.units))
 
 
 def as_written(value: object) -> str:

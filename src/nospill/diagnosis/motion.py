@@ -28,6 +28,7 @@ from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError
 from nospill.judge.verdict import Row
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
+from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath, preferred_path, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
@@ -120,7 +121,10 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     text = f"max_duration {needed:.3g} s instead of {limit:.3g} s"
     helped.append((needed / limit - 1.0, Change("max_duration", "motion.max_duration", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
-    held = f", held back by {named.constraint} of {named.subject} (most near s = {named.at_s:.2f})" if named else ""
+    held = ""
+    if named is not None:
+        near = place_in_words(scene.path, named.at_s)
+        held = f", held back by {named.constraint} of {named.subject}, most near {near}"
     return NoSolutionError(
         f"No motion found: none within max_duration {limit:.3g} s; "
         f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
@@ -239,7 +243,7 @@ def _never(trials: Trials, last: Answer | None) -> NoSolutionError:
         changes = _smooth_enough(trials, worst, slow)
         at_s = path_place(judged[1], worst.at_s)
         return NoSolutionError(
-            f"No motion found: {without_time(worst)} at s = {at_s:.2f} of the path, "
+            f"No motion found: {without_time(worst)} at {place_in_words(scene.path, at_s)}, "
             f"even in a smooth motion of {0.95 * slow:.3g} s. " + advice(changes, "Relax that limit."),
             Reason(MOTION, worst.constraint, worst.subject, at_s, worst.use - 1.0, changes=tuple(changes)),
         )
@@ -266,8 +270,9 @@ def _require_regular(trials: Trials) -> None:
     reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
     changes = helpful_changes(scene, reason, partial(is_possible, trials.run))
     raise NoSolutionError(
-        f"No motion found: robot {scene.robot.name!r} passes a singularity near s = {at_s:.2f} of the path, where it "
-        "would have to stop or to turn joints in no time. " + advice(changes, "Move the path or change its yaw there."),
+        f"No motion found: robot {scene.robot.name!r} passes a singularity near {place_in_words(scene.path, at_s)}, "
+        "where it would have to stop or to turn joints in no time. "
+        + advice(changes, "Move the path or change its yaw there."),
         replace(reason, changes=changes),
     )
 

@@ -17,6 +17,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
+from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
@@ -49,7 +50,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     changes = [change for _, change in wide_enough(trials, key.constraint, subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
     told = f"{key.constraint} of {subject} is over its limit" if row is None else without_time(row)
-    where = "" if at_s is None else f" at s = {at_s:.2f} of the path"
+    where = "" if at_s is None else f" at {place_in_words(scene.path, at_s)}"
     raise NoSolutionError(
         f"No motion found: {told} even standing still{where}. "
         + advice(changes, "Relax that limit or lighten the load."),

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity
+from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity, unit_written
 from nospill.errors import ScenarioError
 
 SENTENCE = "nospill_sentence"
@@ -52,20 +52,20 @@ class Measured:
             or (self.below is not None and not number < self.below)
             or (self.at_most is not None and not number <= self.at_most)
         ):
-            raise refuse(f"{as_written(value)} is out of range: it must be {self.range}")
+            allowed = self._range(unit_written(value, self.dimension))
+            raise refuse(f"{as_written(value)} is out of range: it must be {allowed}")
         return number
 
-    @property
-    def range(self) -> str:
-        """The bounds in words, or an empty text."""
+    def _range(self, unit: str) -> str:
+        """The bounds in words and in one unit, as the value beside them."""
         bounds = (
             ("above", self.above),
             ("at least", self.at_least),
             ("below", self.below),
             ("at most", self.at_most),
         )
-        words = [f"{word} {format_quantity(bound, self.dimension)}" for word, bound in bounds if bound is not None]
-        return " and ".join(words)
+        limits = [(word, bound) for word, bound in bounds if bound is not None]
+        return " and ".join(f"{word} {format_quantity(bound, self.dimension, unit=unit)}" for word, bound in limits)
 
     def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)

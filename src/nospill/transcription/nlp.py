@@ -116,7 +116,7 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
     def gather(mapped: MX) -> MX:
         picked = mapped[rows.tolist(), :]
         gaps = ca.vertcat(following + picked[:states, :], picked[states:, :])
-        return ca.vertcat(ca.vec(gaps), stage.end_constraints(final, p)[end_rows.tolist()])
+        return ca.vertcat(ca.vec(gaps), stage.end_constraints(final, p)[end_rows.tolist(), :])
 
     costs, values = constraints(stages, p)
     nlp = {"x": w, "p": p, "f": ca.sum2(costs), "g": gather(values)}

@@ -136,13 +136,17 @@ def test_out_of_reach_says_from_where_and_how_far():
     with pytest.raises(ScenarioError) as caught:
         joint_paths(ROBOT, path, tool=TOOL)
     message = str(caught.value)
-    assert f"from s = {(stretched - 0.9) / 1.1:.3f} on (start 0, end 1)" in message
-    assert f"by up to {1000 * beyond:.4g} mm at s = 1.000" in message
+    edge = f"s = {(stretched - 0.9) / 1.1:.3f} (x, y, z = {1000 * stretched:.0f}, 0, 1200 mm)"
+    assert f"from {edge} on" in message
+    assert f"by up to {1000 * beyond:.4g} mm at s = 1.000 (x, y, z = 2000, 0, 1200 mm)" in message
     assert "\n" not in message
 
 
 def test_start_out_of_reach():
-    with pytest.raises(ScenarioError, match=r"out of reach of robot 'comau-smart-six' .* from s = 0.000 on"):
+    with pytest.raises(
+        ScenarioError,
+        match=r"out of reach of robot 'comau-smart-six' .* from s = 0\.000 \(x, y, z = 3000, 0, 1000 mm\) on",
+    ):
         joint_paths(ROBOT, straight_line((3, 0, 1), (0.8, 0, 1)), tool=TOOL)
 
 
@@ -155,7 +159,7 @@ def test_joint_limit_in_the_way_is_named(arc, arc_joints):
     message = str(caught.value)
     assert "passes the upper limit of joint_1 (57.2958 deg)" in message
     assert f"by {np.degrees(highest - 1.0):.3g} deg" in message
-    assert f"from s = {where:.3f} on" in message
+    assert f"from s = {where:.3f} (x, y, z = " in message
 
 
 def test_lower_limit_in_the_way():

@@ -42,15 +42,16 @@ def explain(robot: Robot, path: Path, followed: Followed, *, tool: Tool) -> Scen
     lost = float(s[min(farthest + 1, len(s) - 1)])
     return ScenarioError(
         f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
-        f"singularity, the last near s = {lost:.3f} ({_place(path, lost)}) at joints ({joints}) deg; "
+        f"singularity, the last near {place_in_words(path, lost)} at joints ({joints}) deg; "
         "move the path or change its yaw there",
         Reason(ROBOT, "singularity", robot.name, lost),
     )
 
 
-def _place(path: Path, s: float) -> str:
-    """Where the tray is at s, for people."""
-    return "x, y, z = " + ", ".join(f"{1e3 * value:.0f}" for value in path.at(s)[0, :3]) + " mm"
+def place_in_words(path: Path, s: float) -> str:
+    """A path parameter and where the tray is there: "s = 0.500 (x, y, z = 600, 186, 900 mm)"."""
+    position = np.round(1e3 * path.at(s)[0, :3]) + 0.0  # turns -0.0 into 0.0
+    return f"s = {s:.3f} (x, y, z = {', '.join(f'{value:.0f}' for value in position)} mm)"
 
 
 def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioError:
@@ -77,7 +78,7 @@ def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioE
         f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
         f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
         f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
-        f"{np.degrees(worst):.3g} deg, from s = {at_s:.3f} on ({_place(path, at_s)}); move the path or change its yaw",
+        f"{np.degrees(worst):.3g} deg, from {place_in_words(path, at_s)} on; move the path or change its yaw",
         Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
     )
 
@@ -124,8 +125,8 @@ def _out_of_reach(robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, t
     worst = int(np.argmax(shortfall))
     reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return ScenarioError(
-        f"path: out of reach of robot {robot.name!r}{reach} from s = {edge:.3f} on (start 0, end 1), by up to "
-        f"{1000 * shortfall[worst]:.4g} mm at s = {outside[worst]:.3f} ({_place(path, float(outside[worst]))}); "
+        f"path: out of reach of robot {robot.name!r}{reach} from {place_in_words(path, edge)} on, by up to "
+        f"{1000 * shortfall[worst]:.4g} mm at {place_in_words(path, float(outside[worst]))}; "
         "move the path nearer to the robot's base or away from its axis",
         Reason(ROBOT, "reach", robot.name, edge, float(shortfall[worst]), "m"),
     )
