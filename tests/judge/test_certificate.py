@@ -331,8 +331,26 @@ class TestSpoiledRecord:
             assert {"path position", "joint speed", "slip"} <= failed(certificate)
 
 
+@pytest.mark.parametrize("end", ["residual", "still"])
+def test_rest_appended_to_a_motion(good, end):
+    """A minute of rest, recorded as if the path were not yet covered: what the liquid does in it still counts."""
+    scene, trajectory = good
+    rest = 30000
+    columns = {
+        field.name: np.concatenate([values, np.repeat(values[-1:], rest, axis=0)])
+        for field in fields(trajectory)
+        if field.name not in ("joints", "slosh", "t") and (values := getattr(trajectory, field.name)) is not None
+    }
+    columns["s"][len(trajectory.t) : -1] = 1 - 3e-7
+    columns["s_rate"][-rest:-1] = 1e-9
+    t = np.arange(len(trajectory.t) + rest) / scene.output_rate
+    motion = replace(scene.motion, end=end, residual_fraction=0.04)
+    broken = failed(certify(replace(trajectory, t=t, **columns), replace(scene, motion=motion)))
+    assert {"residual": "residual height", "still": "still at the end"}[end] in broken
+
+
 def test_samples_too_far_apart(solid):
-    """Between samples 0.25 s apart the joints leave the path and start and stop with a jerk; at the samples they do not.
+    """Between samples 0.25 s apart the joints leave the path, and start and stop with a jump.
 
     The motion that the samples are of keeps all limits.
     """
