@@ -165,7 +165,7 @@ def test_unreadable_files(tmp_path):
 
 
 def ending(end: float, jerk: float, rate: float = 500.0, hold: int = 0) -> Trajectory:
-    """Joints with constant jerk up to their end at 1 rad, sampled until the first sample at or after it, `hold` more."""
+    """Joints of constant jerk up to their end at 1 rad, sampled until the first one at or after it, `hold` more."""
     t = np.arange(np.ceil(end * rate - 1e-9) + 1 + hold) / rate
     left = np.clip(end - t, 0.0, None)[:, None]
     jerks = jerk * np.array([1.0, -0.5, 0.0, 0.2, 0.0, 1.0])

@@ -113,7 +113,7 @@ class Trajectory:
 
     @property
     def end_time(self) -> float:
-        """Time at which the joints come to rest, s, whatever s is on record: rest appended to a motion ends nothing later.
+        """Time at which the joints come to rest, s, whatever s is on record: rest that is appended changes nothing.
 
         The jerk is constant just before the end, where the distance of the joints from where they stop is J tau^3/6 and
         their speed towards it J tau^2/2: the remaining time after a sample is tau = 3 distance/speed. That sample is
