@@ -62,13 +62,13 @@ def view(
 
 def _films(folders: list[Path], rate: float) -> list[Film]:
     """Load and judge plans, and cut them into pictures of one common length."""
-    from nospill.judge.certificate import judge
+    from nospill.plans.approach import judged
     from nospill.plans.loading import load_plan
     from nospill.viewer.film import make_film
 
     plans = [load_plan(folder) for folder in folders]
     length = max(plan.duration for plan in plans) + _AFTER_END
-    return [make_film(plan, judge(plan.trajectory, plan.scene), rate=rate, length=length) for plan in plans]
+    return [make_film(plan, judged(plan), rate=rate, length=length) for plan in plans]
 
 
 def _visuals(urdf: Path | None, films: list[Film]) -> Visuals | None:
