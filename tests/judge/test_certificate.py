@@ -372,6 +372,18 @@ def test_samples_too_far_apart(solid):
 class TestSpoiledScene:
     """The file is what it was; the scene asks for more."""
 
+    @pytest.mark.parametrize("fidelity", ["deliverable", "full"])
+    def test_film_of_water_whose_trough_meets_the_bottom(self, changed_scene, fidelity):
+        """One millimetre of water under a limit of 15 mm: the bottom falls dry long before the crest is too high."""
+        scene = changed_scene("matrix-liquid", {"fidelity": fidelity, "cargo.0.liquid_height": "1 mm"})
+        scene = replace(scene, cargo=scene.cargo[:1])
+        trajectory = export_samples(scene, smooth_start(scene, joint_path_of(scene), 200, Start(stretch=1.3)))
+        certificate = certify(trajectory, scene)
+        rows = {row.constraint: row for row in certificate.rows}
+        assert not rows["trough"].ok and rows["trough"].limit == 1e-3
+        assert rows["trough"].worst_value == pytest.approx(rows["slosh height"].worst_value, rel=1e-9)
+        assert rows["slosh height"].ok
+
     def test_less_friction(self, good):
         scene, trajectory = good
         assert failed(certify(trajectory, with_cargo(scene, friction=0.12))) == {"slip"}

@@ -61,6 +61,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
     return ObjectStructure(
         footprint=type(cargo.container.footprint),
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
+        shallow=cargo.filling is not None and cargo.filling.shallow,
     )
 
 
