@@ -165,17 +165,22 @@ def test_unreadable_files(tmp_path):
 
 
 def ending(end: float, jerk: float, rate: float = 500.0, hold: int = 0) -> Trajectory:
-    """s with constant jerk up to its end at 1, sampled until the first sample at or after it and `hold` more."""
+    """Joints of constant jerk up to their end at 1 rad, sampled until the first one at or after it, `hold` more."""
     t = np.arange(np.ceil(end * rate - 1e-9) + 1 + hold) / rate
-    left = np.clip(end - t, 0.0, None)
-    trajectory = trajectory_of(np.zeros((len(t), 34)))
-    return replace(trajectory, t=t, s=1 - jerk * left**3 / 6, s_rate=jerk * left**2 / 2, s_acceleration=-jerk * left)
+    left = np.clip(end - t, 0.0, None)[:, None]
+    jerks = jerk * np.array([1.0, -0.5, 0.0, 0.2, 0.0, 1.0])
+    return replace(
+        trajectory_of(np.zeros((len(t), 34))),
+        t=t,
+        joint_position=1 - jerks * left**3 / 6,
+        joint_speed=jerks * left**2 / 2,
+    )
 
 
 @settings(deadline=None)
 @given(end=st.floats(0.1, 0.2), jerk=st.floats(30.0, 1000.0), hold=st.integers(0, 5))
 def test_end_time_between_samples(end, jerk, hold):
-    """1 - s = J tau^3/6 and s' = J tau^2/2 give tau = 3 (1 - s)/s'."""
+    """Distance J tau^3/6 and speed J tau^2/2 give tau = 3 distance/speed."""
     trajectory = ending(end, jerk, hold=hold)
     assert trajectory.end_time == pytest.approx(end, abs=2e-6)
 
@@ -185,12 +190,14 @@ def test_end_time_of_planned_motions(smooth_motion):
     assert motion.trajectory.end_time == pytest.approx(motion.stages.duration, abs=1e-3)
 
 
-def test_end_time_stays_inside_the_record():
-    trajectory = ending(0.1, 500.0)
-    assert replace(trajectory, s_rate=0 * trajectory.s_rate).end_time == trajectory.t[-1]
-    assert replace(trajectory, s_rate=1e-9 + 0 * trajectory.s_rate).end_time == trajectory.t[-1]
-    assert replace(trajectory, s=1.0 + 0 * trajectory.s).end_time == trajectory.t[-1]
-    assert replace(trajectory, s=0.5 * trajectory.s).end_time == trajectory.t[-1]
+def test_end_time_whatever_else_is_recorded():
+    """Rest may be appended, with any s and any speed in it: the joints stand when they stand."""
+    trajectory = ending(0.1, 500.0, hold=1000)
+    assert replace(trajectory, s=1 - 3e-7 * (trajectory.t < 2.0)).end_time == trajectory.end_time
+    for speed in (0.0, 1e-9, -1.0):
+        changed = replace(trajectory, joint_speed=speed + 0 * trajectory.joint_speed)
+        assert changed.end_time <= 0.1 + 0.01 + 2e-3
+    assert replace(trajectory, joint_position=1.0 + 0 * trajectory.joint_position).end_time == trajectory.t[-1]
 
 
 def test_values_in_between(smooth_motion):

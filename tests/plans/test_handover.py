@@ -84,8 +84,21 @@ def test_the_planned_motion_as_its_own_receiver_changes_no_verdict(gentle_plan):
     plan = gentle_plan("matrix-liquid-soft-end", 1)
     record = plan.trajectory
     assert certify(record, plan.scene, motion=planned_motion(record)) == certify(record, plan.scene)
-    for row in certified(plan, planned_motion(record)).rows:
-        assert row.ok
+    own = JointSamples(record.t, record.joint_position)
+    assert certified(plan, own, planned_motion(record)).ok
+
+
+def test_jerk_of_a_file_is_that_of_its_own_samples(gentle_plan):
+    """At twice the rate the third difference of the file itself is the value, and not that of every second sample."""
+    plan = gentle_plan("matrix-rigid", 1)
+    robot = replace(plan.scene.robot, max_jerk=np.full(6, 1e3))
+    limited = replace(plan, scene=replace(plan.scene, robot=robot))
+    samples = resampled(plan.trajectory, 1000.0)
+    rows = certified(limited, samples, planned_motion(plan.trajectory)).rows
+    position = np.pad(samples.position, ((2, 2), (0, 0)), mode="edge")
+    jerks = np.max(np.abs(np.diff(position, n=3, axis=0)), axis=0) * 1000.0**3
+    found = {row.subject: abs(row.worst_value) for row in rows if row.constraint == "joint jerk"}
+    assert list(found.values()) == pytest.approx(list(jerks), rel=1e-5)
 
 
 def test_what_the_receiver_does_between_the_samples_is_judged(gentle_plan):
@@ -94,10 +107,10 @@ def test_what_the_receiver_does_between_the_samples_is_judged(gentle_plan):
     samples = resampled(plan.trajectory, 100.0)
     assert samples.speed is not None
     swinging = replace(samples, speed=samples.speed + 0.3 * (-1.0) ** np.arange(len(samples.t))[:, None])
-    verdict = certified(plan, QUINTIC_HERMITE.motion(swinging))
+    verdict = certified(plan, swinging, QUINTIC_HERMITE.motion(swinging))
     assert "slip" in {row.constraint for row in verdict.rows if not row.ok}
     positions = EXPORTERS["lab-csv"].interpolation.motion(swinging)
-    assert certified(plan, positions).ok
+    assert certified(plan, swinging, positions).ok
 
 
 @FORMATS

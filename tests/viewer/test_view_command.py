@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,8 @@ from typer.testing import CliRunner, Result
 
 from nospill.cli import app
 from nospill.film.timeline import Film
+from nospill.plans.approach import judged
+from nospill.viewer.live import title_of
 from tests.waiting import finished, first_line
 
 
@@ -47,6 +50,15 @@ def test_file_of_two_plans(folders: tuple[str, str], tmp_path: Path) -> None:
     assert "<title>matrix-liquid (level)" in page
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']?https?:", page)
     assert [path.name for path in tmp_path.iterdir()] == ["both.html"]
+
+
+def test_title_has_the_verdict_on_what_is_shown(tilting_film: Film) -> None:
+    """A folder may say what it likes: the motion is judged again, as a report does."""
+    plan = tilting_film.plan
+    saved = replace(plan, certificate=replace(plan.certificate, ok=not plan.certificate.ok))
+    film = replace(tilting_film, plan=saved, judgement=judged(saved))
+    word = "certified" if plan.certificate.ok else "NOT certified"
+    assert title_of(film).endswith(f" s, {word}")
 
 
 @pytest.mark.parametrize(

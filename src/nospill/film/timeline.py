@@ -11,7 +11,7 @@ import numpy as np
 
 from nospill.core.frames import SX, body_motion
 from nospill.film.surfaces import liquid_surface
-from nospill.judge.certificate import Judgement, judge
+from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
@@ -19,6 +19,7 @@ from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_motion
+from nospill.plans.approach import judged
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
@@ -85,7 +86,7 @@ def load_films(folders: Sequence[Path], *, rate: float, after_end: float) -> lis
     """
     plans = [load_plan(folder) for folder in folders]
     length = max(plan.duration for plan in plans) + after_end
-    return [make_film(plan, judge(plan.trajectory, plan.scene), rate=rate, length=length) for plan in plans]
+    return [make_film(plan, judged(plan), rate=rate, length=length) for plan in plans]
 
 
 def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | None = None) -> Film:

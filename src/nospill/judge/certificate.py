@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
-from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint
-from nospill.laws.constraints.joint_torque import JointTorque
+from nospill.laws.constraints.base import OF_OBJECTS
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import corner_scenes, heaviest, lightest
+from nospill.scene.tolerances import corner_scenes
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ def corner_rows(
         scene: what it must keep to.
         motion: what the receiver's joints do; the spline through the recorded positions when left out.
         rate: Hz, the least rate of the grid.
-        played: the replay of the scene as stated; with it, joint torques under the heaviest and the lightest load too.
+        played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
     rows = []
     for corner in corner_scenes(scene):
@@ -108,9 +108,5 @@ def corner_rows(
             if trace.subject in corner.texts:
                 rows.append(replace(worst_row(trace), variant=corner.texts[trace.subject]))
     if rows and played is not None:
-        for text, load in (("the heaviest load", heaviest(scene)), ("the lightest load", lightest(scene))):
-            loaded = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.JOINT,), payload=load)
-            rows += [
-                replace(worst_row(trace), variant=text) for trace in loaded if trace.constraint == JointTorque.name
-            ]
+        rows += [replace(worst_row(trace), variant=WORST_LOAD) for trace in worst_load_traces(scene, played)]
     return tuple(rows)

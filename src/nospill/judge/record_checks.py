@@ -8,7 +8,9 @@ from nospill.core.attitudes import angles_between, matrices, tray_quaternions
 from nospill.errors import PlanFolderError
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Row, limit_row
+from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import structure_of
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -90,14 +92,16 @@ def require_motion(trajectory: Trajectory) -> None:
 def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: Replay) -> list[Row]:
     """Rows about the record itself: on the path, from end to end, at rest there, columns that agree with each other.
 
+    All are judged on the grid of the replay, between the samples too, except those that compare recorded columns.
+
     `bare` is the motion without its holds. The samples must come at the rate the controller plays them at,
     `scene.output_rate`.
     """
     per_sample = round(played.rate / trajectory.rate)
-    position, attitude = _path_error(trajectory, scene, played, per_sample)
+    position, attitude = _path_error(trajectory, scene, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
-    ends = np.max(np.abs(bare.joint_speed[[0, -1]]), axis=1)
+    ends = np.maximum(*(np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed)))
     progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
     both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
@@ -105,10 +109,12 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     step = float(np.max(np.abs(np.diff(trajectory.joint_acceleration, axis=0))))
     speeds = max(SPEED_TOLERANCE * coarser**2, SPEED_SHARE * step / trajectory.rate)
     accelerations = max(ACCELERATION_TOLERANCE * coarser, ACCELERATION_SHARE * step)
-    written = _pose_error(played, per_sample, trajectory.tray_position, matrices(trajectory.tray_quaternion))
+    at_samples = slice(None, None, per_sample)
+    written = _pose_error(played, trajectory.tray_position, matrices(trajectory.tray_quaternion), at_samples)
     return [
-        limit_row("path position", "tray", "m", POSITION_TOLERANCE, trajectory.t, position),
-        limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, attitude),
+        *([] if scene.motion.tilt_free else _level_rows(trajectory, played)),
+        limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position),
+        limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
         limit_row("recorded speed", "joints", "rad/s", speeds, trajectory.t, speed),
@@ -119,16 +125,43 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     ]
 
 
-def _path_error(trajectory: Trajectory, scene: Scene, played: Replay, per_sample: int) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (m) and angle (rad) of the tray the joints carry from the path at recorded s and tilt, per sample."""
-    planned = scene.path.at(np.clip(trajectory.s, 0.0, 1.0))
-    attitude = matrices(tray_quaternions(planned[:, 3], trajectory.tilt[:, 1], trajectory.tilt[:, 0]))
-    return _pose_error(played, per_sample, planned[:, :3], attitude)
+def _path_error(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (m) and angle (rad) of the tray the joints carry from the path, on the grid of the replay.
+
+    The place on the path is the recorded s, and the attitude there the recorded tilt where the tilt is free; where it
+    is fixed, the tray is level whatever the record says. Between the samples both are splines, as the joints are.
+    """
+    s, theta_x, theta_y = _between_samples(trajectory, played)
+    planned = scene.path.at(np.clip(s, 0.0, 1.0))
+    if not scene.motion.tilt_free:
+        theta_x, theta_y = np.zeros_like(s), np.zeros_like(s)
+    return _pose_error(played, planned[:, :3], matrices(tray_quaternions(planned[:, 3], theta_y, theta_x)))
+
+
+def _level_rows(trajectory: Trajectory, played: Replay) -> list[Row]:
+    """Rows of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
+
+    With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
+    cos theta_y cos theta_x.
+    """
+    last = played.tray.rotation[:, 2]
+    made = (np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0)))
+    _, *recorded = _between_samples(trajectory, played)
+    return [
+        limit_row(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
+        for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
+    ]
+
+
+def _between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
+    """Recorded s, theta_x and theta_y (3, m) on the grid of the replay, by the spline that the joints are played by."""
+    columns = np.column_stack([trajectory.s, trajectory.tilt])
+    return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, columns))(played.t).T
 
 
 def _pose_error(
-    played: Replay, per_sample: int, position: np.ndarray, attitude: np.ndarray
+    played: Replay, position: np.ndarray, attitude: np.ndarray, at: slice = slice(None)
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (m) and angle (rad) of the tray the joints carry from a given pose, per sample."""
-    distance = np.linalg.norm(played.tray.position[::per_sample] - position, axis=1)
-    return distance, angles_between(attitude, played.tray.rotation[::per_sample])
+    """Distance (m) and angle (rad) of the tray the joints carry from a given pose, at some instants of the replay."""
+    distance = np.linalg.norm(played.tray.position[at] - position, axis=1)
+    return distance, angles_between(attitude, played.tray.rotation[at])

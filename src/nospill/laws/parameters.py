@@ -114,10 +114,12 @@ class ObjectStructure:
     Attributes:
         footprint: its class.
         oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
+        shallow: whether its surface may rise by more than its liquid is deep.
     """
 
     footprint: type[Footprint]
     oscillators: tuple[tuple[int, ...], ...]
+    shallow: bool = False
 
     @property
     def coordinates(self) -> int:

@@ -16,6 +16,7 @@ from nospill.robots.kinematics.dynamics import Load, load_of
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Fidelity, Scene
+from nospill.scene.tray import Tray
 
 
 @lru_cache(maxsize=8)
@@ -42,6 +43,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
     return ObjectStructure(
         footprint=type(cargo.container.footprint),
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
+        shallow=cargo.filling is not None and cargo.filling.shallow,
     )
 
 
@@ -115,10 +117,16 @@ def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
     load = load_of(tray.mass, np.asarray(tray.tool.position), plate, rotation=turn)
     for cargo in scene.cargo if payload is None else payload:
-        own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
-        centre = tray.tool.position + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
-        load += load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
+        load += object_load(cargo, tray)
     return load
+
+
+def object_load(cargo: Cargo, tray: Tray) -> Load:
+    """What one object on the tray is for the flange, its liquid at rest, flange axes."""
+    turn = tray.tool.rotation
+    own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
+    centre = tray.tool.position + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+    return load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
 
 
 def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> ObjectNumbers:

@@ -12,8 +12,11 @@ import numpy as np
 from nospill.core.hermite import cubic_hermite
 from nospill.errors import PlanFolderError
 
-_NEARLY_THERE = 1e-7
-"""Remaining path parameter from which on the motion is taken to stand."""
+_STANDING = 1e-7
+"""rad; joints that are all this near to where they stop are taken to stand."""
+
+_SLOWEST_STOP = 0.01
+"""s; longest time that may remain once they are, where two periods are shorter."""
 
 _TRAY_COLUMNS = 7
 _FEWEST_ROWS = 10
@@ -110,17 +113,23 @@ class Trajectory:
 
     @property
     def end_time(self) -> float:
-        """Time at which s reaches 1, s.
+        """Time at which the joints come to rest, s, whatever s is on record: rest that is appended changes nothing.
 
-        The jerk is constant just before the end, where 1 - s = J tau^3/6 and s' = J tau^2/2: the remaining time after a
-        sample is tau = 3 (1 - s)/s'.
+        The jerk is constant just before the end, where the distance of the joints from where they stop is J tau^3/6 and
+        their speed towards it J tau^2/2: the remaining time after a sample is tau = 3 distance/speed. That sample is
+        the last at which they are not yet there; the end is at most two periods or 10 ms later, since recorded speeds
+        may be wrong.
         """
-        moving = np.flatnonzero(1.0 - self.s > _NEARLY_THERE)
-        if len(moving) == 0 or self.s_rate[moving[-1]] <= 0.0:
+        left = self.joint_position[-1] - self.joint_position
+        moving = np.flatnonzero(np.max(np.abs(left), axis=1) > _STANDING)
+        if len(moving) == 0:
             return float(self.t[-1])
         last = moving[-1]
-        end = self.t[last] + 3.0 * (1.0 - self.s[last]) / self.s_rate[last]
-        return float(min(end, self.t[-1]))
+        distance = float(np.linalg.norm(left[last]))
+        speed = float(self.joint_speed[last] @ left[last]) / distance
+        longest = max(_SLOWEST_STOP, 2.0 / self.rate)
+        remaining = 3.0 * distance / speed if speed > 0.0 else longest
+        return float(min(self.t[last] + min(remaining, longest), self.t[-1]))
 
     def at(self, t: float) -> TrajectorySample:
         """The trajectory at time `t` in s: joints by the cubic through positions and speeds, the rest linearly.

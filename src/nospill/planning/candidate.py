@@ -11,6 +11,7 @@ from typing import Any
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.trough import Trough
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
@@ -107,7 +108,9 @@ def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     """The set with the rows that come near their limits on a start whose liquids are at rest."""
     slack = slack_of(active, start)
-    heights = {row for row in slack if row.constraint == SloshHeight.name}  # which says nothing about these
+    heights = {
+        row for row in slack if row.constraint in (SloshHeight.name, Trough.name)
+    }  # which says nothing about these
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | heights)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
-from nospill.judge.certificate import certify
+from nospill.judge.certificate import Judgement, certify, judge
 from nospill.judge.verdict import APPROACH, Certificate
 from nospill.judge.wording import describe
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
@@ -41,6 +41,22 @@ def starts_alike(first: Scene, second: Scene) -> bool:
     """Whether two scenes say the same of where the arm comes from, so that they prefer the same branch."""
     ours, theirs = first.start_near, second.start_near
     return ours is theirs if ours is None or theirs is None else np.array_equal(ours, theirs)
+
+
+def judged(plan: Plan) -> Judgement:
+    """The judgement of a plan's motion, with the rows about its approach where there is one.
+
+    The one at hand from planning, otherwise a new one; never the certificate that a folder holds.
+
+    Raises:
+        PlanFolderError: the trajectory does not fit the scene, or is no motion.
+        ModelError: the liquids cannot be integrated.
+    """
+    judgement = plan.judgement or judge(plan.trajectory, plan.scene)
+    if plan.approach is None or plan.scene.approach is None:
+        return judgement
+    rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])
+    return replace(judgement, certificate=judgement.certificate.joined(rows))
 
 
 def with_approach(plan: Plan) -> Plan:

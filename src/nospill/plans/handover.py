@@ -6,6 +6,7 @@ constraints, the tolerances and the code of every other certificate. Nothing is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +18,14 @@ from nospill.export import EXPORTERS, Exporter
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
 from nospill.motion.holds import held_samples, hold_periods
-from nospill.motion.interpolation import HIGHEST_RATE, JointMotion, JointSamples, planned_motion, resampled
+from nospill.motion.interpolation import (
+    HIGHEST_RATE,
+    JointMotion,
+    JointSamples,
+    interpolated,
+    planned_motion,
+    resampled,
+)
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
@@ -114,7 +122,7 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
-        certificate=certified(plan, motion, lead=lead),
+        certificate=certified(plan, samples, motion),
         joint_deviation=Handover.largest_deviation(plan.trajectory, samples, motion, lead),
     )
 
@@ -135,27 +143,36 @@ def _lead(plan: Plan, samples: JointSamples) -> float:
     return hold_periods(plan.scene.motion, round(samples.rate, 3))[0] / samples.rate
 
 
-def certified(plan: Plan, motion: JointMotion, *, lead: float = 0.0) -> Certificate:
+def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certificate:
     """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
 
-    The record is compared at the plan's instants, which at a lower rate lie between the receiver's samples. Speeds and
+    The record is at the file's own rate, since that is what the receiver's differences are of; below the plan's rate,
+    at the least multiple of it that is not lower. Between the plan's samples its path and pose are splines. Speeds and
     accelerations of the record become the receiver's own; where they exceed limits, the constraints say so.
 
     Args:
         plan: the plan.
-        motion: the receiver's.
-        lead: its time at which the plan's motion begins, s: the hold before it.
+        samples: of the file, with its holds.
+        motion: what the receiver makes of them.
     """
-    planned, start = plan.trajectory, plan.trajectory.t[0]
-    times = planned.t - start + lead
+    planned, lead = plan.trajectory, _lead(plan, samples)
+    every = math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS))
+    count = (len(samples.t) - 1) * every + 1
+    times = np.linspace(samples.t[0], samples.t[-1], count)
+    t = times - lead + planned.t[0]
 
     def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
-        return motion(t - start + lead, order)
+        return motion(t - planned.t[0] + lead, order)
 
     record = replace(
-        planned, joint_position=motion(times), joint_speed=motion(times, 1), joint_acceleration=motion(times, 2)
+        interpolated(planned, t),
+        joint_position=motion(times),
+        joint_speed=motion(times, 1),
+        joint_acceleration=motion(times, 2),
     )
-    return certify(record, plan.scene, motion=played)
+    # the holds are in the file, and its samples come at its own rate
+    rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
+    return certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
 
 
 def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = USUAL_RATES) -> float | None:
@@ -165,7 +182,7 @@ def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = 
             continue
         try:
             samples = held_samples(resampled(plan.trajectory, rate), plan.scene.motion)
-            if certified(plan, exporter.interpolation.motion(samples), lead=_lead(plan, samples)).ok:
+            if certified(plan, samples, exporter.interpolation.motion(samples)).ok:
                 return rate
         except NospillError:  # a liquid that leaves its cup: not at this rate
             continue

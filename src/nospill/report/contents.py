@@ -5,13 +5,11 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from nospill.approach import judge_segment
-from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe
 from nospill.laws.constraints import CONSTRAINTS
@@ -19,6 +17,7 @@ from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import trajectory_text
+from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
@@ -89,7 +88,7 @@ def make_report(
         ModelError: the liquids cannot be integrated along the trajectory.
         PlanFolderError: the trajectory does not fit the scene.
     """
-    evidence = Evidence(plan, _judged(plan))
+    evidence = Evidence(plan, judged(plan))
     certificate = evidence.judgement.certificate
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
@@ -114,15 +113,6 @@ def make_report(
         planning=_planning(plan),
         versions=_versions(plan, controller_files or {}),
     )
-
-
-def _judged(plan: Plan) -> Judgement:
-    """The judgement of the motion, with the rows about the way to its start where there is one."""
-    judgement = plan.judgement or judge(plan.trajectory, plan.scene)
-    if plan.approach is None or plan.scene.approach is None:
-        return judgement
-    rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])
-    return replace(judgement, certificate=judgement.certificate.joined(rows))
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:

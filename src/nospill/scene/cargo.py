@@ -21,6 +21,11 @@ class Filling:
     max_slosh_height: float
     modes: SloshModes
 
+    @property
+    def shallow(self) -> bool:
+        """Whether the surface may rise on one side by more than the liquid is deep on the other."""
+        return self.max_slosh_height > self.liquid_height
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:

@@ -1,4 +1,4 @@
-"""Scenes whose objects' numbers may be off: corner scenes, the heaviest load and the lightest."""
+"""Scenes whose objects' numbers may be off: corner scenes and the heaviest load."""
 
 from __future__ import annotations
 
@@ -57,11 +57,6 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:
     """The cargo, each object as heavy as its tolerance allows, at its stated place."""
     return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
-
-
-def lightest(scene: Scene) -> tuple[Cargo, ...]:
-    """The cargo, each object as light as its tolerance allows, at its stated place."""
-    return tuple(_loaded(cargo, -1.0, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
 
 
 def greatest_mass(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> float:

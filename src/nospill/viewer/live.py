@@ -37,10 +37,11 @@ class Shown:
 
 
 def title_of(film: Film) -> str:
-    """A plan in a few words: how the tray may move, how long it takes, the verdict."""
-    plan = film.plan
-    kind = "tilting" if plan.scene.motion.tilt_free else "level"
-    return f"{plan.scene.name} ({kind}): {film.end_time:.3f} s, {plan.status}"
+    """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
+    scene = film.plan.scene
+    kind = "tilting" if scene.motion.tilt_free else "level"
+    verdict = "certified" if film.judgement.certificate.ok else "NOT certified"
+    return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 
 
 def short_titles(films: Sequence[Film]) -> list[str]:

@@ -20,6 +20,7 @@ from nospill.laws.constraints import (
     Slip,
     SloshHeight,
     Tip,
+    Trough,
     Twist,
 )
 from nospill.laws.constraints.base import Constraint, figures
@@ -213,3 +214,18 @@ def test_the_table_has_every_constraint_once():
 def _leaves(parent: type) -> list[type]:
     below = parent.__subclasses__()
     return [leaf for child in below for leaf in _leaves(child)] if below else [parent]
+
+
+def test_trough_of_a_shallow_liquid_against_its_depth(changed_scene):
+    """One mode, q = 1 mm: the surface sinks by C q on one side; deeper liquids have no such row."""
+    deep = read_scenario("matrix-liquid")
+    assert Trough().subjects(deep) == () and Trough().budgets(objects_sample(deep, moving((0, 0, GRAVITY)))) == ()
+    scene = changed_scene("matrix-liquid", {"cargo.0.liquid_height": "6 mm"})
+    assert Trough().subjects(scene) == ("c1",)
+    gain = scene.cargo[0].oscillators[0].surface_gain
+    q = np.zeros(coordinate_count(structure_of(scene)))
+    for amplitude in (1e-3, 1.1 * 6e-3 / gain):
+        q[1] = -amplitude
+        value, limit, margin = use(Trough(), objects_sample(scene, moving((0, 0, GRAVITY)), q))
+        assert value == pytest.approx(gain * amplitude) and limit == pytest.approx(6e-3)
+        assert (margin < 0) == (gain * amplitude > 6e-3)

@@ -17,10 +17,12 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tilt import Tilt
 from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
 
 CONSTRAINTS: tuple[Constraint, ...] = (
     SloshHeight(),
+    Trough(),
     ResidualHeight(),
     EndDisplacement(),
     ApparentGravity(),

@@ -8,6 +8,9 @@ from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, M
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
+TILT_ANGLES = ("theta_x", "theta_y")
+"""Names of the two, as subjects of rows."""
+
 
 class Tilt(Constraint):
     """|theta_x|, |theta_y| <= max_tilt where the tilt is free."""
@@ -21,7 +24,7 @@ class Tilt(Constraint):
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
         """Both tilt angles, where free."""
-        return ("theta_x", "theta_y") if scene.motion.tilt_free else ()
+        return TILT_ANGLES if scene.motion.tilt_free else ()
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One range per angle."""
