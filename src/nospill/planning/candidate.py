@@ -111,7 +111,7 @@ def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     heights = {
         row for row in slack if row.constraint in (SloshHeight.name, Trough.name)
     }  # which says nothing about these
-    return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | heights)
+    return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | levels)
 
 
 def near_optimum(barrier: float, iterations: int) -> Options:
