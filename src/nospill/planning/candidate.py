@@ -108,9 +108,7 @@ def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     """The set with the rows that come near their limits on a start whose liquids are at rest."""
     slack = slack_of(active, start)
-    heights = {
-        row for row in slack if row.constraint in (SloshHeight.name, Trough.name)
-    }  # which says nothing about these
+    levels = {row for row in slack if row.constraint in (SloshHeight.name, Trough.name)}  # of which rest says nothing
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | levels)
 
 
