@@ -34,7 +34,7 @@ from nospill.planning.starts import Attempt
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
 from nospill.scenario import scene_from_table
-from nospill.scenario.base_yaw import settled_base
+from nospill.scenario.base_yaw import choose_base_yaw
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
 from nospill.verify import verify
@@ -179,7 +179,7 @@ def random_starts(
 
     Each has `longest` s to look for a motion.
     """
-    scene = settled_base(limited(scene_from_table(table, name=name), longest))
+    scene = choose_base_yaw(limited(scene_from_table(table, name=name), longest))
     random = np.random.default_rng([_STARTS_STREAM, *name.encode()])
     known: list[Coarse] = []
     for index in range(count):

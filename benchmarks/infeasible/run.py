@@ -130,13 +130,13 @@ def report(lines: list[dict[str, Any]]) -> str:
         "|---|---|---|---|---|---:|",
     ]
     for line in lines:
-        told = "<br>".join(
+        shown = "<br>".join(
             f"{change['text']}: {'not enough' if change['duration'] is None else format(change['duration'], '.3g')}"
             for change in line["changes"]
         )
         named_text = "yes" if line["named"] else "**no**"
         text.append(
-            f"| {line['name']} | {line['kind']} | {line['constraint']} | {named_text} | {told or 'none'} "
+            f"| {line['name']} | {line['kind']} | {line['constraint']} | {named_text} | {shown or 'none'} "
             f"| {line['seconds']:.1f} |"
         )
     text += ["", "What is said:", ""]

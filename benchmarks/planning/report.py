@@ -95,9 +95,9 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
         run = found.get(f"warm {name}")
         for part in ("first", "again") if run else ():
             for change, figures in run[part].items() if run else ():
-                told = f"warm {name}: {change}" + (", first time" if part == "first" else "")
+                label = f"warm {name}: {change}" + (", first time" if part == "first" else "")
                 ratio = figures["seconds"] / figures["duration"]
-                yield Line(told, figures["seconds"], ratio, "of the motion", limits[name])
+                yield Line(label, figures["seconds"], ratio, "of the motion", limits[name])
     for key in ("process, cold cache", "process, second run"):
         if key in seconds:
             target = 1.0 if key.endswith("second run") else None
@@ -122,11 +122,11 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
 
 def table(results: dict[str, Any]) -> str:
     """The machine, the table and what is missing from it, as Markdown."""
-    told = results["machine"]
+    machine = results["machine"]
     text = [
-        f"{told['processor']}, {told['cores']} cores, load {told['load_before']:.1f} to {told['load_after']:.1f}; "
-        f"Python {told['python']}, CasADi {told['casadi']}, commit {told['commit']}"
-        + (" and changes" if told["changed_since"] else ""),
+        f"{machine['processor']}, {machine['cores']} cores, load {machine['load_before']:.1f} to {machine['load_after']:.1f}; "
+        f"Python {machine['python']}, CasADi {machine['casadi']}, commit {machine['commit']}"
+        + (" and changes" if machine["changed_since"] else ""),
         "",
         "| measurement | s | ratio | | target | |",
         "|---|---:|---:|---|---:|---|",

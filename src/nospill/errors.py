@@ -87,7 +87,7 @@ class PlanFolderError(NospillError):
 
 
 class ModelError(NospillError):
-    """A physical model is asked beyond its validity, for example liquid in a cup that is not pressed down."""
+    """A physical model beyond its validity, for example liquid in a cup that is not pressed down."""
 
 
 class NoSolutionError(NospillError):

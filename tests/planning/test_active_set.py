@@ -83,7 +83,7 @@ def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Sce
     assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
     tightened = joined.after(violated)
     assert tightened.backoff[RowId("slip", "c2")] > joined.backoff[RowId("slip", "c2")] + 0.004
-    assert tightened.raised() == {"slip | c2": tightened.backoff[RowId("slip", "c2")]}
+    assert tightened.increased() == {"slip | c2": tightened.backoff[RowId("slip", "c2")]}
 
 
 def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
@@ -120,7 +120,7 @@ def test_known_back_off_goes_to_a_tray_in_another_order_and_is_never_lowered(sce
     known = {RowId("tip", "c4"): 0.07, RowId("slip", "c1"): 0.0, RowId("slip", "nobody"): 0.5}
     other = ActiveSet.of(Task.of(turned), Q).with_backoff(known)
     assert other.backoff[RowId("tip", "c4")] == 0.07 and other.backoff[RowId("slip", "c1")] == BY_NAME["slip"].backoff
-    assert other.raised() == {"tip | c4": 0.07}
+    assert other.increased() == {"tip | c4": 0.07}
 
 
 # --- objects and variants ------------------------------------------------------------------------------------------

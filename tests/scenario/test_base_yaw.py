@@ -10,7 +10,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scenario_text, scene_from_table
-from nospill.scenario.base_yaw import base_yaw_text, has_free_base, settled_base
+from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
 
 
@@ -22,13 +22,13 @@ def best_figure(scene: Scene) -> float:
 def test_a_base_that_is_given_is_left_alone(changed_scene):
     scene = changed_scene("matrix-liquid", {"robot.base_yaw": "10 deg"})
     assert not has_free_base(scene)
-    assert settled_base(scene) is scene
+    assert choose_base_yaw(scene) is scene
 
 
 def test_of_equal_turns_the_smallest_is_taken(changed_scene):
     """An upright arm's first joint turns with the base: only its limits can tell the turns apart."""
     scene = changed_scene("matrix-liquid", {"robot.base_yaw": "free"})
-    found = settled_base(scene)
+    found = choose_base_yaw(scene)
     assert base_yaw_text(found) == "0 deg" and not has_free_base(found)
     assert best_figure(found) == pytest.approx(best_figure(changed_scene("matrix-liquid", {})), rel=1e-9)
 
@@ -47,7 +47,7 @@ def test_a_path_behind_the_arm_is_reached_by_turning_it(changed_scene):
     path = {"type": "waypoints", "points": points.tolist(), "yaw": ["180 deg", "360 deg"]}
     with pytest.raises(ScenarioError):
         best_figure(changed_scene("matrix-liquid", limits | {"path": path}))
-    found = settled_base(changed_scene("matrix-liquid", limits | {"path": path, "robot.base_yaw": "free"}))
+    found = choose_base_yaw(changed_scene("matrix-liquid", limits | {"path": path, "robot.base_yaw": "free"}))
     assert best_figure(found) > 0.0
     assert abs(float(base_yaw_text(found).removesuffix(" deg"))) >= 150.0
 
@@ -55,7 +55,7 @@ def test_a_path_behind_the_arm_is_reached_by_turning_it(changed_scene):
 def test_an_arm_that_leans_gains_by_turning_and_the_copy_says_so(changed_scene):
     leaning = {"robot.base_roll": "30 deg"}
     scene = changed_scene("matrix-liquid", leaning | {"robot.base_yaw": "free"})
-    found = settled_base(scene)
+    found = choose_base_yaw(scene)
     figures = []
     for turn in range(-150, 181, 30):
         try:
@@ -74,7 +74,7 @@ def test_where_no_turn_helps_the_best_failure_is_told(changed_scene):
     limits = narrow(changed_scene("matrix-liquid", {}), 0.5)
     scene = changed_scene("matrix-liquid", {"robot.limits": limits, "robot.base_yaw": "free"})
     with pytest.raises(ScenarioError) as caught:
-        settled_base(scene)
+        choose_base_yaw(scene)
     text = str(caught.value)
     assert text.startswith('[robot]: base_yaw is "free", but none of 12 turns')
     assert "joint_1" in text and " deg, " in text and "\n" not in text

@@ -33,7 +33,7 @@ def find_approach(scene: Scene, rules: ApproachRules, end: np.ndarray) -> Approa
     """Find an approach that the judge certifies.
 
     The way is a straight line in joint space and does not depend on how fast it goes. It is tried as fast as the
-    limits allow, then ten times as slowly: where the judge objects to that too, nothing between will do, as slip and
+    limits allow, then ten times as slowly: where that is not certified either, nothing between will do, as slip and
     slosh grow with the speed and what remains is the lean of the tray. Else it is slowed down step by step.
 
     Args:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.progress import Progress
+from nospill.cli.progress import ProgressLine
 
 if TYPE_CHECKING:  # for annotations only: everything heavy is imported inside the command
     from nospill.film.views import View
@@ -40,7 +40,7 @@ def film(
     rate: Annotated[float, typer.Option("--rate", metavar="FPS", help="Pictures per second.")] = 25.0,
 ) -> int:
     """Film a plan, or two side by side on one clock: arm, tray, liquids, time and verdict."""
-    with Progress() as progress:
+    with ProgressLine() as progress:
         from nospill.film.timeline import load_films
         from nospill.film.writing import Format, require_film, save_film
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.progress import Progress
+from nospill.cli.progress import ProgressLine
 from nospill.cli.reporting import one_line, only_stderr, print_json, print_table, say
 from nospill.cli.sharing import write_plan_report
 from nospill.errors import NoSolutionError, ScenarioError
@@ -32,7 +32,7 @@ def plan(
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
-    with only_stderr() if as_json else nullcontext(), Progress() as progress:
+    with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import require_replaceable
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
         from nospill.scenario import read_scenario
@@ -121,7 +121,7 @@ def plot(
 
     saved = load_plan(folder)
     figures = folder / "figures"
-    with Progress() as progress, atomic_folder(figures, replaceable=_only_figures) as partial:
+    with ProgressLine() as progress, atomic_folder(figures, replaceable=_only_figures) as partial:
         progress.say("draw")
         save_figures(saved, partial)
         names = sorted(path.name for path in partial.iterdir())

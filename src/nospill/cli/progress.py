@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from nospill.planning.planner import PlanningProgress
 
 
-class Progress:
+class ProgressLine:
     """Where planning stands, on stderr: one moving line on a terminal, elsewhere one line for each phase.
 
     A solver takes the KeyboardInterrupt raised inside it for a failed step and goes on, so Ctrl-C is kept here too and

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.progress import Progress
+from nospill.cli.progress import ProgressLine
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -31,7 +31,7 @@ def report(
     page = report_place(folder, output)
     if pdf is not None:
         _require_outside(folder, pdf, ".pdf")
-    with Progress() as progress:
+    with ProgressLine() as progress:
         from nospill.export.plan_files import compare_plan_files
         from nospill.plans.loading import load_plan
         from nospill.report import make_report, read_second_opinion, save_report

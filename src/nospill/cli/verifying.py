@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nospill.cli.progress import Progress
+from nospill.cli.progress import ProgressLine
 from nospill.cli.reporting import only_stderr, print_json, print_table, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -43,7 +43,7 @@ def verify(
     ] = None,
 ) -> int:
     """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves."""
-    with only_stderr() if as_json else nullcontext(), Progress() as progress:
+    with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_text
         from nospill.core.units import quantity
         from nospill.plans.loading import load_plan
@@ -134,7 +134,7 @@ def margins(
     Drawn are the scenario's tolerances, where it states any; else friction +-10 %, fill +-2 mm, damping x0.5 to x2,
     place +-1 mm and mass +-2 %. An option counts for all objects.
     """
-    with only_stderr() if as_json else nullcontext(), Progress() as progress:
+    with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_folder, require_replaceable
         from nospill.margins import margins as study
         from nospill.margins import scenario_ranges

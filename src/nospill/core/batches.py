@@ -22,9 +22,9 @@ _CHUNK = 500
 
 def thread_count() -> int:
     """How many threads may work at once, at least one; a setting that is no number counts as none."""
-    told = os.environ.get("NOSPILL_THREADS", "")
-    if told.isdecimal():
-        return max(1, int(told))
+    setting = os.environ.get("NOSPILL_THREADS", "")
+    if setting.isdecimal():
+        return max(1, int(setting))
     # What the process may use is less than what the machine has, in a container for example; not every system tells.
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -51,7 +51,7 @@ class Task:
     tool: Tool
 
 
-def families(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
+def option_groups(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
     """Kinds of changes; the options of one kind are tried together, the one that needs least is taken."""
     if reason.constraint == JointPosition.name:
         yield _wider_limit(scene, reason)

@@ -26,7 +26,7 @@ from nospill.transcription.solvers import row_slack
 from nospill.transcription.starting_motions import Start, smooth_start
 
 _STANDING = 1e5
-"""s; in a motion of this length nothing moves to speak of."""
+"""s; a motion of this length is quasi-static."""
 
 
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
@@ -49,10 +49,10 @@ def require_possible_at_rest(trials: Trials) -> None:
     use = 1.1 if row is None else max(row.use, 1.0)
     changes = [change for _, change in wide_enough(trials, key.constraint, subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
-    told = f"{key.constraint} of {subject} is over its limit" if row is None else without_time(row)
+    finding = f"{key.constraint} of {subject} is over its limit" if row is None else without_time(row)
     where = "" if at_s is None else f" at {place_in_words(scene.path, at_s)}"
     raise NoSolutionError(
-        f"No motion found: {told} even standing still{where}. "
+        f"No motion found: {finding} even standing still{where}. "
         + advice(changes, "Relax that limit or lighten the load."),
         Reason(REST, key.constraint, subject, at_s, use - 1.0, changes=tuple(changes)),
     )

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from nospill.diagnosis.changes import advice, with_change
-from nospill.diagnosis.options import Option, Task, families
+from nospill.diagnosis.options import Option, Task, option_groups
 from nospill.diagnosis.search import Searcher, is_possible
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
@@ -54,7 +54,7 @@ def advised(scene: Scene, error: ScenarioError, search: Searcher) -> ScenarioErr
 
     Args:
         scene: the task.
-        error: as `joint_paths` or `settled_base` raised it; without a reason about the robot it comes back as it is.
+        error: as `joint_paths` or `choose_base_yaw` raised it; without a reason about the robot it comes back as it is.
         search: what tries whether a motion is found for a changed task.
     """
     reason = error.reason
@@ -75,7 +75,7 @@ def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Cha
     """
     clock = _Clock()
     found: list[tuple[float, Change]] = []
-    for options in families(scene, reason):
+    for options in option_groups(scene, reason):
         best = _least(scene, options, clock, confirm)
         if best is not None:
             found.append(best)

@@ -50,7 +50,7 @@ class ChainJoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class DrawnChain:
     """All joints from the base to the flange, fixed ones too; `base` is the link the first one stands on."""
 
     base: str
@@ -67,7 +67,7 @@ class Chain:
         return found
 
 
-def read_chain(urdf: str, joints: tuple[str, ...], tip: str, *, source: str = "robot description") -> Chain:
+def read_chain(urdf: str, joints: tuple[str, ...], tip: str, *, source: str = "robot description") -> DrawnChain:
     """The joints between the base and `tip` in URDF text.
 
     Args:
@@ -92,7 +92,7 @@ def read_chain(urdf: str, joints: tuple[str, ...], tip: str, *, source: str = "r
     missing = [name for name in joints if name not in [joint.name for joint in found]]
     if missing:
         raise ScenarioError(f"{source}: between the base and {tip!r} the joints {', '.join(missing)} are missing")
-    return Chain(link, tuple(reversed(found)))
+    return DrawnChain(link, tuple(reversed(found)))
 
 
 def parsed_urdf(urdf: str, source: str) -> ElementTree.Element:
@@ -137,7 +137,7 @@ def three_numbers(text: str, source: str) -> np.ndarray:
     return values
 
 
-def drawn_links(chain: Chain, tray: Tray | None = None, *, only_holder: bool = False) -> dict[str, Mesh]:
+def drawn_links(chain: DrawnChain, tray: Tray | None = None, *, only_holder: bool = False) -> dict[str, Mesh]:
     """Bodies of an arm without meshes, each in its link's own frame (that of the joint that carries it), m.
 
     Args:
@@ -182,7 +182,7 @@ def _holder(tray: Tray, radius: float) -> Mesh:
     return joined([tube(np.zeros(3), end, (radius, radius)), plate])
 
 
-def _keep_below_tray(chain: Chain, parts: dict[str, list[Mesh]], tray: Tray, radii: np.ndarray) -> None:
+def _keep_below_tray(chain: DrawnChain, parts: dict[str, list[Mesh]], tray: Tray, radii: np.ndarray) -> None:
     """Cut the last moving joint's cylinder where it would reach through the board."""
     last = max(number for number, joint in enumerate(chain.joints) if joint.index is not None)
     joint = chain.joints[last]

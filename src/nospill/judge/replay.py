@@ -27,7 +27,7 @@ from nospill.robots.kinematics.forward import ToolMotions, kinematics
 from nospill.scene.scene import Scene
 
 MINIMUM_RATE = 2000.0
-"""Hz; the grid on which a trajectory is judged is at least this fine, unless another rate is asked for."""
+"""Hz; the grid on which a trajectory is judged is at least this fine, unless another rate is given."""
 
 
 @dataclass(frozen=True, slots=True)

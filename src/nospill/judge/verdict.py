@@ -90,10 +90,10 @@ class Certificate:
 
     def worst_rows(self) -> tuple[Row, ...]:
         """The same within each constraint, in the order of the rows."""
-        families: dict[str, list[Row]] = {}
+        groups: dict[str, list[Row]] = {}
         for row in self.rows:
-            families.setdefault(row.constraint, []).append(row)
-        return tuple(max(family, key=_urgency) for family in families.values())
+            groups.setdefault(row.constraint, []).append(row)
+        return tuple(max(group, key=_urgency) for group in groups.values())
 
     def joined(self, other: Certificate) -> Certificate:
         """This verdict with the rows of another one, about another segment, behind its own."""
@@ -153,7 +153,7 @@ def limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, v
 
 def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
     """Of every constraint and subject the row that uses most of its limit, in the order of their first rows."""
-    families: dict[tuple[str, str], list[Row]] = {}
+    groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
-        families.setdefault((row.constraint, row.subject), []).append(row)
-    return tuple(max(family, key=_urgency) for family in families.values())
+        groups.setdefault((row.constraint, row.subject), []).append(row)
+    return tuple(max(group, key=_urgency) for group in groups.values())

@@ -43,7 +43,7 @@ _NOTHING = 1e-9
 _SWEEP = 9
 """Places along a range at which its number is tried."""
 
-Progress = Callable[[int, int], None]
+ObjectCallback = Callable[[int, int], None]
 """Called with how many of how many sets of numbers are done."""
 
 
@@ -72,7 +72,7 @@ def margins(
     ranges: Ranges | Sequence[Ranges] | None = None,
     samples: int = 1000,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: ObjectCallback | None = None,
 ) -> MarginsReport:
     """Draw friction, fill, damping, position and mass of every object and see what is left of the plan's margins.
 

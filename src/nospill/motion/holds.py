@@ -1,7 +1,7 @@
 """Standing still before and after a motion: the samples and the record with the rest that the scenario asks for.
 
 A plan's trajectory is the transfer alone, from t = 0 to its duration. Files for controllers, and what the judge plays,
-begin and end with the holds: whole sample periods, as many as cover what is asked for.
+begin and end with the holds: whole sample periods, as many as cover the holds of the scenario.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ class ActiveSet:
         """The same with at least the back-off that is known to be needed."""
         return replace(self, backoff={row: max(value, known.get(row, 0.0)) for row, value in self.backoff.items()})
 
-    def raised(self) -> dict[str, float]:
+    def increased(self) -> dict[str, float]:
         """Back-off above the first one, by the labels of the rows."""
         above = ((row, value) for row, value in self.backoff.items() if value > BY_NAME[row.constraint].backoff)
         return {row.label: value for row, value in above}

@@ -27,7 +27,7 @@ class PlanningProgress:
     violation: float | None = None
 
 
-Progress = Callable[[PlanningProgress], None]
+ProgressCallback = Callable[[PlanningProgress], None]
 
 
 @dataclass(slots=True)
@@ -45,7 +45,7 @@ class Log:
         starts: end time of the answer from each start, s; None where there was none.
     """
 
-    progress: Progress | None
+    progress: ProgressCallback | None
     max_time: float
     began: float = field(default_factory=time.perf_counter)
     phases: dict[str, float] = field(default_factory=dict)

@@ -13,7 +13,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log, Progress
+from nospill.planning.log import Log, ProgressCallback
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
@@ -21,7 +21,7 @@ from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
-from nospill.scenario.base_yaw import base_yaw_text, has_free_base, settled_base
+from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
@@ -32,7 +32,7 @@ def plan(
     *,
     warm: Plan | None = None,
     ignore: Collection[str] = (),
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Plan:
     """Find the fastest motion of a scene and certify it.
 
@@ -56,7 +56,12 @@ def plan(
 
 
 def _planned(
-    scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: Progress | None
+    scene: Scene,
+    *,
+    warm: Plan | None,
+    last: Candidate | None,
+    ignore: Collection[str],
+    progress: ProgressCallback | None,
 ) -> tuple[Plan, Candidate]:
     """`plan`, with the candidate that the next one may start from."""
     unknown = set(ignore) - set(BY_NAME)
@@ -67,7 +72,7 @@ def _planned(
     base_is_free = has_free_base(scene)
     if base_is_free:
         with log.phase("base yaw"), _advised(scene, ignore, log):
-            scene = settled_base(scene)
+            scene = choose_base_yaw(scene)
     task = Task.of(scene, ignore)
     candidate = None
     if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
@@ -85,7 +90,7 @@ def _planned(
         starts=Starts.of(log.starts),
         phases=log.phases,
         solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
-        backoff=judged.candidate.active.raised(),
+        backoff=judged.candidate.active.increased(),
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
@@ -118,7 +123,7 @@ class Planner:
         self.last = last
         self._candidate: Candidate | None = None
 
-    def plan(self, scene: Scene, *, progress: Progress | None = None) -> Plan:
+    def plan(self, scene: Scene, *, progress: ProgressCallback | None = None) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
         self.last, self._candidate = _planned(

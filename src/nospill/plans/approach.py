@@ -28,7 +28,7 @@ _ADVICE = (
 
 
 def require_ruckig_if_needed(scene: Scene) -> None:
-    """Find out before any long work that an approach is asked for which cannot be planned here.
+    """Check, before any long work, that a requested approach can be planned here.
 
     Raises:
         MissingExtraError: the library ruckig is not installed.

@@ -22,19 +22,19 @@ _MEANING = {Lift.name: "force / weight"}
 
 def contact_use_figure(evidence: Evidence) -> Figure:
     """One panel per constraint on the objects, one line per object."""
-    families = evidence.families(EvaluationPoint.OBJECT)
-    families.pop(SloshHeight.name, None)  # has its own figure, in millimetres
+    by_constraint = evidence.by_constraint(EvaluationPoint.OBJECT)
+    by_constraint.pop(SloshHeight.name, None)  # has its own figure, in millimetres
     subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
     panels = time_panels(
         evidence,
         "Contact of every object",
-        count=len(families),
-        columns=2 if len(families) > 1 else 1,
+        count=len(by_constraint),
+        columns=2 if len(by_constraint) > 1 else 1,
         height=1.45,
         legend=[line_key(plain(name), index) for index, name in enumerate(subjects)],
         share_height=False,
     )
-    for axes, (name, traces) in zip(panels.axes, families.items(), strict=True):
+    for axes, (name, traces) in zip(panels.axes, by_constraint.items(), strict=True):
         looks = [subjects.index(trace.subject) for trace in traces]
         if np.any([np.any(trace.limit != 0.0) for trace in traces]):
             draw_use(axes, name, traces, looks=looks)

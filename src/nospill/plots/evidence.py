@@ -44,7 +44,7 @@ class Evidence:
         """The traces of one constraint, a subject each; empty where it does not apply."""
         return tuple(trace for trace in self.judgement.traces if trace.constraint == constraint)
 
-    def families(self, point: EvaluationPoint) -> dict[str, tuple[Trace, ...]]:
+    def by_constraint(self, point: EvaluationPoint) -> dict[str, tuple[Trace, ...]]:
         """The traces of every constraint of one point that applies, by constraint, in the order of the certificate."""
         names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point]
         return {name: traces for name in names if (traces := self.traces(name))}

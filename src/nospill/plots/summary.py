@@ -108,10 +108,10 @@ def _draw_progress(axes: Axes, evidence: Evidence) -> None:
 
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     """Use of the liquids' limit, or without liquids of the objects' constraint that comes nearest to its limit."""
-    families = evidence.families(EvaluationPoint.OBJECT)
-    nearest = max(families, key=lambda name: max(float(np.max(trace.use)) for trace in families[name]))
-    name = SloshHeight.name if SloshHeight.name in families else nearest
-    traces, names = families[name], [cargo.name for cargo in evidence.plan.scene.cargo]
+    by_constraint = evidence.by_constraint(EvaluationPoint.OBJECT)
+    nearest = max(by_constraint, key=lambda name: max(float(np.max(trace.use)) for trace in by_constraint[name]))
+    name = SloshHeight.name if SloshHeight.name in by_constraint else nearest
+    traces, names = by_constraint[name], [cargo.name for cargo in evidence.plan.scene.cargo]
     looks = {trace.subject: names.index(trace.subject) for trace in traces}
     draw_use(axes, name, traces, looks=list(looks.values()))
     _legend(axes, looks)

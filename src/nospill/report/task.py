@@ -1,4 +1,4 @@
-"""The scenario in words: what was asked, as tables."""
+"""The task of a scenario in words, as tables."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _SHOWN_ELSEWHERE = ("model", "urdf", "urdf_text", "limits")
 
 
 def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
-    """What was asked, a line each: robot, tray, path, motion rules, physics, the way to the start if there is one."""
+    """The task, a line each: robot, tray, path, motion rules, physics, the way to the start if there is one."""
     rows = [
         ("robot", f"{scene.robot.title} ({scene.robot.name}), {len(scene.robot.joints)} joints"),
         *_given_robot(scene),

@@ -1,4 +1,4 @@
-"""Writing a report: HTML, and PDF where it is asked for, each whole or not at all."""
+"""Writing a report: HTML, and PDF on request, each whole or not at all."""
 
 from __future__ import annotations
 

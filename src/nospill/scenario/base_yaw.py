@@ -19,7 +19,7 @@ def has_free_base(scene: Scene) -> bool:
     return _robot_table(scene).get("base_yaw") == "free"
 
 
-def settled_base(scene: Scene) -> Scene:
+def choose_base_yaw(scene: Scene) -> Scene:
     """The scene with a base yaw in the place of "free"; as it is where none is free.
 
     Every 30 deg is tried. The best joint path of each is compared by its speed figure, a bound on how fast the path can

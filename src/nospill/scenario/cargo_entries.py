@@ -127,4 +127,4 @@ CARGO_TABLES: dict[str, type[CargoTable]] = {"cylinder": CylinderTable, "box": B
 """Shape -> the keys of its entry."""
 
 CargoEntry = Annotated[CylinderTable | BoxTable, Field(discriminator="shape")]
-"""Any of them, told apart by `shape`."""
+"""Any of them, distinguished by `shape`."""

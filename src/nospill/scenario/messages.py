@@ -27,7 +27,7 @@ Location = tuple[int | str, ...]
 def report(label: str, faults: Sequence[Fault], reason: Reason | None = None) -> ScenarioError:
     """The error for a scenario called `label` (its file as the user named it): the first fault, and how many more.
 
-    With a reason, which is the first fault's, the smallest change that helps is told too.
+    With a reason, which is the first fault's, the message names the smallest change that helps.
     """
     place, text = faults[0]
     if reason is not None and reason.changes:

@@ -134,4 +134,4 @@ PATH_TABLES: dict[str, type[PathTable]] = {
 """Type -> the keys of the path."""
 
 PathEntry = Annotated[PresetTable | BsplineTable | LineTable | ArcTable | WaypointsTable, Field(discriminator="type")]
-"""Any of them, told apart by `type`."""
+"""Any of them, distinguished by `type`."""

@@ -95,7 +95,7 @@ class Scene:
         slosh_modes: modes of a liquid in each direction.
         source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
             which `scenario.write_scenario` writes the copy that is kept with a plan.
-        approach: how the arm gets to the start, or None where that is not asked for.
+        approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
     """

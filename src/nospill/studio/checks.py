@@ -101,7 +101,7 @@ def _without_tags(location: Key, kind: str) -> Key:
 
 
 def _of_entry(key: Key, text: str, value: object) -> Key:
-    """The place of the coordinate a sentence about `at` speaks of, for it has a field of its own."""
+    """The place of the coordinate that a sentence about `at` names, for it has a field of its own."""
     if key[-1:] == ("at",) and isinstance(value, list):
         for index, entry in enumerate(value):
             if text.startswith(f"at {as_written(entry)} "):

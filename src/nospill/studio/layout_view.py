@@ -61,7 +61,7 @@ class LayoutView:
             self._root.visible = wanted
 
     def run(self, stop: threading.Event) -> None:
-        """Draw what is asked for until `stop` is set and `show` or `wake` was called after it."""
+        """Draw what was requested until `stop` is set and `show` or `wake` was called after it."""
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._wanted is not None or stop.is_set())

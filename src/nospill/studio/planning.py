@@ -30,7 +30,8 @@ class PlanningState:
     """Where planning stands.
 
     Attributes:
-        stage: in a word. seconds: since it was asked for.
+        stage: in a word.
+        seconds: since the start of planning.
         phase: of the planner; with iteration, duration in s and largest scaled violation while it solves.
         plan: the answer of stage "planned". message: why there is none.
     """

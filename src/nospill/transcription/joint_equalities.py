@@ -17,12 +17,17 @@ from nospill.core.frames import SX
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression
-from nospill.transcription.layout import Chain, Layout
+from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.tray_state import TrayState, tray_state
 
 
 def joint_equalities(
-    structure: Structure, numbers: SceneNumbers, stage: SX, layout: Layout, chains: tuple[Chain, ...], tray: TrayState
+    structure: Structure,
+    numbers: SceneNumbers,
+    stage: SX,
+    layout: Layout,
+    chains: tuple[IntegratorChain, ...],
+    tray: TrayState,
 ) -> SX:
     """The equations (zero) of a node; `stage` (layout.size, 1) in physical units, `tray` as the chains have it.
 
@@ -78,7 +83,9 @@ def _twist_jerk(structure: Structure) -> Any:
     return ca.Function("twist_jerk", [*symbols, tool], [jerk], {"cse": True})
 
 
-def _tray_jerk(structure: Structure, numbers: SceneNumbers, layout: Layout, chains: tuple[Chain, ...], jerks: SX) -> SX:
+def _tray_jerk(
+    structure: Structure, numbers: SceneNumbers, layout: Layout, chains: tuple[IntegratorChain, ...], jerks: SX
+) -> SX:
     """Second time derivative (6, 1) of the tray's twist in base axes, right after the node: there the jerk jumps."""
     symbol = SX.sym("chains", 3 * layout.chains)
     tray = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))

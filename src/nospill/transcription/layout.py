@@ -10,7 +10,7 @@ from nospill.core.frames import SX
 from nospill.laws.parameters import Structure
 from nospill.laws.sample import coordinate_count
 
-Chain = tuple[SX, SX, SX]
+IntegratorChain = tuple[SX, SX, SX]
 """Value, rate and acceleration."""
 
 
@@ -98,7 +98,7 @@ class Layout:
         """Size of the stage vector."""
         return self.joint_derivative(self.orders).stop + self.regular
 
-    def chain(self, stage: SX, index: int) -> Chain:
+    def chain(self, stage: SX, index: int) -> IntegratorChain:
         """One chain of a stage vector."""
         value, rate, acceleration = ca.vertsplit(stage[3 * index : 3 * index + 3])
         return value, rate, acceleration

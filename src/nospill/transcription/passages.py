@@ -1,4 +1,4 @@
-"""How the arm passes the singularities of its path: what a problem and its export are told of it."""
+"""How the arm passes the singularities of its path: settings of a problem and of its export."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from nospill.laws.sample import ObjectSample, Sample, object_motion, sample_obje
 from nospill.laws.slosh.motion import motion_residual
 from nospill.transcription.collocation import POINTS, advance_chain, gauss_step, interior
 from nospill.transcription.joint_equalities import joint_equalities
-from nospill.transcription.layout import Chain, Layout
+from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.tray_state import tray_state
 
@@ -193,11 +193,11 @@ def stage_expressions(
     )
 
 
-def _moved(chains: tuple[Chain, ...], jerks: SX, time: SX) -> tuple[Chain, ...]:
+def _moved(chains: tuple[IntegratorChain, ...], jerks: SX, time: SX) -> tuple[IntegratorChain, ...]:
     return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
 
 
-def _lifted(chains: tuple[Chain, ...], lifted: LiftedVariables) -> tuple[Chain, ...]:
+def _lifted(chains: tuple[IntegratorChain, ...], lifted: LiftedVariables) -> tuple[IntegratorChain, ...]:
     return tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in chains)
 
 

@@ -9,7 +9,7 @@ import casadi as ca
 from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import tray_motion
-from nospill.transcription.layout import Chain
+from nospill.transcription.layout import IntegratorChain
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import path_expression
 
@@ -50,7 +50,7 @@ class TrayState:
         return self.rotation @ self.motion.specific_force - weight, self.rotation @ self.motion.angular_acceleration
 
 
-def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[Chain, ...]) -> TrayState:
+def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[IntegratorChain, ...]) -> TrayState:
     """The tray frame's pose and motion from s and, where free, the tilt angles."""
     s, speed, acceleration = chains[0]
     value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)

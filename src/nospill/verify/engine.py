@@ -107,7 +107,7 @@ def simulate(model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> Simula
     Raises:
         ModelError: the engine lost the solution.
     """
-    # What is lost is told at the end, once.
+    # What is lost is reported once, at the end.
     with quiet(mujoco()), np.errstate(all="ignore"):
         return Stepper(model, bodies, motion).run()
 

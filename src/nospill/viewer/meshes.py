@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.film.robot_model import Chain, origin_of, parsed_urdf, read_chain, three_numbers
+from nospill.film.robot_model import DrawnChain, origin_of, parsed_urdf, read_chain, three_numbers
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
 from nospill.viewer.library import require_viser
@@ -31,7 +31,7 @@ class Visuals:
         missing: names of the mesh files that are not there.
     """
 
-    chain: Chain
+    chain: DrawnChain
     meshes: dict[str, trimesh.Trimesh] | None
     missing: tuple[str, ...]
 
@@ -67,7 +67,7 @@ def load_visuals(file: str | Path, robot: Robot) -> Visuals:
     return Visuals(chain, meshes or None, ())
 
 
-def _require_same_arm(chain: Chain, robot: Robot, place: Path) -> None:
+def _require_same_arm(chain: DrawnChain, robot: Robot, place: Path) -> None:
     """Both must carry the flange to the same place, at two configurations."""
     middle = (robot.lower + robot.upper) / 2
     q = np.stack([middle, middle + 0.1 * (robot.upper - robot.lower)])

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body
 from nospill.film.props import limit_ring
-from nospill.film.robot_model import TRAY_THICKNESS, Chain, drawn_links, read_chain
+from nospill.film.robot_model import TRAY_THICKNESS, DrawnChain, drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, carriage
@@ -133,7 +133,7 @@ class ArmView:
         *,
         root: str,
         tray: Tray | None = None,
-        chain: Chain | None = None,
+        chain: DrawnChain | None = None,
         meshes: Mapping[str, trimesh.Trimesh] | None = None,
     ) -> None:
         """Add the nodes.
@@ -205,7 +205,7 @@ class PlanView:
         root: str = "/plan",
         title: str = "",
         position: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        chain: Chain | None = None,
+        chain: DrawnChain | None = None,
         meshes: Mapping[str, trimesh.Trimesh] | None = None,
         ground: viser.SceneNodeHandle | None = None,
     ) -> None:

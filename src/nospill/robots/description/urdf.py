@@ -1,4 +1,4 @@
-"""From any URDF text to the chain of an arm: base pose and locked joints built in, limits told from placeholders."""
+"""From any URDF text to the chain of an arm: base pose and locked joints built in, placeholder limits left out."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class BasePose:
 
 @dataclass(frozen=True, slots=True)
 class UrdfArm:
-    """An arm as its URDF tells it; (n,) arrays, NaN where a limit is not set.
+    """An arm as its URDF describes it; (n,) arrays, NaN where a limit is not set.
 
     Attributes:
         name: the robot's name in the file.
@@ -104,7 +104,7 @@ def read_arm(
     tip, tip_note = _tip(tree, tip)
     notes += tip_note
     tree = _locked(tree, locked)
-    way = _way(tree, tip)
+    way = tree.way_to(tip)
     moving = [joint for joint in way if joint.kind != "fixed"]
     _check_way(moving)
     notes += _still(tree, moving)
@@ -204,16 +204,6 @@ def _standing(joint: UrdfJoint, value: object) -> UrdfJoint:
     return replace(joint, kind="fixed", rpy=rpy_of(turn), mimic=False)
 
 
-def _way(tree: UrdfTree, tip: str) -> list[UrdfJoint]:
-    carrier = {joint.child: joint for joint in tree.joints}
-    way: list[UrdfJoint] = []
-    link = tip
-    while link in carrier:
-        way.append(carrier[link])
-        link = carrier[link].parent
-    return way[::-1]
-
-
 def _check_way(moving: Sequence[UrdfJoint]) -> None:
     for joint in moving:
         if joint.kind == "prismatic":
@@ -245,9 +235,7 @@ def _still(tree: UrdfTree, moving: Sequence[UrdfJoint]) -> list[str]:
 def _arm_only(tree: UrdfTree, way: Sequence[UrdfJoint], moving: Sequence[UrdfJoint]) -> UrdfTree:
     """The chain and all that its moving joints carry; other joints are fixed where they are at zero."""
     names = {joint.name for joint in moving}
-    children: dict[str, list[UrdfJoint]] = {}
-    for joint in tree.joints:
-        children.setdefault(joint.parent, []).append(joint)
+    children = tree.joints_on()
     links, waiting = {way[0].parent, *(joint.child for joint in way)}, [moving[0].child]
     while waiting:
         link = waiting.pop()

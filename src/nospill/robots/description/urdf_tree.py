@@ -103,6 +103,23 @@ class UrdfTree:
         carried = {joint.child for joint in self.joints}
         return next(link for link in self.links if link not in carried)
 
+    def way_to(self, tip: str) -> list[UrdfJoint]:
+        """The joints from the root to a link, in this order."""
+        carrier = {joint.child: joint for joint in self.joints}
+        way: list[UrdfJoint] = []
+        link = tip
+        while link in carrier:
+            way.append(carrier[link])
+            link = carrier[link].parent
+        return way[::-1]
+
+    def joints_on(self) -> dict[str, list[UrdfJoint]]:
+        """Link -> the joints it carries, in the order of the file; links without any are left out."""
+        found: dict[str, list[UrdfJoint]] = {}
+        for joint in self.joints:
+            found.setdefault(joint.parent, []).append(joint)
+        return found
+
 
 def read_tree(text: str) -> UrdfTree:
     """Read the text of a URDF file.

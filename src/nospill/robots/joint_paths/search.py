@@ -159,7 +159,7 @@ def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | 
 
 
 def branch_in_words(q: np.ndarray) -> str:
-    """The branch of a configuration q (n,), rad: a branch is told by where it starts."""
+    """The branch of a configuration q (n,), rad: a branch is named by where it starts."""
     # + 0.0 turns -0 into 0
     return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
 

@@ -23,8 +23,10 @@ class Body:
     """What one moving joint carries up to the next one.
 
     Attributes:
-        position, rotation: (3,), m, and (3, 3): the joint's frame at zero in the frame before it (first: the base).
-        mass: kg. first_moment: (3,) mass times centre of mass, kg m, in the joint's frame.
+        position: (3,) origin of the joint's frame at zero in the frame before it (first: the base), m.
+        rotation: (3, 3) axes of the same.
+        mass: kg.
+        first_moment: (3,) mass times centre of mass, kg m, in the joint's frame.
         inertia: (3, 3) about the frame's origin, kg m^2, in the joint's frame.
     """
 
@@ -52,13 +54,7 @@ def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
         joints: moving joints, base to tip.
         tip: the flange link.
     """
-    carrier = {joint.child: joint for joint in tree.joints}
-    children: dict[str, list[UrdfJoint]] = {}
-    for joint in tree.joints:
-        children.setdefault(joint.parent, []).append(joint)
-    way = [carrier[tip]] if tip in carrier else []
-    while way and way[0].parent in carrier:
-        way.insert(0, carrier[way[0].parent])
+    children, way = tree.joints_on(), tree.way_to(tip)
 
     bodies: list[Body] = []
     position, rotation = np.zeros(3), np.eye(3)
@@ -85,9 +81,7 @@ def inertia_fault(tree: UrdfTree, joints: Sequence[str]) -> str | None:
         tree: the description.
         joints: its moving joints, base to tip.
     """
-    children: dict[str, list[UrdfJoint]] = {}
-    for joint in tree.joints:
-        children.setdefault(joint.parent, []).append(joint)
+    children = tree.joints_on()
     stated: list[Inertial] = []
     for joint in tree.joints:
         if joint.name not in joints:

@@ -13,14 +13,14 @@ import casadi as ca
 import numpy as np
 
 from nospill.transcription.problem import Problem
-from nospill.transcription.solvers.options import Progress
+from nospill.transcription.solvers.options import IterationCallback
 from nospill.transcription.solvers.solution import violation
 
 
 class _Watcher(ca.Callback):
     """Turns the solver's iterations into progress calls; an error raised there stops it and is kept in `raised`."""
 
-    def __init__(self, problem: Problem, progress: Progress) -> None:
+    def __init__(self, problem: Problem, progress: IterationCallback) -> None:
         ca.Callback.__init__(self)
         self._problem, self._progress, self._iteration = problem, progress, 0
         self.raised: BaseException | None = None
@@ -60,14 +60,14 @@ class _Watcher(ca.Callback):
             self._progress(self._iteration, self._problem.duration(x), violation(self._problem, g))
             self._iteration += 1
         except BaseException as error:
-            # CasADi would print all its numbers; told to stop, it returns, and `watched` raises the error again.
+            # CasADi would print all its numbers; after a request to stop it returns, and `watched` raises the error again.
             self.raised = error
         np.frombuffer(res[0], dtype=float)[:] = self.raised is not None
         return 0
 
 
 @contextmanager
-def watched(problem: Problem, progress: Progress | None) -> Iterator[dict[str, Any]]:
+def watched(problem: Problem, progress: IterationCallback | None) -> Iterator[dict[str, Any]]:
     """Settings of `casadi.nlpsol` under which it calls `progress` at every iteration; none where that is None.
 
     An error raised by `progress` stops the solver and is raised again at the end of the context.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-Progress = Callable[[int, float, float], None]
+IterationCallback = Callable[[int, float, float], None]
 """Called with iteration, duration in s and largest constraint violation (scaled)."""
 
 
@@ -34,4 +34,4 @@ class SolveOptions:
     loose_tolerances: bool = False
     barrier_start: float | None = None
     bound_push: float | None = None
-    progress: Progress | None = None
+    progress: IterationCallback | None = None
