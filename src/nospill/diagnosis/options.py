@@ -30,8 +30,10 @@ class Option:
     """One kind of change: how much of it, from nothing on.
 
     Attributes:
-        amounts: increasing, to be tried one after the other. size: of one unit of it, for comparing kinds.
-        moved: amount -> the task with this much of the change. change: amount -> the same for the scenario.
+        amounts: increasing, to be tried one after the other.
+        size: of one unit of it, for comparing kinds.
+        moved: amount -> the task with this much of the change.
+        change: amount -> the same for the scenario.
         spare: amount -> the amount that is suggested.
     """
 

@@ -136,7 +136,8 @@ class Trials:
     """Solves changed tasks along one joint path until its time is up.
 
     Attributes:
-        run: the search that failed. joint_path: along which.
+        run: the search that failed.
+        joint_path: along which.
     """
 
     run: Searcher

@@ -52,7 +52,8 @@ class Canvas:
     """Size of a picture and what maps camera coordinates to it.
 
     Attributes:
-        width, height: px.
+        width: px.
+        height: likewise.
         focal: px; distance of the picture plane.
     """
 

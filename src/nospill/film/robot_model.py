@@ -28,7 +28,8 @@ class ChainJoint:
     """One joint between the base and the flange.
 
     Attributes:
-        name: of the joint. child: name of the link it carries.
+        name: of the joint.
+        child: name of the link it carries.
         index: of its angle in q, or None where it does not move.
         position: (3,) its origin in the frame of the joint before, m.
         rotation: (3, 3) its frame at angle zero, to the frame of the joint before.

@@ -31,7 +31,8 @@ class LiquidTrack:
 
     Attributes:
         coordinates: (m, k + 2) slosh coordinates in m and leans of the apparent gravity, for `LiquidSurface`.
-        height: (m,) greatest rise round the wall, m. limit: m.
+        height: (m,) greatest rise round the wall, m.
+        limit: m.
     """
 
     coordinates: np.ndarray
@@ -44,10 +45,15 @@ class Film:
     """A motion as pictures.
 
     Attributes:
-        plan: what is shown. judgement: where it was read from. rate: pictures per second.
-        t: (m,) s, from 0, also past the end of the motion. end_time: s.
-        joint_position: (m, n), rad. joint_speed_use: (m, n), speed over its limit, with its sign.
-        tray_position: (m, 3) origin of the tray in the base frame, m. tray_rotation: (m, 3, 3), tray to base.
+        plan: what is shown.
+        judgement: where it was read from.
+        rate: pictures per second.
+        t: (m,) s, from 0, also past the end of the motion.
+        end_time: s.
+        joint_position: (m, n), rad.
+        joint_speed_use: (m, n), speed over its limit, with its sign.
+        tray_position: (m, 3) origin of the tray in the base frame, m.
+        tray_rotation: (m, 3, 3), tray to base.
         liquids: per object with liquid.
         contact_use: per object, (m,): the largest use of any limit of its contact (slip, tip, lift, twist).
     """

@@ -42,7 +42,8 @@ class ObjectNumbers:
     """One object on the tray, SI.
 
     Attributes:
-        position: (3,) bottom centre in the tray frame. yaw: of the object on the tray.
+        position: (3,) bottom centre in the tray frame.
+        yaw: of the object on the tray.
         mass, first_moment, inertia: of the part that moves with the container, about the bottom centre, object axes:
             () kg, (3,) kg m, (3, 3) kg m^2. Referred to a fixed point, they stay regular when the fixed liquid's mass
             is small or negative.
@@ -51,8 +52,11 @@ class ObjectNumbers:
         planned_friction: coefficient the plan may use: the stated one less its reserve.
         half_lengths: (2,) of the footprint, m.
         footprint_reserve: part of them that the plan keeps from tipping.
-        twist_radius, grip_radius: of the footprint, m, see `Footprint`.
-        liquid_height, max_slosh_height: m (zero for a solid). static_correction: (2,) m, see `slosh.height`.
+        twist_radius: of the footprint, m, see `Footprint`.
+        grip_radius: likewise.
+        liquid_height: m, zero for a solid.
+        max_slosh_height: m, zero for a solid.
+        static_correction: (2,) m, see `slosh.height`.
         oscillators: the modal masses.
     """
 

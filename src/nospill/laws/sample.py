@@ -32,7 +32,8 @@ class Sample:
     A constraint says by its `place` which parts it needs.
 
     Attributes:
-        structure, numbers: of the scene.
+        structure: of the scene.
+        numbers: of the scene.
         objects: one per cargo.
         joint_position, joint_speed, joint_acceleration: (n, 1), rad, rad/s, rad/s^2; the last one only where
             acceleration or torque is limited.

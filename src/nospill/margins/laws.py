@@ -65,7 +65,8 @@ class Margins:
     Attributes:
         constraints: names.
         points: where each is imposed.
-        margin, limit: (m, n) in the constraint's unit.
+        margin: (m, n) in the constraint's unit.
+        limit: likewise.
     """
 
     constraints: tuple[str, ...]

@@ -64,7 +64,8 @@ class Influence:
         measure: "liquid" for the worst margin of the liquids' constraints, "contact" for those of the contacts.
         nominal: that margin with the scenario's numbers, fraction of the limit.
         least, greatest: the same at the worst and the best place of the range.
-        least_at, greatest_at: that place, as text.
+        least_at: that place, as text.
+        greatest_at: likewise.
         limited_by: constraint and object at the worst place.
     """
 
@@ -91,15 +92,20 @@ class MarginsReport:
     reserve; the worst is taken over all objects, all instants and the constraints during the motion.
 
     Attributes:
-        scenario: name. ranges: by object. samples, seed: what was drawn.
+        scenario: name.
+        ranges: by object.
+        samples: number of samples drawn.
+        seed: of the generator.
         nominal: worst margin with the scenario's numbers.
-        worst_margin: (m,) of every sample. draws: (m, objects, 6), columns as in `Ranges.bounds`.
+        worst_margin: (m,) of every sample.
+        draws: (m, objects, 6), columns as in `Ranges.bounds`.
         spill: the surface, or what it may still rise to after the end, comes over the rim of a cup.
         over_limit: the surface rises above a cup's max_slosh_height.
         slide: an object needs more friction than there is (slip, twist) or loses its contact (lift).
         tip: an object's centre of pressure leaves its footprint.
         any_limit: any constraint of the certificate that depends on these numbers is broken, also those of the end.
-        constraints: one by one. influences: strongest first; what moves nothing is left out.
+        constraints: one by one.
+        influences: strongest first; what moves nothing is left out.
     """
 
     scenario: str

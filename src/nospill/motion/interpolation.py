@@ -40,7 +40,8 @@ class JointSamples:
     Attributes:
         t: (m,) increasing times, s.
         position: (m, n), rad.
-        speed, acceleration: (m, n), rad/s and rad/s^2; None where only positions are known.
+        speed: (m, n), rad/s; None where only positions are known.
+        acceleration: (m, n), rad/s^2, or None.
     """
 
     t: np.ndarray

@@ -27,7 +27,8 @@ class SloshTrack:
     """Planned liquid of one object, container axes.
 
     Attributes:
-        displacement: (m, k) modal displacement, m. velocity: (m, k), m/s.
+        displacement: (m, k) modal displacement, m.
+        velocity: (m, k), m/s.
         height: (m,) greatest surface height round the wall, m.
     """
 
@@ -56,10 +57,19 @@ class Trajectory:
     """Samples at a fixed rate, from rest to rest; the last ones may already stand still.
 
     Attributes:
-        t: (m,) s. s, s_rate, s_acceleration: (m,), 1, 1/s, 1/s^2.
-        tilt, tilt_rate, tilt_acceleration: (m, 2) theta_x and theta_y, rad, rad/s, rad/s^2.
-        joints: names. joint_position, joint_speed, joint_acceleration: (m, n), rad, rad/s, rad/s^2.
-        tray_position: (m, 3) tray frame in the base frame, m. tray_quaternion: (m, 4), (x, y, z, w), tray to base.
+        t: (m,) s.
+        s: (m,) path parameter.
+        s_rate: (m,), 1/s.
+        s_acceleration: (m,), 1/s^2.
+        tilt: (m, 2) theta_x and theta_y, rad.
+        tilt_rate: (m, 2), rad/s.
+        tilt_acceleration: (m, 2), rad/s^2.
+        joints: names.
+        joint_position: (m, n), rad.
+        joint_speed: (m, n), rad/s.
+        joint_acceleration: (m, n), rad/s^2.
+        tray_position: (m, 3) tray frame in the base frame, m.
+        tray_quaternion: (m, 4), (x, y, z, w), tray to base.
         slosh: per object with liquid.
     """
 

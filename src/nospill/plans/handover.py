@@ -48,7 +48,10 @@ class Handover:
     """A file and what its receiver will make of it.
 
     Attributes:
-        path: the file or folder. exporter: its format. rate: samples per second, Hz. samples: how many.
+        path: the file or folder.
+        exporter: its format.
+        rate: samples per second, Hz.
+        samples: how many.
         certificate: of the motion read back.
         joint_deviation: largest difference of a joint from the plan at any time, rad; between samples too.
     """

@@ -51,7 +51,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
     described = str(scene.source.get("description", "") or "")
     if described:
         rows.insert(0, ("about", " ".join(described.split())))
-    return TextTable("What was asked", (), tuple(rows))
+    return TextTable("Task", (), tuple(rows))
 
 
 def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:

@@ -28,7 +28,8 @@ class MotionRules:
         end: end condition for the liquids.
         residual_fraction: height after the end over max_slosh_height.
         max_duration: longest motion that is considered, s.
-        hold_before, hold_after: how long the arm stands still at the start and at the end of an exported motion, s.
+        hold_before: how long the arm stands still at the start of an exported motion, s.
+        hold_after: likewise, at its end.
     """
 
     tilt_free: bool
@@ -49,8 +50,11 @@ class ApproachRules:
     Attributes:
         start: (n,) joint positions it comes from, rad.
         loaded: whether the cargo is on the tray already.
-        max_speed, max_acceleration, max_jerk: (n,) what it is judged by, rad/s, rad/s^2, rad/s^3.
-        speed_scale, acceleration_scale: parts of the first two that it is planned with, above 0 and at most 1.
+        max_speed: (n,) limits that it is judged by, rad/s.
+        max_acceleration: (n,) likewise, rad/s^2.
+        max_jerk: (n,) likewise, rad/s^3.
+        speed_scale: part of `max_speed` that it is planned with, above 0 and at most 1.
+        acceleration_scale: likewise, of `max_acceleration`.
     """
 
     start: np.ndarray

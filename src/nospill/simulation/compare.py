@@ -26,11 +26,14 @@ class Comparison:
     """A measured height against its prediction, over their common time.
 
     Attributes:
-        t: (m,) s, the measured samples on the predicted clock. predicted, measured: (m,) m, absolute values, there.
+        t: (m,) s, the measured samples on the predicted clock.
+        predicted: (m,) absolute values there, m.
+        measured: (m,) likewise, m.
         shift: s, added to the predicted clock gives the measured one.
         correlation: Pearson's, of the absolute heights.
         rmse: root mean square of predicted - measured, m.
-        predicted_peak, measured_peak: m.
+        predicted_peak: m.
+        measured_peak: likewise.
         integral_error: integral of predicted - measured over the integral of measured.
     """
 

@@ -46,7 +46,8 @@ class SloshSimulation:
     Attributes:
         t: (m,) s, the times of the motion's samples.
         height: (m,) m, of the free surface above rest at the wall, where it is highest, along the container's axis.
-        displacement, velocity: (m, k) of the modal masses along the container's axes, m and m/s.
+        displacement: (m, k) of the modal masses along the container's axes, m.
+        velocity: (m, k) likewise, m/s.
         room: m, from the rest level to the rim.
         error: estimated integration error of the displacements, m.
     """

@@ -40,7 +40,8 @@ class Fault:
 
     Attributes:
         key: place of the value in the table, or of the table it belongs to.
-        text: sentence that starts with the key. where: "[tray]", 'cargo "c2"' or "".
+        text: sentence that starts with the key.
+        where: "[tray]", 'cargo "c2"' or "".
     """
 
     key: Key

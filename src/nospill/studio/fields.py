@@ -30,8 +30,11 @@ class Field:
     """One field.
 
     Attributes:
-        key: place of its value. label: before it. kind: how its text is read.
-        choices: of a kind "choice". hint: shown when the pointer rests on it; what is allowed and the unit.
+        key: place of its value.
+        label: before it.
+        kind: how its text is read.
+        choices: of a kind "choice".
+        hint: shown when the pointer rests on it; what is allowed and the unit.
     """
 
     key: Key

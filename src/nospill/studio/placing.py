@@ -34,10 +34,14 @@ class Placed:
     """An object as the plan of the tray shows it.
 
     Attributes:
-        index: of its entry. label: its name. position: (2,) m on the tray.
-        radius: of a disc, m, or None. corners: (4, 2) of a box, m, on the tray, or None.
+        index: of its entry.
+        label: its name.
+        position: (2,) m on the tray.
+        radius: of a disc, m, or None.
+        corners: (4, 2) of a box, m, on the tray, or None.
         filled: whether it holds a liquid.
-        off_tray: how far it stands over the edge, m; 0 where it does not. overlaps: labels of what it reaches into.
+        off_tray: how far it stands over the edge, m; 0 where it does not.
+        overlaps: labels of what it reaches into.
     """
 
     index: int

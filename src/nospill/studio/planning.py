@@ -33,7 +33,8 @@ class PlanningState:
         stage: in a word.
         seconds: since the start of planning.
         phase: of the planner; with iteration, duration in s and largest scaled violation while it solves.
-        plan: the answer of stage "planned". message: why there is none.
+        plan: the answer of stage "planned".
+        message: why there is none.
     """
 
     stage: Stage = "idle"

@@ -33,7 +33,8 @@ class DragReport:
     """What the picture says of a drag.
 
     Attributes:
-        index: of the object. at: x, y on the tray, m, not snapped; None for a mere click.
+        index: of the object.
+        at: x, y on the tray, m, not snapped; None for a mere click.
         ended: whether the object was let go.
     """
 

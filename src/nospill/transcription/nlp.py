@@ -39,12 +39,15 @@ class Transcription:
     Attributes:
         stage: the functions it is built from.
         intervals: N.
-        lower, upper: bounds of all constraints, shape (m,).
+        lower: bounds of all constraints, shape (m,).
+        upper: likewise.
         blocks: of the active rows of a stage, first row counted from the stage's start.
         end_blocks: of the active rows on the final state, first row counted from the first of them.
         rows_per_stage: gaps, equalities and active rows of a stage.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
-        jac_g, grad_f, hess_lag: exact derivatives in its signatures.
+        jac_g: exact Jacobian of the constraints, in the solver's signature.
+        grad_f: exact gradient of the cost, likewise.
+        hess_lag: exact Hessian of the Lagrangian, likewise.
         constraint_function: (variables, parameters) -> constraints.
     """
 

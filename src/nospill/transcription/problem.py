@@ -50,7 +50,8 @@ class Problem:
         transcription: functions and constraint bounds.
         parameters: of the functions.
         scales: (layout.size,) physical size of a scaled one.
-        lower, upper: (n,) bounds of the scaled variables.
+        lower: (n,) bounds of the scaled variables.
+        upper: likewise.
         self_motion: as in `Stages`.
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.

@@ -101,7 +101,8 @@ class StageExpressions:
         following: (layout.states, 1) the next state, in physical units.
         equalities: zero on a solution; those of the liquids are divided by their scales, others in physical units.
         rows: of the constraints (see `smooth_rows`).
-        lower, upper: (m,) bounds of the rows.
+        lower: (m,) bounds of the rows.
+        upper: likewise.
         blocks: which rows belong to what.
         cost: share of the stage, s.
     """

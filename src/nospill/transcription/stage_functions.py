@@ -28,13 +28,16 @@ class StageSizes:
         numbers: entries of a flattened numbers record.
         rows_per_stage: gaps, equalities and rows of constraints of a stage.
         fixed: how many of them are gaps and equalities.
-        lower, upper: (rows_per_stage - fixed,) bounds of the rows of constraints.
+        lower: (rows_per_stage - fixed,) bounds of the rows of constraints.
+        upper: likewise.
         blocks: of the rows of constraints, first row counted from the stage's start.
-        end_lower, end_upper: (m,) bounds of the rows on the final state.
+        end_lower: (m,) bounds of the rows on the final state.
+        end_upper: likewise.
         end_blocks: of the rows on the final state.
         jacobian: structural nonzeros of the constraints' Jacobian.
         hessian: of the upper triangle of the Lagrangian's Hessian.
-        end_jacobian, end_hessian: the same of the rows on the final state.
+        end_jacobian: the same of the rows on the final state.
+        end_hessian: likewise.
     """
 
     numbers: int

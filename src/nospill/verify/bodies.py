@@ -29,7 +29,8 @@ class ModalMass:
     """One mode of a liquid: a point mass that slides in a bowl fixed to the container.
 
     Attributes:
-        mass: kg. height: of the bowl's lowest point above the container's bottom, m.
+        mass: kg.
+        height: of the bowl's lowest point above the container's bottom, m.
         axes: horizontal directions it moves in (0 = x, 1 = y).
         curvature: of the bowl, omega^2/g, 1/m; with gravity in it, the mass swings at omega.
         damping: 2 zeta omega m, N s/m.
@@ -47,11 +48,14 @@ class Body:
     """One object.
 
     Attributes:
-        name: of the object. position: (2,) bottom centre on the tray, m. yaw: rad.
+        name: of the object.
+        position: (2,) bottom centre on the tray, m.
+        yaw: rad.
         mass, centre, inertia: of container and fixed liquid: kg, (3,) m from the bottom centre, (3, 3) kg m^2 about
             that centre, object axes.
         contacts: (n, 2) points of the bottom that touch the tray, object axes, m.
-        height: of rim or top, m. liquid_height: m, zero for a solid.
+        height: of rim or top, m.
+        liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
         modes: of the liquid.
     """

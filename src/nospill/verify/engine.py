@@ -54,7 +54,9 @@ class Simulation:
     """Poses of k objects relative to the tray at m instants.
 
     Attributes:
-        t: (m,) s. position: (m, k, 3) bottom centres, m. quaternion: (m, k, 4), (w, x, y, z), object to tray axes.
+        t: (m,) s.
+        position: (m, k, 3) bottom centres, m.
+        quaternion: (m, k, 4), (w, x, y, z), object to tray axes.
         modes: (m, j) displacement of every modal mass along its axes, object by object, m.
     """
 
@@ -116,7 +118,8 @@ class Stepper:
     """One run, step by step.
 
     Attributes:
-        data: the engine's state. index: the next instant.
+        data: the engine's state.
+        index: the next instant.
     """
 
     def __init__(self, model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> None:

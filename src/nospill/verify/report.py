@@ -40,8 +40,10 @@ class ObjectReport:
 
     Attributes:
         name: of the object.
-        slide: of its bottom centre along the tray, m. rotation: about the tray's normal, rad.
-        tilt: of its axis from that normal, rad. lift_off: of the lowest point of its bottom, m.
+        slide: of its bottom centre along the tray, m.
+        rotation: about the tray's normal, rad.
+        tilt: of its axis from that normal, rad.
+        lift_off: of the lowest point of its bottom, m.
         moved_at: when the first of these passed its threshold, s; None if none did.
     """
 
@@ -63,8 +65,10 @@ class VerifyReport:
     """The verdict of the simulation.
 
     Attributes:
-        objects: in the order of the scene. thresholds: what was applied.
-        source: where the joint motion came from. engine: which library, and its version.
+        objects: in the order of the scene.
+        thresholds: what was applied.
+        source: where the joint motion came from.
+        engine: which library, and its version.
         simulated: time that was simulated, s.
     """
 

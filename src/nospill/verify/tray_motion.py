@@ -58,9 +58,11 @@ class TrayMotion:
 
     Attributes:
         t: (m,) s, evenly spaced, on the clock of the joints.
-        angular_velocity, angular_acceleration: (m, 3) rad/s, rad/s^2.
+        angular_velocity: (m, 3) rad/s.
+        angular_acceleration: (m, 3) rad/s^2.
         specific_force: (m, 3) R^T (acceleration of the origin + g e_z), m/s^2.
-        position: (m, 3) origin in the base frame, m. rotation: (m, 3, 3) tray to base.
+        position: (m, 3) origin in the base frame, m.
+        rotation: (m, 3, 3) tray to base.
     """
 
     t: np.ndarray

@@ -54,7 +54,8 @@ class Charts:
     """The picture and what the cursor needs.
 
     Attributes:
-        svg: the picture, as wide as its place. height: of it where it is `WIDTH` px wide, px.
+        svg: the picture, as wide as its place.
+        height: of it where it is `WIDTH` px wide, px.
         left, right: where time 0 and `length` (s) lie, px.
     """
 

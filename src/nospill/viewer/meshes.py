@@ -27,7 +27,8 @@ class Visuals:
     """What a URDF file shows of an arm.
 
     Attributes:
-        chain: its joints. meshes: by the name of the link, in its frame, m; None where a mesh's file is missing.
+        chain: its joints.
+        meshes: by the name of the link, in its frame, m; None where a mesh's file is missing.
         missing: names of the mesh files that are not there.
     """
 

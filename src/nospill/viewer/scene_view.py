@@ -193,7 +193,8 @@ class PlanView:
     way.
 
     Attributes:
-        film: what is shown. root: name of the node everything hangs below, which stands still.
+        film: what is shown.
+        root: name of the node everything hangs below, which stands still.
         arm, tray: the parts.
     """
 

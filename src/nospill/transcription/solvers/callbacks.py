@@ -60,7 +60,7 @@ class _Watcher(ca.Callback):
             self._progress(self._iteration, self._problem.duration(x), violation(self._problem, g))
             self._iteration += 1
         except BaseException as error:
-            # CasADi would print all its numbers; after a request to stop it returns, and `watched` raises the error again.
+            # CasADi would print all its numbers; the solver is stopped instead, and `watched` raises the error again.
             self.raised = error
         np.frombuffer(res[0], dtype=float)[:] = self.raised is not None
         return 0
