@@ -36,7 +36,7 @@ def write_page(lines: list[Line], page: Path) -> None:
     """Put the tables and the distributions between the page's markers."""
     text = page.read_text(encoding="utf-8")
     text = _between(text, BEGIN, END, "\n".join(section(lines)))
-    drawn = ["| drawn | from |", "|---|---|", *(f"| {name} | {told} |" for name, told in DISTRIBUTIONS.rows())]
+    drawn = ["| drawn | from |", "|---|---|", *(f"| {name} | {shown} |" for name, shown in DISTRIBUTIONS.rows())]
     page.write_text(_between(text, DRAWN_BEGIN, DRAWN_END, "\n".join(drawn)), encoding="utf-8")
 
 
@@ -103,8 +103,8 @@ def _rates(cases: list[Line]) -> Iterator[str]:
     yield f"| certified, something moves in MuJoCo | {moved} | |"
     yield f"| failures that do not name what is in the way | {silent} of {len(open_cases)} | |"
     meant = [line for line in cases if line.get("unreachable")]
-    told = sum(line["kind"] == "out of reach" for line in meant)
-    yield f"| left out of reach on purpose and told so | {told} of {len(meant)} | |"
+    shown = sum(line["kind"] == "out of reach" for line in meant)
+    yield f"| left out of reach on purpose and reported so | {shown} of {len(meant)} | |"
 
 
 def _times(cases: list[Line]) -> Iterator[str]:
@@ -114,7 +114,7 @@ def _times(cases: list[Line]) -> Iterator[str]:
     unsolved = [line for line in cases if line["kind"] in ("not certified", "not found", "proven impossible")]
     tilting = [line for line in planned if "tilt to" in line["structure"]]
     level = [line for line in planned if "tilt to" not in line["structure"]]
-    for told, chosen, key in (
+    for shown, chosen, key in (
         ("planning, s of processor time", planned, "plan_processor_s"),
         ("of these level, s", level, "plan_processor_s"),
         ("of these tilting, s", tilting, "plan_processor_s"),
@@ -127,7 +127,7 @@ def _times(cases: list[Line]) -> Iterator[str]:
         values = sorted(line[key] for line in chosen if line.get(key) is not None)
         if values:
             ninety = values[min(len(values) - 1, int(0.9 * len(values)))]
-            yield f"| {told} | {len(values)} | {statistics.median(values):.3g} | {ninety:.3g} | {values[-1]:.3g} |"
+            yield f"| {shown} | {len(values)} | {statistics.median(values):.3g} | {ninety:.3g} | {values[-1]:.3g} |"
 
 
 def _reasons(cases: list[Line]) -> Iterator[str]:
@@ -137,8 +137,8 @@ def _reasons(cases: list[Line]) -> Iterator[str]:
     for line in cases:
         if line["kind"] != "planned":
             groups.setdefault((line["kind"], pattern(line.get("reason") or "no reason")), []).append(line["seed"])
-    for (kind, told), seeds in sorted(groups.items(), key=lambda item: -len(item[1])):
-        yield f"| {kind} | {told} | {len(seeds)} | {seeds[0]} |"
+    for (kind, shown), seeds in sorted(groups.items(), key=lambda item: -len(item[1])):
+        yield f"| {kind} | {shown} | {len(seeds)} | {seeds[0]} |"
     binding = Counter((line["binding"] or "").split(" of ")[0] for line in cases if line["kind"] == "planned")
     if binding:
         yield ""
@@ -159,8 +159,8 @@ def _worst(cases: list[Line]) -> Iterator[str]:
     yield "| worst ten: seed | scenario | ending | why it is here |"
     yield "|---:|---|---|---|"
     for line in sorted(cases, key=_badness, reverse=True)[:WORST]:
-        told = _complaint(line).replace("|", "/").replace("\n", " ")[: 2 * _LONGEST_REASON]
-        yield f"| {line['seed']} | {line.get('structure', 'not known')} | {line['kind']} | {told} |"
+        shown = _complaint(line).replace("|", "/").replace("\n", " ")[: 2 * _LONGEST_REASON]
+        yield f"| {line['seed']} | {line.get('structure', 'not known')} | {line['kind']} | {shown} |"
 
 
 def _badness(line: Line) -> tuple[int, float]:

@@ -177,7 +177,7 @@ class Case:
         spoiled: place in the scenario (objects by their number) -> value: one of them makes it impossible, others
             only give time or keep the length of the path.
         kind, constraint: the reason that was built in.
-        subjects: who it may be told of; any where empty.
+        subjects: any of these may be named; no matter which where empty.
         between: path parameters between which it is in the way; anywhere where None.
     """
 

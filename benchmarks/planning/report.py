@@ -124,7 +124,8 @@ def table(results: dict[str, Any]) -> str:
     """The machine, the table and what is missing from it, as Markdown."""
     machine = results["machine"]
     text = [
-        f"{machine['processor']}, {machine['cores']} cores, load {machine['load_before']:.1f} to {machine['load_after']:.1f}; "
+        f"{machine['processor']}, {machine['cores']} cores, "
+        f"load {machine['load_before']:.1f} to {machine['load_after']:.1f}; "
         f"Python {machine['python']}, CasADi {machine['casadi']}, commit {machine['commit']}"
         + (" and changes" if machine["changed_since"] else ""),
         "",

@@ -297,7 +297,7 @@ def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert "| certified, rejected by the certificate at 8 kHz | 1 |" in text
     assert "| certified, something moves in MuJoCo | 1 |" in text
     assert "| failures that do not name what is in the way | 2 of 6" in text
-    assert "| left out of reach on purpose and told so | 1 of 1 |" in text
+    assert "| left out of reach on purpose and reported so | 1 of 1 |" in text
     assert "residual height of .. is # mm against a limit of # mm | 2 | 23 |" in text
     worst = [row.split(" | ")[0] for row in text.split("worst ten: seed")[1].splitlines()[2:]]
     assert {worst[0], worst[1]} == {"| 20", "| 21"} and worst[2] == "| 22"

@@ -121,8 +121,8 @@ def test_no_solution_exits_3_and_writes_nothing(stand_in: StandIn, folder: Path,
     if as_json:
         summary = json.loads(result.stdout)
         assert tuple(summary) == SUMMARY_KEYS
-        told = {key: value for key, value in summary.items() if value is not None}
-        assert told == {"scenario": "tea", "status": "failed", "message": "slosh height of c1 stands in the way"}
+        stated = {key: value for key, value in summary.items() if value is not None}
+        assert stated == {"scenario": "tea", "status": "failed", "message": "slosh height of c1 stands in the way"}
     else:
         assert result.stdout == ""
 

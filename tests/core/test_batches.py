@@ -120,14 +120,14 @@ def test_threads_within_an_expression_with_two_outputs_and_two_shared_inputs() -
     np.testing.assert_array_equal(rest.full(), [values[0] + 3, values[1], np.full(5, 2.0)])
 
 
-@pytest.mark.parametrize(("told", "count"), [("3", 3), ("0", 1), ("1", 1)])
-def test_threads_are_as_many_as_told(told: str, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NOSPILL_THREADS", told)
+@pytest.mark.parametrize(("setting", "count"), [("3", 3), ("0", 1), ("1", 1)])
+def test_threads_are_as_many_as_set(setting: str, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NOSPILL_THREADS", setting)
     assert thread_count() == count
 
 
-@pytest.mark.parametrize("told", ["", "many", "-2", "1.5"])
-def test_threads_are_otherwise_as_many_as_the_process_may_run(told: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NOSPILL_THREADS", told)
+@pytest.mark.parametrize("setting", ["", "many", "-2", "1.5"])
+def test_threads_are_otherwise_as_many_as_the_process_may_run(setting: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NOSPILL_THREADS", setting)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 3, 5}, raising=False)
     assert thread_count() == 3

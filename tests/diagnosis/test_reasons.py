@@ -72,7 +72,7 @@ def test_a_suggested_friction_is_enough(changed_scene: Changed) -> None:
     assert plan(with_change(scene, change)).certificate.ok
 
 
-def test_too_short_a_duration_is_told_with_the_least_that_does(changed_scene: Changed) -> None:
+def test_too_short_a_duration_is_reported_with_the_least_that_suffices(changed_scene: Changed) -> None:
     changes = FEW | {"motion.max_duration": 1.2, "motion.path_jerk_limit": 500}
     error = refusal(changed_scene("matrix-rigid", changes))
     assert error.kind == "in motion"
@@ -96,8 +96,8 @@ def test_a_search_that_is_out_of_time_says_what_its_last_motion_breaks(changed_s
         last_resort(run, way, last)
     assert raised.value.kind == "not converged" and raised.value.reason is not None
     assert (raised.value.reason.constraint, raised.value.reason.subject) == ("planning", "max_plan_time")
-    told = r"within planning\.max_plan_time 0\.001 s; the last one tried breaks the limit on slip of \w+\."
-    assert re.search(told, str(raised.value))
+    message = r"within planning\.max_plan_time 0\.001 s; the last one tried breaks the limit on slip of \w+\."
+    assert re.search(message, str(raised.value))
 
 
 def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(changed_scene: Changed) -> None:
@@ -106,9 +106,9 @@ def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(chang
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)
-    told = str(motion._never(Trials(run, way), last))
+    message = str(motion._never(Trials(run, way), last))
     assert re.search(
-        r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", told
+        r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", message
     )
     assert "the last one tried" not in str(motion._never(Trials(run, way), None))
 
@@ -131,5 +131,5 @@ def test_the_command_line_names_the_file_and_says_what_would_help() -> None:
     file = Path(__file__).parents[2] / "docs" / "examples" / "out-of-reach.toml"
     result = CliRunner().invoke(app, ["plan", str(file)])
     assert result.exit_code == 2 and result.stdout == ""
-    told = result.stderr.splitlines()[-1]
-    assert told.startswith(f"{file}: path: out of reach") and "Smallest single change found: base" in told
+    message = result.stderr.splitlines()[-1]
+    assert message.startswith(f"{file}: path: out of reach") and "Smallest single change found: base" in message

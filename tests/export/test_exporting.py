@@ -57,7 +57,7 @@ def test_a_file_beside_the_plan_with_its_verdict(folder, name):
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before, "the plan folder is left as it is"
 
 
-def test_rate_and_place_as_asked(folder, tmp_path):
+def test_rate_and_place_as_given(folder, tmp_path):
     result = nospill(
         "export", str(folder), "--format", "joint-trajectory", "--rate", "125", "-o", str(tmp_path / "a.json")
     )

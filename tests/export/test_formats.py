@@ -407,6 +407,6 @@ def test_without_the_library_the_bag_says_which_extra(monkeypatch, samples, tmp_
     assert not (tmp_path / "bag").exists()
 
 
-def test_spelling_of_a_joint_trajectory_is_told_by_its_name(samples, tmp_path):
+def test_spelling_of_a_joint_trajectory_follows_its_name(samples, tmp_path):
     with pytest.raises(ScenarioError, match=r"written as \.yaml, \.yml or \.json"):
         EXPORTERS["joint-trajectory"].write(samples(), arm(6), tmp_path / "a.txt")

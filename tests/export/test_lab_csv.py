@@ -142,7 +142,7 @@ def test_unreadable(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("rate", "joints"), [(1000.0, 6), (500.0, 7)])
-def test_a_scene_that_does_not_fit_is_told_before(tmp_path: Path, rate: float, joints: int) -> None:
+def test_a_scene_that_does_not_fit_is_refused_before(tmp_path: Path, rate: float, joints: int) -> None:
     scene: Any = SimpleNamespace(robot=SimpleNamespace(joints=tuple(f"j{i}" for i in range(joints))))
     reason = LAB_CSV.reason_against(scene, rate)
     assert reason

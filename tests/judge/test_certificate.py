@@ -265,7 +265,7 @@ class TestSpoiledRecord:
 
         assert failed(certify(with_rows(trajectory, "tilt", lean), scene)) == {"tilt"}
 
-    def test_recorded_heights_are_not_believed(self, good, good_certificate):
+    def test_recorded_heights_do_not_count(self, good, good_certificate):
         """The liquids are integrated again: what the file says of them changes nothing."""
         scene, trajectory = good
         track = trajectory.slosh["c1"]

@@ -34,7 +34,7 @@ def facts(table: TextTable) -> dict[str, str]:
     return {row[0]: row[1] for row in table.rows}
 
 
-def test_a_straight_line_is_told_in_its_own_figures(slow_plan: Plan) -> None:
+def test_a_straight_line_is_described_by_its_own_figures(slow_plan: Plan) -> None:
     line = {"type": "line", "start": ["0.3 m", "-0.2 m", "1 m"], "end": ["0.3 m", "0.2 m", "1.3 m"]}
     source = dict(slow_plan.scene.source) | {"path": line | {"yaw": ["10 deg", "50 deg"]}}
     told = facts(task_table(scene_from_table(source, name="x")))
@@ -45,7 +45,7 @@ def test_a_straight_line_is_told_in_its_own_figures(slow_plan: Plan) -> None:
     assert told["attitude"] == "the tray stays level"
 
 
-def test_motion_rules_and_given_limits_are_told(slow_plan: Plan) -> None:
+def test_motion_rules_and_given_limits_are_stated(slow_plan: Plan) -> None:
     source = dict(slow_plan.scene.source)
     source |= {"motion": {"tilt": "free", "max_tilt": "20 deg", "end": "still", "residual_fraction": 0.1}}
     source |= {"robot": {"model": "comau-smart-six", "limits": {"speed_scale": 0.5}, "limits_applied": "all"}}

@@ -70,7 +70,7 @@ def test_an_arm_that_leans_gains_by_turning_and_the_copy_says_so(changed_scene):
     assert np.array_equal(again.robot.lower, found.robot.lower)
 
 
-def test_where_no_turn_helps_the_best_failure_is_told(changed_scene):
+def test_where_no_turn_helps_the_best_failure_is_reported(changed_scene):
     limits = narrow(changed_scene("matrix-liquid", {}), 0.5)
     scene = changed_scene("matrix-liquid", {"robot.limits": limits, "robot.base_yaw": "free"})
     with pytest.raises(ScenarioError) as caught:

@@ -101,7 +101,7 @@ def test_each_fault_stands_beside_its_field(draft_of: DraftOf, key: Key, text: s
         assert says in " ".join(notes[key if key[2:] != ("at", 1) else (*key[:3], 0)])
 
 
-def test_several_faults_are_all_told(draft_of: DraftOf) -> None:
+def test_several_faults_are_all_shown(draft_of: DraftOf) -> None:
     draft = draft_of("pp-two-cups")
     draft.type_in(("cargo", 0, "liquid_height"), "120 mm")
     draft.type_in(("cargo", 1, "liquid_height"), "130 mm")
@@ -112,7 +112,7 @@ def test_several_faults_are_all_told(draft_of: DraftOf) -> None:
     assert {fault.key for fault in check(draft.table).faults} == {("cargo", 0, "radius"), ("tray", "friction")}
 
 
-def test_a_load_too_heavy_is_told(draft_of: DraftOf) -> None:
+def test_a_load_too_heavy_is_shown(draft_of: DraftOf) -> None:
     draft = draft_of("pp-two-cups")
     draft.type_in(("tray", "mass"), "500 kg")
     (fault,) = check(draft.table).faults

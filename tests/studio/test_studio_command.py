@@ -17,7 +17,7 @@ def run(*arguments: str) -> tuple[int, str]:
     return result.exit_code, result.stderr
 
 
-def test_a_wrong_scenario_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_wrong_scenario_is_refused_in_one_line(tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     file.write_text("[tray]\nfriction = -1\n")
     code, errors = run(str(file), "--no-browser")

@@ -50,7 +50,7 @@ def task(changed_scene: Callable[..., Scene]) -> Task:
 
 
 @BOTH
-def test_an_optimum_is_reached_and_told_in_a_sentence(task: Task, solver: str) -> None:
+def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, solver: str) -> None:
     solution = task.solve(solver)
     assert solution.converged
     assert solution.status == f"{solver} converged to an optimum"
@@ -73,14 +73,14 @@ def test_an_unknown_solver_is_named_with_the_known_ones(task: Task) -> None:
 
 
 @pytest.mark.parametrize("solver", ["ipopt", "fatrop"])
-def test_the_limit_of_iterations_is_told(task: Task, solver: str) -> None:
+def test_the_limit_of_iterations_is_reported(task: Task, solver: str) -> None:
     solution = task.solve(solver, SolveOptions(max_iterations=2, max_time=60.0))
     assert not solution.converged
     assert solution.status.startswith(f"{solver} stopped at the limit of iterations")
     assert solution.violation > 1e-6
 
 
-def test_the_time_limit_is_told(task: Task) -> None:
+def test_the_time_limit_is_reported(task: Task) -> None:
     solution = task.solve("ipopt", SolveOptions(max_iterations=300, max_time=1e-6))
     assert not solution.converged
     assert solution.status.startswith("ipopt stopped at the time limit")

@@ -94,7 +94,7 @@ def test_joint_file_is_what_drives_the_simulation(folder: Path, smooth_plan: Pla
         verify_folder(folder)
 
 
-def test_nothing_is_written_unless_asked_for(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_written_by_default(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     before = sorted(tmp_path.rglob("*"))
     done = run("verify", str(folder), "--json")

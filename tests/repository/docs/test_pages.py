@@ -52,7 +52,7 @@ def test_the_bad_scenarios_are_refused_in_one_line(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "error"), [("out-of-reach", ScenarioError), ("impossible", NoSolutionError)])
-def test_the_hopeless_scenarios_are_told_why(name: str, error: type[Exception]) -> None:
+def test_the_impossible_scenarios_get_a_reason(name: str, error: type[Exception]) -> None:
     with pytest.raises(error, match=r"out of reach|max_duration"):
         plan(read_scenario(DOCS / "examples" / f"{name}.toml"))
 
@@ -88,7 +88,7 @@ def test_an_executed_notebook_becomes_a_page() -> None:
     assert pictures == {"figure-1.png": b"hello"}
 
 
-def test_formulas_are_outlines_and_unknown_ones_are_told() -> None:
+def test_formulas_are_outlines_and_unknown_ones_are_reported() -> None:
     drawn = formula(r"\ddot q \le \frac{1}{2}", "inline")
     assert drawn.startswith("<svg") and "<path" in drawn and "currentColor" in drawn
     with pytest.raises(ValueError, match="Unknown symbol"):

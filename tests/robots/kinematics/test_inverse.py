@@ -99,7 +99,7 @@ def test_out_of_reach_has_no_solution():
     assert inverse_solutions(ROBOT, np.array([3.0, 0, 1]), np.eye(3)).shape == (0, 6)
 
 
-def test_seven_joints_are_told_apart():
+def test_seven_joints_are_distinguished():
     with pytest.raises(ScenarioError, match="has 7 moving joints"):
         inverse_solutions(SEVEN, np.array([0.6, 0, 1]), np.eye(3))
 
