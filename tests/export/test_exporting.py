@@ -53,8 +53,27 @@ def test_a_file_beside_the_plan_with_its_verdict(folder, name):
     assert target.exists()
     assert sorted(folder.parent.iterdir()) == sorted([folder, target])
     assert result.stdout.startswith(f"written to {target}: ")
-    assert "certified: all" in result.stdout and result.stderr == ""
+    assert "certified: all" in result.stdout
+    said = "500 Hz is for e-Series controllers; CB3 ones play it at another pace and need --rate 125."
+    assert result.stderr == (f"{target}: {said}\n" if name == "urscript" else "")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before, "the plan folder is left as it is"
+
+
+def test_only_an_arm_of_unknown_generation_is_cautioned(gentle_plan):
+    scene = gentle_plan("matrix-rigid").scene
+    urscript = EXPORTERS["urscript"]
+    named = replace(scene, robot=replace(scene.robot, name="ur5e"))
+    assert urscript.caution(named, 500.0) is None
+    assert urscript.caution(scene, 125.0) == (
+        "125 Hz is for CB3 controllers; e-Series ones play it at another pace and need --rate 500"
+    )
+
+
+def test_the_file_is_named_as_the_folder_was(folder, monkeypatch):
+    monkeypatch.chdir(folder.parent)
+    assert nospill("export", "tea", "--format", "mat").stdout.startswith("written to tea.mat: ")
+    monkeypatch.chdir(folder)
+    assert nospill("export", ".", "--format", "mat").stdout.startswith(f"written to {folder.parent / 'tea.mat'}: ")
 
 
 def test_rate_and_place_as_given(folder, tmp_path):

@@ -235,6 +235,9 @@ def test_progress_tells_the_story_in_order(watched: tuple[Plan, list[PlanningPro
     found, seen = watched
     phases = [phase for phase, _ in itertools.groupby(item.phase for item in seen if item.iteration is None)]
     assert phases[:3] == ["kinematics", "build", "solve"] and phases[-2:] == ["export", "certify"]
+    stages = [stage for stage, _ in itertools.groupby(item.stage for item in seen if item.phase in ("build", "solve"))]
+    assert stages[:2] == ["coarse", "fine"] and set(stages[2:]) <= {"tighten"}
+    assert all(bool(item.stage) == (item.phase in ("build", "solve")) for item in seen)
     iterations = [item for item in seen if item.iteration is not None]
     solves = sum(item.iteration == 0 for item in iterations)
     assert len(iterations) == found.report.iterations + solves

@@ -28,7 +28,8 @@ from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
-from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript
+from nospill.plots.path_view import path_figure
+from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript, without_shared_ending
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
@@ -376,6 +377,29 @@ def test_names_are_no_formulas() -> None:
     assert len(plain(LONG)) == 22
     assert plain(LONG, 10)[:6] == LONG[:6]
     assert plain(LONG, 10)[-3:] == LONG[-3:]
+
+
+@pytest.mark.parametrize(
+    ("names", "shown"),
+    [
+        (("shoulder_pan_joint", "elbow_joint", "wrist_1_joint"), ["shoulder_pan", "elbow", "wrist_1"]),
+        (("joint_1", "joint_2"), ["joint_1", "joint_2"]),
+        (("left_arm_joint", "arm_joint", "joint"), ["left_arm_joint", "arm_joint", "joint"]),
+        (("a_b_c", "d_b_c"), ["a", "d"]),
+        (("only_joint",), ["only_joint"]),
+    ],
+)
+def test_what_all_names_end_in_is_left_out(names: tuple[str, ...], shown: list[str]) -> None:
+    assert without_shared_ending(names) == shown
+
+
+def test_a_level_path_has_two_ticks_of_its_height_at_least() -> None:
+    level = {"type": "line", "start": [0.8, -0.3, 1.2], "end": [0.8, 0.3, 1.2], "yaw": [0.0, 0.0]}
+    found, judgement = plan_of(scene_from_table({**table(CARGO), "path": level}, name="level"), 1.3)
+    (axes,) = path_figure(Evidence(found, judgement)).axes
+    low, high = axes.get_zlim()  # pyright: ignore[reportAttributeAccessIssue]
+    ticks = [tick for tick in axes.get_zticks() if low <= tick <= high]  # pyright: ignore[reportAttributeAccessIssue]
+    assert len(ticks) >= 2
 
 
 def test_slosh_curve_is_the_judges(tilting: Evidence, pictures: dict[str, Figure]) -> None:

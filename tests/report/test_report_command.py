@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from nospill.cli import app
+from nospill.cli.sharing import report_place
 from nospill.errors import PlanFolderError
 from nospill.plans.plan import Plan
 from nospill.report import make_report, read_second_opinion, save_report, writing
@@ -56,6 +57,15 @@ def test_page_goes_beside_the_folder_and_nothing_into_it(folder: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert "holds the motion of trajectory.csv" in text  # robot.csv was compared
     assert 100_000 < len(text) < 3_000_000
+
+
+@pytest.mark.parametrize(("given", "page"), [("out", "out.report.html"), ("./out/", "out.report.html")])
+def test_the_page_is_named_as_the_folder_was(
+    given: str, page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert report_place(Path(given)) == Path(page)
+    assert report_place(Path()) == tmp_path.with_name(f"{tmp_path.name}.report.html")
 
 
 def test_pdf_and_names_of_ones_own(folder: Path, tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "drop of cup and bottle": _DROP,
             "drop of the bottle": _DROP,
         }
-        cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]
+        cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]  # pyright: ignore[reportGeneralTypeIssues]
         scene = changed_scene("mixed-tray", {"cargo": [cup, bottle]} | _QUICK | changes.get(name, {}))
         if name == "drop of the bottle":
             return dataclasses.replace(scene, cargo=scene.cargo[1:])

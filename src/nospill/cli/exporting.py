@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.reporting import print_table, say
+from nospill.cli.reporting import beside, print_table, say
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -56,6 +56,9 @@ def export(
         raise ScenarioError(f"{folder}: this plan has no approach; plan again with a table [approach] in the scenario")
     done = hand_over(plan, exporter, target, rate=rate)
     _report(done)
+    caution = exporter.caution(plan.scene, round(done.rate, 3))
+    if caution is not None:
+        say(f"{done.path}: {caution}.")
     if not done.certificate.ok:
         _say_why(plan, done)
     ok = done.certificate.ok
@@ -81,7 +84,7 @@ def _print_formats() -> None:
 def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
     """The file to write: the one named, or the plan folder's name with the format's suffix, beside it."""
     place = folder.resolve()
-    target = place.with_name(place.name + exporter.suffixes[0]) if output is None else output
+    target = beside(folder, exporter.suffixes[0]) if output is None else output
     if place == target.resolve() or place in target.resolve().parents:
         raise ScenarioError(f"{target}: a plan folder holds nothing but the plan; name a file outside of {folder}")
     return target

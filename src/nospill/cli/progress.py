@@ -54,7 +54,8 @@ class ProgressLine:
             f"{report.duration_s:.3f} s" if report.duration_s is not None else "",
             f"violation {report.violation:.1e}" if report.violation is not None else "",
         ]
-        self.say(report.phase, ", ".join(filter(None, details)))
+        phase = f"{report.phase} ({report.stage})" if report.stage else report.phase
+        self.say(phase, ", ".join(filter(None, details)))
 
     def say(self, phase: str, details: str = "") -> None:
         """Say a phase and, where the line can move, its details.

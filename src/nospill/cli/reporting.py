@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
 
 import typer
 
@@ -75,6 +76,12 @@ def only_stderr() -> Iterator[None]:
             ctypes.CDLL(None).fflush(None)  # what C code has printed may still wait in its own buffer
         os.dup2(stdout, 1)
         os.close(stdout)
+
+
+def beside(folder: Path, ending: str) -> Path:
+    """The file next to a folder with the folder's name and an ending, as the folder was given: not made absolute."""
+    named = folder if folder.name not in ("", "..") else folder.resolve()
+    return named.with_name(f"{named.name}{ending}")
 
 
 def print_json(value: object) -> None:

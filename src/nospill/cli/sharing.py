@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.progress import ProgressLine
+from nospill.cli.reporting import beside
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -64,8 +65,7 @@ def report_place(folder: Path, output: Path | None = None) -> Path:
         ScenarioError: the file would lie in the plan folder, or has another ending.
     """
     if output is None:
-        place = folder.resolve()
-        return place.with_name(f"{place.name}.report.html")
+        return beside(folder, ".report.html")
     _require_outside(folder, output, ".html")
     return output
 

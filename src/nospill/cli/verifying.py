@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import only_stderr, print_json, print_table, say
+from nospill.cli.reporting import beside, only_stderr, print_json, print_table, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.margins import MarginsReport
@@ -59,7 +59,7 @@ def verify(
         joints = folder_joints(folder, plan)
         progress.say("simulate")
         report = simulate(plan, thresholds=thresholds, joints=joints)
-        record = folder.resolve().with_name(f"{folder.resolve().name}.verify.json")
+        record = beside(folder, ".verify.json")
         if save:
             atomic_text(record, json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n")
         if video is not None:

@@ -31,6 +31,7 @@ class Exporter:
         read: (path, scene) -> samples from t = 0 as the receiver takes them from the file; raises PlanFolderError for
             a file that is missing, not in this format or not for this scene's robot.
         plan_file: name under which every plan folder holds this file as well, or None.
+        caution: the sentence about receivers that play a file of this scene at this rate in Hz otherwise, or None.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Exporter:
     write: Callable[[JointSamples, Scene, Path], None]
     read: Callable[[Path, Scene], JointSamples]
     plan_file: str | None = None
+    caution: Callable[[Scene, float], str | None] = lambda scene, rate: None
 
 
 def full_columns(samples: JointSamples) -> tuple[np.ndarray, np.ndarray]:

@@ -36,6 +36,7 @@ START_TOLERANCE = 0.002
 """rad; farther from the first target, the program does not start."""
 
 _TARGET = re.compile(r"servoj\(\[([^\]]*)\], 0, 0, ([0-9.eE+-]+), ([0-9.eE+-]+), ([0-9.eE+-]+)\)")
+_E_SERIES = re.compile(r"ur\d+e", re.IGNORECASE)
 _JOINT_COMMENT = "# joints: "
 
 
@@ -83,6 +84,15 @@ def _reason_against(scene: Scene, rate: float) -> str | None:
     if rate not in RATES:
         return f"rate is {rate:g} Hz; a URScript program runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500"
     return None
+
+
+def _caution(scene: Scene, rate: float) -> str | None:
+    """The controller's generation decides its rate, and an arm's name need not tell it."""
+    if _E_SERIES.fullmatch(scene.robot.name) and rate == RATES[0]:
+        return None
+    own, other = ("e-Series", "CB3") if rate == RATES[0] else ("CB3", "e-Series")
+    needed = RATES[1] if rate == RATES[0] else RATES[0]
+    return f"{rate:g} Hz is for {own} controllers; {other} ones play it at another pace and need --rate {needed:g}"
 
 
 def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
@@ -151,5 +161,6 @@ URSCRIPT = Exporter(
     reason_against=_reason_against,
     write=_write,
     read=_read,
+    caution=_caution,
 )
 """A program for Universal Robots."""

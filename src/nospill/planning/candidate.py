@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -122,13 +122,14 @@ def solved(
 ) -> Candidate:
     """Solve on the grid of a start, with the multipliers of `warm`, an answer of a problem of the same shape."""
     planning = active.scene.planning
-    with log.phase("build"):
+    stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
+    with log.phase("build", stage):
         problem = problem_about(active, start)
-    with log.phase("solve"):
+    with log.phase("solve", stage):
         usual = SolveOptions(
             max_iterations=planning.max_iterations,
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
-            progress=log.iteration if log.progress is not None else None,
+            progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, solver=planning.solver, options=replace(usual, **options), warm=warm)
     log.add(solution)

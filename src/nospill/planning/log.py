@@ -19,12 +19,14 @@ class PlanningProgress:
         iteration: of the solver, while it runs.
         duration_s: current end time, s, while the solver runs.
         violation: largest scaled violation, while the solver runs.
+        stage: what is built or solved: "coarse", "fine" or "tighten"; empty otherwise.
     """
 
     phase: str
     iteration: int | None = None
     duration_s: float | None = None
     violation: float | None = None
+    stage: str = ""
 
 
 ProgressCallback = Callable[[PlanningProgress], None]
@@ -65,20 +67,20 @@ class Log:
         return self.time_left < 0.0
 
     @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
+    def phase(self, name: str, stage: str = "") -> Iterator[None]:
         """Account the time spent inside to a phase."""
         if self.progress is not None:
-            self.progress(PlanningProgress(name))
+            self.progress(PlanningProgress(name, stage=stage))
         start = time.perf_counter()
         try:
             yield
         finally:
             self.phases[name] = self.phases.get(name, 0.0) + time.perf_counter() - start
 
-    def iteration(self, iteration: int, duration: float, violation: float) -> None:
+    def iteration(self, stage: str, iteration: int, duration: float, violation: float) -> None:
         """Pass an iteration of the solver on."""
         if self.progress is not None:
-            self.progress(PlanningProgress("solve", iteration, duration, violation))
+            self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
 
     def add(self, solution: Solution) -> None:
         """Count the effort of a solve."""

@@ -19,6 +19,7 @@ from nospill.plots.style import (
     plain,
     series_look,
     time_panels,
+    without_shared_ending,
     write_limit,
 )
 
@@ -41,7 +42,7 @@ def joints_figure(evidence: Evidence) -> Figure:
         count=1 + len(limited),
         columns=1,
         height=2.0 if len(limited) < 2 else 1.5,
-        legend=[line_key(plain(name), index) for index, name in enumerate(joints)],
+        legend=[line_key(plain(name), index) for index, name in enumerate(without_shared_ending(joints))],
         share_height=False,
     )
     _draw_positions(panels.axes[0], evidence)
@@ -53,13 +54,14 @@ def joints_figure(evidence: Evidence) -> Figure:
 def _draw_positions(axes: Axes, evidence: Evidence) -> None:
     robot = evidence.plan.scene.robot
     traces = evidence.traces(JointPosition.name)
+    names = without_shared_ending(robot.joints)
     near: list[tuple[float, bool, str]] = []
     for index, trace in enumerate(traces):
         axes.plot(trace.t, np.degrees(trace.value), **series_look(index))
         lower, upper = float(robot.lower[index]), float(robot.upper[index])
         room = NEAR * (upper - lower)
         near += [
-            (float(np.degrees(limit)), above, _limit_name(trace.subject, limit))
+            (float(np.degrees(limit)), above, _limit_name(names[index], limit))
             for limit, above, distance in (
                 (lower, False, np.min(trace.value) - lower),
                 (upper, True, upper - np.max(trace.value)),
@@ -123,6 +125,7 @@ def draw_joint_use(axes: Axes, evidence: Evidence, constraint: str) -> None:
     values = [trace.value / np.abs(trace.limit) for trace in traces]
     for index, (trace, value) in enumerate(zip(traces, values, strict=True)):
         axes.plot(trace.t, value, **series_look(index))
+    names = without_shared_ending([trace.subject for trace in traces])
     peaks = [float(np.max(np.abs(value))) for value in values]
     largest = int(np.argmax(peaks))
     reach = max(1.28, 1.05 * peaks[largest])
@@ -132,4 +135,4 @@ def draw_joint_use(axes: Axes, evidence: Evidence, constraint: str) -> None:
     axes.set_ylim(-reach, reach)
     axes.set_xlim(0.0, evidence.end_time)
     axes.set_ylabel(f"{constraint.removeprefix('joint ')} / limit [1]")
-    entitle(axes, constraint, f"max {peaks[largest]:.4f} ({plain(traces[largest].subject, 14)})")
+    entitle(axes, constraint, f"max {peaks[largest]:.4f} ({plain(names[largest], 14)})")

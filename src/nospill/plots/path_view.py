@@ -18,6 +18,8 @@ DOT_INTERVAL = 0.1
 """s between the dots on the path."""
 
 _ELEVATION = 30.0
+_TICK_STEPS = (0.2, 0.1, 0.05)
+"""m, between ticks of the upright axis: the longest that gives two at least."""
 _KEY_WIDTH = 4.6
 """in; what the key below the picture takes on one line."""
 _ROOM = 0.45
@@ -133,6 +135,9 @@ def _dress(axes: Any) -> None:
         axis.labelpad = -7 if name == "z" else -3
         axis.line.set_color(GREY)
         axis.set_major_locator(MultipleLocator(0.2))
+    low, high = axes.get_zlim()
+    step = max((step for step in _TICK_STEPS if (high - low) / step >= 2.5), default=_TICK_STEPS[-1])
+    axes.zaxis.set_major_locator(MultipleLocator(step))
 
 
 def _fit(

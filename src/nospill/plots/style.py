@@ -7,6 +7,7 @@ points; on a column of 85 mm the smallest are 5.7 points high.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,6 +96,19 @@ def plain(name: str, longest: int = 22) -> str:
         head = (longest - 1) * 2 // 3
         name = f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
     return name.replace("$", r"\$")
+
+
+def without_shared_ending(names: Sequence[str]) -> list[str]:
+    """Names without the words at their end that all share, so that what tells them apart is left when they are cut.
+
+    Words are what underscores separate: shoulder_pan_joint and elbow_joint become shoulder_pan and elbow.
+    """
+    words = [name.split("_") for name in names]
+    shared = 0
+    most = min(map(len, words), default=1) - 1 if len(words) > 1 else 0
+    while shared < most and len({own[-1 - shared] for own in words}) == 1:
+        shared += 1
+    return ["_".join(own[: len(own) - shared]) for own in words]
 
 
 def superscript(unit: str) -> str:

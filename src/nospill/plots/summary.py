@@ -15,7 +15,17 @@ from nospill.plots.contact_use import draw_use
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
 from nospill.plots.path_view import draw_path
-from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE, legend_columns, line_key, plain
+from nospill.plots.style import (
+    BLUE,
+    DARK_RED,
+    GREEN,
+    GREY,
+    ORANGE,
+    legend_columns,
+    line_key,
+    plain,
+    without_shared_ending,
+)
 from nospill.plots.use_table import draw_use_table
 from nospill.scene.tolerances import is_uncertain
 
@@ -36,7 +46,8 @@ def summary_figure(evidence: Evidence) -> Figure:
     _draw_progress(panels[0], evidence)
     _draw_tightest(panels[1], evidence)
     draw_speeds(panels[2], evidence)
-    _legend(panels[2], {name: index for index, name in enumerate(evidence.plan.scene.robot.joints)})
+    joints = without_shared_ending(evidence.plan.scene.robot.joints)
+    _legend(panels[2], {name: index for index, name in enumerate(joints)})
     for axes in panels:
         axes.set_xlabel("time [s]")
         axes.set_xlim(0.0, evidence.end_time)
