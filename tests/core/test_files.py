@@ -285,6 +285,25 @@ def test_kill_nine(tmp_path: Path, old: bool, stage: str) -> None:
     assert content(target) == {"summary.json": "next run"}
 
 
+@pytest.mark.skipif(files.fcntl is None, reason="no locks on folders here")
+def test_partial_folders_of_killed_runs_are_deleted_by_the_next(tmp_path: Path) -> None:
+    target, others = tmp_path / "plan", ("plan.abcd.partial", ".other.0a1b2c3d.partial", ".plan.0a1b2c3d.old")
+    dead, young = tmp_path / ".plan.0a1b2c3d.partial", tmp_path / ".plan.1a1b2c3d.partial"
+    for folder in (dead, young, *(tmp_path / name for name in others)):
+        folder.mkdir()
+        (folder / "trajectory.csv").write_text("half")
+        if folder != young:
+            os.utime(folder, (0, 0))
+    with atomic_folder(target) as first:
+        (first / "summary.json").write_text("{}")
+        os.utime(first, (0, 0))
+        assert not dead.exists() and young.exists()
+        with atomic_folder(target) as second:
+            assert first.exists(), "it is still being written"
+            (second / "summary.json").write_text("{}")
+    assert sorted(os.listdir(tmp_path)) == sorted([*others, "plan", young.name])
+
+
 def test_many_writers_at_once(tmp_path: Path) -> None:
     """Four processes replace one folder 40 times each: whatever stands there is whole, and one whole plan stays."""
     target = tmp_path / "plan"

@@ -127,8 +127,24 @@ def set_cell(row: int, column: int, text: str):
 
 
 @pytest.mark.parametrize(
+    "change",
+    [
+        lambda lines: [f"\ufeff{lines[0]}", *lines[1:]],
+        lambda lines: [*lines, "", "  "],
+        lambda lines: [line.replace(",", ", ") for line in lines],
+    ],
+    ids=["byte order mark", "blank last lines", "spaces after commas"],
+)
+def test_what_other_programs_leave_in_a_file_is_read(tmp_path, change):
+    path = damaged(tmp_path, change)
+    assert same(read_trajectory(path), random_trajectory())
+
+
+@pytest.mark.parametrize(
     ("change", "words"),
     [
+        (set_cell(7, 5, "1_0"), "line 8, column theta_y_rad: '1_0' is not a number"),
+        (set_cell(7, 5, "\uff11"), "line 8, column theta_y_rad: '\uff11' is not a number"),
         (lambda lines: [], "not a trajectory of nospill: column t_s is missing"),
         (set_line(0, "a,b,c"), "column t_s is missing"),
         (set_cell(0, 1, "progress"), "column s is missing"),

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.errors import PlanFolderError, ScenarioError
+from nospill.export.plan_files import compare_plan_files
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate, Row, limit_use
 from nospill.judge.wording import describe, shown_unit
@@ -212,6 +213,24 @@ def test_the_judgement_is_evidence_and_no_part_of_the_record(judged: tuple[Plan,
         one.save(tmp_path / name)
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["certificate.json", "summary.json"])
+def test_json_nested_beyond_reason_is_one_line(judged: tuple[Plan, Judgement], tmp_path: Path, name: str) -> None:
+    judged[0].save(tmp_path / "out")
+    (tmp_path / "out" / name).write_text("[" * 200_000 + "]" * 200_000)
+    with pytest.raises(PlanFolderError, match=r"damaged .*nested too deeply") as caught:
+        load_plan(tmp_path / "out")
+    assert len(str(caught.value)) < 500
+
+
+def test_byte_order_marks_are_read(judged: tuple[Plan, Judgement], tmp_path: Path) -> None:
+    judged[0].save(tmp_path / "out")
+    for path in (tmp_path / "out").iterdir():
+        path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert load_plan(tmp_path / "out").certificate == judged[0].certificate
+    compared = compare_plan_files(judged[0].trajectory, judged[0].scene, tmp_path / "out")
+    assert compared and not any(compared.values())
 
 
 @pytest.mark.parametrize("name", ["scenario.toml", "trajectory.csv", "certificate.json", "summary.json"])

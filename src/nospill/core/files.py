@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import glob
+import json
 import os
+import re
 import secrets
 import shutil
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from nospill.errors import PlanFolderError
+
+try:
+    import fcntl
+except ImportError:  # not on Windows
+    fcntl = None
+
+_JUST_MADE = 60.0
+"""s; a partial folder younger than this may be another run's that has not locked it yet."""
 
 _SWAP_ATTEMPTS = 50
 """How often another writer may win the place between our two renames before we give up."""
@@ -53,7 +66,8 @@ def atomic_folder(target: str | Path, *, replaceable: Replaceable) -> Iterator[P
 
     The body writes into a hidden sibling of `target`. When it ends, everything is flushed to the disk, the two folders
     exchange names and the old one is deleted. A run that is killed leaves the old or the new folder under the name
-    `target`, and perhaps a hidden sibling ".NAME.*.partial" or ".NAME.*.old" that can be deleted. (Where the system
+    `target`, and perhaps a hidden sibling ".NAME.*.partial", which the next run into the same folder deletes, or
+    ".NAME.*.old", that can be deleted. (Where the system
     cannot exchange names the old folder is renamed away first, and killed just then leaves none of that name.) Of two
     writers at once the later wins.
 
@@ -70,14 +84,19 @@ def atomic_folder(target: str | Path, *, replaceable: Replaceable) -> Iterator[P
     place = require_replaceable(target, replaceable=replaceable)
     sibling = f".{place.name}.{secrets.token_hex(4)}"
     partial = place.with_name(f"{sibling}.partial")
+    lock = None
     try:
         partial.mkdir(parents=True)
+        lock = _locked(partial)
+        _clear_abandoned(place)
         yield partial
         _flush_tree(partial)
         _swap(partial, place, place.with_name(f"{sibling}.old"), replaceable)
     except OSError as error:
         raise _cannot_write(place, error) from error
     finally:
+        if lock is not None:
+            os.close(lock)
         shutil.rmtree(partial, ignore_errors=True)
 
 
@@ -115,6 +134,18 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             partial.unlink()
+
+
+def parsed_json(text: str) -> Any:
+    """What JSON text holds.
+
+    Raises:
+        ValueError: it is not JSON, or nested more deeply than can be read.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 class UnreadableError(Exception):
@@ -191,6 +222,37 @@ def _swap(partial: Path, place: Path, old: Path, replaceable: Replaceable) -> No
         shutil.rmtree(old, ignore_errors=True)
         return
     raise PlanFolderError(f"{place} is being written by other runs all the time; name another folder")
+
+
+def _locked(folder: Path) -> int | None:
+    """A descriptor that locks a folder as long as it is open, at most until the process ends; None without locks."""
+    if fcntl is None:
+        return None
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:  # another run looks at it, or a file system without locks
+        os.close(descriptor)
+        return None
+    return descriptor
+
+
+def _clear_abandoned(place: Path) -> None:
+    """Delete the partial folders of runs into `place` that were killed: those that nobody locks any more.
+
+    A folder that has just been made may not be locked yet, so those of the last minute stay.
+    """
+    if fcntl is None:
+        return
+    for found in place.parent.glob(f".{glob.escape(place.name)}.*.partial"):
+        with suppress(OSError):
+            unmistakable = re.fullmatch(r"[0-9a-f]{8}", found.name.removesuffix(".partial")[-8:]) and found.is_dir()
+            if not unmistakable or found.is_symlink() or time.time() - found.stat().st_mtime < _JUST_MADE:
+                continue
+            lock = _locked(found)
+            if lock is not None:
+                shutil.rmtree(found, ignore_errors=True)
+                os.close(lock)
 
 
 def _exchange(one: Path, other: Path) -> bool:

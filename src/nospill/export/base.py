@@ -125,7 +125,7 @@ def text_of(path: Path) -> str:
         PlanFolderError: it cannot be read.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise PlanFolderError(f"cannot read {path}: {reason}; write it again with nospill export") from error

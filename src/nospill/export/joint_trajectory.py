@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.core.files import atomic_text
+from nospill.core.files import atomic_text, parsed_json
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, number, numbers, text_of
 from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
@@ -66,10 +66,10 @@ def _yaml_table(text: str, path: Path) -> dict[str, Any]:
             continue
         try:
             if content.startswith("- "):
-                table["points"].append(json.loads(content[2:]))
+                table["points"].append(parsed_json(content[2:]))
             else:
                 key, _, value = content.partition(":")
-                table[key] = json.loads(value) if value.strip() else []
+                table[key] = parsed_json(value) if value.strip() else []
         except (ValueError, KeyError, AttributeError):
             raise PlanFolderError(
                 f"{path}, line {count}: {content[:60]!r} is not a line of a trajectory that nospill wrote"
@@ -79,7 +79,7 @@ def _yaml_table(text: str, path: Path) -> dict[str, Any]:
 
 def _json_table(text: str, path: Path) -> Any:
     try:
-        table = json.loads(text)
+        table = parsed_json(text)
     except ValueError as error:
         raise PlanFolderError(f"{path}: not a JSON file ({error})") from error
     return table.get("msg") if isinstance(table, dict) else None

@@ -79,7 +79,7 @@ def read_lab_csv(path: str | Path, *, rate: float, held: int = 0) -> tuple[np.nd
         PlanFolderError: no such file, or a row that is not six finite numbers, or less rest than the format wants.
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8").rstrip().splitlines()
+        lines = Path(path).read_text(encoding="utf-8-sig").rstrip().splitlines()
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a text file"
         raise PlanFolderError(f"cannot read {path}: {reason}; write it again with nospill plan") from error

@@ -244,7 +244,7 @@ def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
         if len(cells) != len(header):
             raise PlanFolderError(f"{path}: line {number} has {len(cells)} values, the header {len(header)}")
         try:
-            rows.append([float(cell) for cell in cells])
+            rows.append([_number(cell) for cell in cells])
         except ValueError:
             column = next(index for index, cell in enumerate(cells) if not _is_number(cell))
             message = f"line {number}, column {header[column]}: {cells[column]!r} is not a number"
@@ -259,24 +259,33 @@ def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        _number(text)
     except ValueError:
         return False
     return True
 
 
+def _number(text: str) -> float:
+    """A number in digits as they are written; Python's own reader takes 1_0 for 10, and digits of any script."""
+    if "_" in text or not text.isascii():
+        raise ValueError(text)
+    return float(text)
+
+
 def read_trajectory(path: FilePath) -> Trajectory:
     """Read what `trajectory_text` wrote; joints and objects are taken from the header.
+
+    A byte order mark, spaces about the cells and blank lines at the end, as other programs leave them, are passed over.
 
     Raises:
         PlanFolderError: the file is missing or is not such a table; names the line or column.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise PlanFolderError(f"{path}: cannot be read ({error})") from error
-    lines = text.splitlines()
-    header = next(csv.reader(lines[:1]), [])
+    lines = text.rstrip().splitlines()
+    header = [name.strip() for name in next(csv.reader(lines[:1]), [])]
     joints, slosh = _carried(header)
     columns = _columns(joints, slosh)
     if header != [name for name, _, _ in columns]:

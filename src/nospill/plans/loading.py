@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from nospill.approach import Segment, read_segment
+from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import read_trajectory
@@ -29,8 +29,8 @@ def load_plan(folder: str | Path) -> Plan:
         if not (place / name).is_file():
             raise PlanFolderError(f"{place}: not a plan folder: {name} is missing")
     try:
-        certificate = json.loads((place / CERTIFICATE_FILE).read_text(encoding="utf-8"))
-        summary = json.loads((place / SUMMARY_FILE).read_text(encoding="utf-8"))
+        certificate = parsed_json((place / CERTIFICATE_FILE).read_text(encoding="utf-8-sig"))
+        summary = parsed_json((place / SUMMARY_FILE).read_text(encoding="utf-8-sig"))
         maxima, report = restored_records(summary)
         scene = read_scenario(place / SCENARIO_FILE)
         return Plan(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.plans.names import TRAJECTORY_FILE
 from nospill.plots.text_pages import TextTable
@@ -80,7 +80,7 @@ def read_second_opinion(folder: str | Path, scene: Scene) -> SecondOpinion:
         return NOT_ASKED
     try:
         older = path.stat().st_mtime < (place / TRAJECTORY_FILE).stat().st_mtime
-        record = json.loads(path.read_text(encoding="utf-8"))
+        record = parsed_json(path.read_text(encoding="utf-8-sig"))
         found = second_opinion(record)
         names = [str(item["name"]) for item in record["objects"]]
     except (OSError, ValueError, KeyError, TypeError) as error:

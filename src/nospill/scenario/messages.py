@@ -81,6 +81,10 @@ def _entries(context: Mapping[str, Any]) -> str:
     return f"has {given or 'no'} {'entry' if given == 1 else 'entries'}; at least {needed}"
 
 
+def _too_many(context: Mapping[str, Any]) -> str:
+    return f"has more than {context['max_length']} entries; at most {context['max_length']} are planned for"
+
+
 def _tag(shown: str, context: Mapping[str, Any]) -> str:
     key, choices = _choices(context)
     near = nearest(str(context["tag"]), choices)
@@ -109,6 +113,7 @@ _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "dict_type": lambda shown, context: f"{shown} is not a table; write {{ name = value }}",
     "list_type": lambda shown, context: f"{shown} is not a list; put the values in brackets",
     "too_short": lambda shown, context: _entries(context),
+    "too_long": lambda shown, context: _too_many(context),
     "model_type": lambda shown, context: f"is not a table but {shown}; write its keys under their own heading",
     "model_attributes_type": lambda shown, context: (
         f"is not a table but {shown}; write its keys under their own heading"

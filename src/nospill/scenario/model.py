@@ -15,6 +15,12 @@ from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.scene import EndCondition, Fidelity
 
+MOST_OBJECTS = 100
+"""Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
+
+SHORTEST_DURATION = 0.1
+"""s; least value of max_duration, a third of what the default limit of the path's jerk takes for any way."""
+
 
 class TrayTable(Table):
     """`[tray]`: the board on the flange."""
@@ -75,7 +81,7 @@ class MotionTable(Table):
     ] = 0.2
     max_duration: Annotated[
         float,
-        Measured(dimension="time", above=0.0, at_most=600.0),
+        Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
         Field(description="longest motion that is considered"),
     ] = 20.0
     hold_before: Annotated[
@@ -152,7 +158,10 @@ class Scenario(Table):
     description: Annotated[str, Field(strict=True, description="one line about the task")] = ""
     robot: Annotated[RobotTable, Field(description="the arm, with the key model or urdf")]
     tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
-    cargo: Annotated[list[CargoEntry], Field(min_length=1, description="the objects on the tray, one [[cargo]] each")]
+    cargo: Annotated[
+        list[CargoEntry],
+        Field(min_length=1, max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each"),
+    ]
     path: Annotated[PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline or waypoints")]
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
     tolerance: Annotated[

@@ -87,6 +87,83 @@ def test_friction_about_an_eccentric_pressure_lies_inside_what_that_pressure_giv
     assert min(uses) == pytest.approx(1.0, abs=1e-2)
 
 
+def patch(kind: str, heading: float, line: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points (m, 2) and weights (m,) of a pressure that grows linearly from a straight line, nowhere negative.
+
+    The line is at right angles to the heading; `line` is its distance from the middle as a part of that of the
+    footprint's farthest point, below -1 where all of the footprint presses.
+    """
+    normal = np.array((np.cos(heading), np.sin(heading)))
+    if kind == "ring":
+        angles = np.linspace(-np.pi, np.pi, 2880, endpoint=False)
+        inside = np.column_stack((np.cos(angles), np.sin(angles)))
+        far = 1.0
+    else:
+        cells = (np.arange(70) + 0.5) / 35 - 1
+        square = np.stack(np.meshgrid(cells, cells), axis=-1).reshape(-1, 2)
+        if kind == "disc":
+            near = max(line, -1.0)
+            along = near + (1.0 - near) * (square[:, 0] + 1) / 2
+            across = np.sqrt(1.0 - near**2) if near > 0.0 else 1.0
+            inside = np.outer(along, normal) + np.outer(across * square[:, 1], (-normal[1], normal[0]))
+            inside, far = inside[np.linalg.norm(inside, axis=1) < 1.0], 1.0
+        else:
+            edge = halves(kind)
+            far = float(np.abs(normal) @ edge)
+            corner = edge * np.where(normal >= 0.0, 1.0, -1.0)
+            reach = (1.0 - max(line, -1.0)) * far / np.maximum(np.abs(normal), 1e-9)
+            inside = corner - np.minimum(2.0 * edge, reach) * (square + 1) / 2 * np.sign(corner)
+    pressure = np.maximum(0.0, inside @ normal - line * far)
+    return inside, pressure / pressure.sum()
+
+
+@pytest.mark.parametrize("kind", FOOTPRINTS)
+def test_slip_at_its_limit_is_inside_the_limit_surface_in_random_states(kind):
+    """What the law allows, 1,500 random wrenches under 30 random pressures, against the dissipation of every sliding.
+
+    A wrench can be held where its power in every sliding motion is at most the friction's, the sum of the speeds.
+    """
+    random = np.random.default_rng(5)
+    law, sure = slip_function(FOOTPRINTS[kind]), 0
+    while sure < 30:
+        points, weights = patch(kind, random.uniform(-np.pi, np.pi), 1.0 - 10.0 ** random.uniform(-2.2, 0.8))
+        middle = weights @ points
+        part = np.abs(middle / halves(kind))
+        off = float(np.linalg.norm(part) if kind in ("disc", "ring") else np.sum(part**4) ** 0.25)
+        if off > 0.98:
+            continue
+        sure += 1
+        spread = np.sqrt(weights @ np.sum((points - middle) ** 2, axis=1))
+        direction, turning = np.meshgrid(np.linspace(0, 2 * np.pi, 48, endpoint=False), np.linspace(0, np.pi, 33))
+        sliding = np.stack((np.cos(direction), np.sin(direction)), axis=-1).reshape(-1, 2)
+        sliding *= np.cos(turning).reshape(-1, 1)
+        turn = np.sin(turning).reshape(-1) / spread
+        away = points - middle
+        speed = np.hypot(
+            sliding[:, :1] - np.outer(turn, away[:, 1]),
+            sliding[:, 1:] + np.outer(turn, away[:, 0]),
+        )
+        friction = speed @ weights
+        angle, share = random.uniform(0, 2 * np.pi, 50), random.uniform(-1, 1, 50)
+        force = np.array((np.cos(angle), np.sin(angle))) * np.sqrt(1 - share**2)
+        moment = share * FOOTPRINTS[kind].grip_radius * (1.0 - off)
+        about_middle = moment + middle[0] * force[1] - middle[1] * force[0]
+        pressing = np.ones(50)
+        used = law(np.vstack((force, pressing)), np.vstack((middle[1] * pressing, -middle[0] * pressing, about_middle)))
+        at_limit = np.vstack((force, moment)) / np.array(used).ravel()
+        power = np.column_stack((sliding, turn)) @ at_limit
+        assert np.max(power / friction[:, None]) <= 1.0 + 1e-3
+
+
+def test_lever_is_the_documented_one():
+    """r/r0 = (a + b + sqrt((a - b)^2 + 0.01^2))/2 with a = 1 - e and b = 0.03 sqrt(1 + e^2)."""
+    for part in (0.0, 0.5, 0.9, 0.95, 0.97, 0.98, 0.99):
+        a, b = 1.0 - part, 0.03 * np.hypot(1.0, part)
+        lever = FOOTPRINTS["disc"].grip_radius * (a + b + np.hypot(a - b, 0.01)) / 2
+        use = slip_use(FOOTPRINTS["disc"], (np.array((0, 0, 1.0)), np.array((0.0, -part, 0.01))))
+        assert use == pytest.approx(0.01 / lever, rel=2e-3)
+
+
 def slip_use(footprint: Footprint, wrench: tuple[np.ndarray, np.ndarray]) -> float:
     """Of friction 1, for a force and a moment about the middle on an object that weighs 1."""
     return float(slip_function(footprint)(*wrench))

@@ -108,6 +108,8 @@ def test_a_plain_arm() -> None:
         (arm_text(extra='<link name="lost"/>'), {}, "falls apart: no joint carries 'base' nor 'lost'"),
         (arm_text().replace('<parent link="base"/>', '<parent link="l6"/>'), {}, "loop"),
         (arm_text(extra="<link/>"), {}, "a link without a name"),
+        (arm_text().replace('"j3"', '"a,b;c d"'), {}, "joint 'a,b;c d': a name may not hold a comma, semicolon"),
+        (arm_text().replace('"j3"', '" j3"'), {}, "joint ' j3': .* nor begin or end with a space"),
     ],
 )
 def test_what_is_refused(text: str, options: dict[str, Any], words: str) -> None:

@@ -20,7 +20,8 @@ class Slip(Constraint):
     """|f_T| <= mu N [D3]; at full fidelity sliding and turning share the budget.
 
     Full: |(f_x, f_y, T/r)| <= mu N with T the moment about the centre of pressure and r = (1 - e) times the footprint's
-    radius of gyration about its weaker axis, e the distance of the centre of pressure from the middle as a part of the
+    radius of gyration about its weaker axis (within 5 % of the edge a smooth maximum, see
+    docs/physics/contact.md), e the distance of the centre of pressure from the middle as a part of the
     footprint. An object near tipping stands on a patch at its edge, about which friction has hardly a lever. Under
     pressure that is linear where it presses and nowhere negative, this lies inside the exact limit curve and touches it
     at pure sliding. In the middle it gives three quarters of the moment of pure turning for a disc. There, the mean

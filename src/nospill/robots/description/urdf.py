@@ -114,6 +114,7 @@ def read_arm(
         notes.append(f"continuous joints may turn by +-360 deg: {', '.join(endless)}")
     tree, moving = _as_revolute(tree, moving)
     names = tuple(joint.name for joint in moving)
+    _check_names(names)
     fault = inertia_fault(tree, names)
     return UrdfArm(
         name=tree.name,
@@ -147,6 +148,20 @@ def hint_of(name: str, known: Sequence[str]) -> str:
     """Return "; did you mean ...?" for the nearest known name, or an empty text."""
     near = nearest(name, known, likeness=0.5)
     return f"; did you mean {near!r}?" if near else ""
+
+
+def _check_names(names: Sequence[str]) -> None:
+    """Refuse names of joints that no column of a file can have.
+
+    Raises:
+        ScenarioError: naming the joint.
+    """
+    for name in names:
+        if name != name.strip() or any(letter in ',;"' or not letter.isprintable() for letter in name):
+            raise ScenarioError(
+                f"joint {name!r}: a name may not hold a comma, semicolon, quotation mark or control character, nor "
+                "begin or end with a space, since names head the columns of files; rename the joint in the URDF"
+            )
 
 
 def some(names: Sequence[str]) -> str:
