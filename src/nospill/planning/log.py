@@ -29,7 +29,7 @@ class PlanningProgress:
     stage: str = ""
 
 
-ProgressCallback = Callable[[PlanningProgress], None]
+OnProgress = Callable[[PlanningProgress], None]
 
 
 @dataclass(slots=True)
@@ -47,7 +47,7 @@ class Log:
         starts: end time of the answer from each start, s; None where there was none.
     """
 
-    progress: ProgressCallback | None
+    progress: OnProgress | None
     max_time: float
     began: float = field(default_factory=time.perf_counter)
     phases: dict[str, float] = field(default_factory=dict)

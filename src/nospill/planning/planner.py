@@ -13,7 +13,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log, ProgressCallback
+from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
@@ -32,7 +32,7 @@ def plan(
     *,
     warm: Plan | None = None,
     ignore: Collection[str] = (),
-    progress: ProgressCallback | None = None,
+    progress: OnProgress | None = None,
 ) -> Plan:
     """Find the fastest motion of a scene and certify it.
 
@@ -56,12 +56,7 @@ def plan(
 
 
 def _planned(
-    scene: Scene,
-    *,
-    warm: Plan | None,
-    last: Candidate | None,
-    ignore: Collection[str],
-    progress: ProgressCallback | None,
+    scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: OnProgress | None
 ) -> tuple[Plan, Candidate]:
     """`plan`, with the candidate that the next one may start from."""
     unknown = set(ignore) - set(BY_NAME)
@@ -123,7 +118,7 @@ class Planner:
         self.last = last
         self._candidate: Candidate | None = None
 
-    def plan(self, scene: Scene, *, progress: ProgressCallback | None = None) -> Plan:
+    def plan(self, scene: Scene, *, progress: OnProgress | None = None) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
         self.last, self._candidate = _planned(
