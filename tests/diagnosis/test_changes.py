@@ -13,7 +13,8 @@ from nospill.diagnosis import changed_table, with_change
 from nospill.diagnosis.relaxations import Relaxation, relaxations_of
 from nospill.diagnosis.search import WITHIN, first_share
 from nospill.errors import Change, NospillError, ScenarioError
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import numbers_of
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
@@ -75,8 +76,8 @@ def test_the_scene_of_a_relaxation_is_that_of_its_change(
 
 
 def main_relaxation(scene: Scene, constraint: str, subject: str) -> Relaxation:
-    index = next(item.subjects(scene) for item in CONSTRAINTS if item.name == constraint).index(subject)
-    return relaxations_of(scene, constraint, subject, {(constraint, index): 1.0})[0]  # pyright: ignore[reportArgumentType]
+    assert subject in BY_NAME[constraint].subjects(scene)
+    return relaxations_of(scene, constraint, subject, {RowId(constraint, subject): 1.0})[0]
 
 
 def numbers_text(scene: Scene) -> str:
@@ -98,7 +99,12 @@ def test_no_limit_is_raised_beyond_the_robots_own(changed_scene: Changed) -> Non
     scene = changed_scene("matrix-rigid", {"robot.limits": {"speed_scale": 0.5}})
     relaxation = main_relaxation(scene, "joint speed", "joint_1")
     assert relaxation.most == pytest.approx(1.0)
-    assert relaxations_of(changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {("joint speed", 0): 1.0}) == []  # pyright: ignore[reportArgumentType]
+    assert (
+        relaxations_of(
+            changed_scene("matrix-rigid", {}), "joint speed", "joint_1", {RowId("joint speed", "joint_1"): 1.0}
+        )
+        == []
+    )
 
 
 def test_no_slosh_height_is_suggested_above_the_rim() -> None:
