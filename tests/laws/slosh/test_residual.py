@@ -120,27 +120,26 @@ def bounds(q: np.ndarray, qd: np.ndarray, damping: np.ndarray | float, smoothing
 
 @pytest.mark.parametrize("coordinates", [1, 2])
 @pytest.mark.parametrize("smoothing", [1e-9, 0.01])
-def test_bound_is_one_and_nearly_tight(coordinates, smoothing):
+@pytest.mark.parametrize("largest", [0.0097, 0.99])
+def test_bound_is_one_and_nearly_tight(coordinates, smoothing, largest):
     random = np.random.default_rng(coordinates)
     count = 5000
     q = random.normal(size=(count, coordinates)) * random.uniform(0, 1, (count, 1))
     qd = OMEGA * random.normal(size=(count, coordinates)) * random.uniform(0, 1, (count, 1))
-    damping = random.uniform(0.0, 0.0097, count)
+    damping = random.uniform(0.0, largest, count)
     exact = residual_supremum(q, qd, frequency=OMEGA, damping=damping)
     bound = bounds(q, qd, damping, smoothing)
-    looseness = np.exp(np.pi * damping / np.sqrt(1 - damping**2))
+    looseness = np.minimum(np.exp(np.pi * damping / np.sqrt(1 - damping**2)), 2.1)
     assert np.all(bound >= exact * (1 - 1e-12))
     swirl = 2 ** (1 / 8) if coordinates == 2 else 1.0  # of the eighth-power mean on a circle
     assert np.all(bound <= np.hypot(exact * looseness * swirl, np.sqrt(2) * smoothing) * (1 + 1e-9))
-    assert np.max(looseness) < 1.032
 
 
 @settings(max_examples=100, deadline=None)
 @given(pairs, pairs, st.floats(0.0, 0.5), st.sampled_from([1, 2]))
 def test_bound_is_the_eighth_power_mean_of_the_singular_values(displacement, velocity, damping, coordinates):
     q, qd = np.array(displacement)[:coordinates], OMEGA * np.array(velocity)[:coordinates]
-    decay, damped = damping * OMEGA, OMEGA * np.sqrt(1 - damping**2)
-    axes = np.linalg.svd(np.column_stack((q, (qd + decay * q) / damped)), compute_uv=False)
+    axes = np.linalg.svd(np.column_stack((q, (qd / OMEGA + damping * q) / (1 + damping))), compute_uv=False)
     mean = np.linalg.norm(axes, 8)
     assert bounds(q[None], qd[None], damping, 1e-9)[0] == pytest.approx(mean, rel=1e-9, abs=1e-8)
     assert mean <= 2 ** (1 / 8) * axes[0] * (1 + 1e-12)

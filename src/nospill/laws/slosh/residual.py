@@ -20,12 +20,13 @@ def residual_bound(
 ) -> SX:
     """Smooth upper bound of |q(t)| for all t >= 0 of a free mode.
 
-    Without decay the mode runs on the ellipse of A and B, whose half axis is the largest singular value of [A B],
-    sqrt(a + sqrt(b^2 + c^2)) with a = (|A|^2 + |B|^2)/2, b = (|A|^2 - |B|^2)/2, c = A.B; along one axis it is
-    sqrt(A^2 + B^2). The half axis is never below the largest displacement, and above it by at most
-    exp(pi zeta/sqrt(1 - zeta^2)), 3 % at zeta = 0.01. The largest singular value has a kink where both are equal, which
+    With V = q'/omega and D = (V + zeta A)/(1 + zeta) the form A^2 + D^2 of a motion along one axis never grows, and is
+    A^2 at least: it bounds q^2 for ever. Of all quadratic forms with these two properties it has the least weight on
+    V; without damping it is the ellipse that the mode runs on. In the plane it holds along every direction, so the
+    largest singular value of [A D] bounds |q|; it is above the largest displacement by at most 3 % at zeta = 0.01,
+    23 % at 0.1 and 2.05 times anywhere. The largest singular value has a kink where both are equal, which
     is where a circular swirl ends and where optimisers stop; in its place stands (s1^8 + s2^8)^(1/8), smooth except at
-    rest, equal to it along a line and at most 9 % above it on a circle. With G = [A B]^T [A B] the sum is
+    rest, equal to it along a line and at most 9 % above it on a circle. With G = [A D]^T [A D] the sum is
     (tr G^2)^2 - 2 (det G)^2.
 
     Args:
@@ -38,8 +39,7 @@ def residual_bound(
     Returns:
         Scalar, m.
     """
-    decay, damped = damping * frequency, frequency * ca.sqrt(1 - damping**2)
-    quadrature = (velocity + decay * displacement) / damped
+    quadrature = (velocity / frequency + damping * displacement) / (1 + damping)
     first, second = ca.dot(displacement, displacement), ca.dot(quadrature, quadrature)
     if displacement.numel() == 1:
         return ca.sqrt(first + second + smoothing**2)
