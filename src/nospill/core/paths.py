@@ -16,7 +16,7 @@ from nospill.core.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolat
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 
-MAX_WAYPOINTS = 1000
+MAX_WAYPOINTS = 500
 """More interpolated points than this make planning needlessly slow: every span costs time in each of its steps."""
 
 ARC_TOLERANCE = 1e-7
