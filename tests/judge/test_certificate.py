@@ -12,6 +12,7 @@ import pytest
 from nospill.errors import ModelError, PlanFolderError
 from nospill.judge.certificate import certify, judge
 from nospill.judge.verdict import Certificate
+from nospill.judge.wording import remedy
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.motion.trajectory import Trajectory
 from nospill.scenario import read_scenario
@@ -367,6 +368,11 @@ def test_samples_too_far_apart(solid):
     instants = {name: rows[name].at_s * 4.0 for name in ("path position", "path attitude")}
     assert all(abs(instant - round(instant)) > 1e-6 for instant in instants.values())
     assert rows["rest at the ends"].worst_value > 5e-3
+    assert "hold_after of 1.5 s" in remedy(rows["rest at the ends"], 4.0)
+    assert "Between samples 250 ms apart the joints leave the path" in remedy(rows["path position"], 4.0)
+    assert remedy(rows["path position"], 500.0) == remedy(rows["joint speed"], 4.0) == ""
+    settled = replace(scene, output_rate=4.0, motion=replace(scene.motion, hold_before=1.5, hold_after=1.5))
+    assert "rest at the ends" not in failed(certify(coarse, settled))
 
 
 class TestSpoiledScene:

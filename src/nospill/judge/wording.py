@@ -7,6 +7,12 @@ import math
 from nospill.judge.verdict import APPROACH, Row
 from nospill.laws.constraints.joint_position import JointPosition
 
+_DENSE = 200.0
+"""Hz; at this rate and above the spline through the samples of a planned motion is as good as the motion."""
+
+_HOLD_PERIODS = 6
+"""Sample periods in which the spline through samples at rest has settled."""
+
 _SMALL_ANGLE = 0.01
 """rad; limits below this are shown in thousandths of a radian."""
 
@@ -25,6 +31,23 @@ def describe(row: Row) -> str:
     else:
         distance = _used(row, "it")
     return f"{row.constraint} of {row.label} is {value} against a limit of {limit} ({distance}) {at}"
+
+
+def remedy(row: Row, rate: float) -> str:
+    """What to try where the samples are too far apart for the motion between them, as a sentence; else nothing.
+
+    Args:
+        row: the one that fails.
+        rate: of the samples, Hz.
+    """
+    if row.ok or rate >= _DENSE:
+        return ""
+    if row.constraint == "rest at the ends":
+        holds = f"motion.hold_before and motion.hold_after of {_HOLD_PERIODS / rate:.3g} s, in which the spline settles"
+        return f" Samples {1e3 / rate:.3g} ms apart start and stop with a jump: try {holds}, or a higher output.rate."
+    if row.constraint in ("path position", "path attitude"):
+        return f" Between samples {1e3 / rate:.3g} ms apart the joints leave the path: try a higher output.rate."
+    return ""
 
 
 def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:

@@ -12,7 +12,7 @@ import numpy as np
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe
+from nospill.judge.wording import describe, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
@@ -137,7 +137,7 @@ class Plan:
         worst = self.certificate.worst
         if self.certificate.ok:
             return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
-        return f"Not certified: {describe(worst)}."
+        return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
