@@ -230,7 +230,8 @@ def test_limits_are_drawn_and_named(pictures: dict[str, Figure]) -> None:
 
 
 def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, pictures: dict[str, Figure]) -> None:
-    names = [c.name for c in CONSTRAINTS if c.evaluated_at is EvaluationPoint.OBJECT and c.name != "slosh height"]
+    shown = [c for c in CONSTRAINTS if c.evaluated_at is EvaluationPoint.OBJECT and c.subjects(tilting.plan.scene)]
+    names = [c.name for c in shown if c.name != "slosh height"]
     assert [axes.get_title(loc="left") for axes in panels(pictures["margins"])] == names
     for axes in panels(pictures["margins"]):
         name = axes.get_title(loc="left")
@@ -328,8 +329,8 @@ def test_free_heights_go_on_where_the_motion_ends(crowded: Evidence) -> None:
     for trace in crowded.traces("slosh height"):
         free = heights[trace.subject]
         assert free[0] == pytest.approx(trace.value[-1], abs=1e-9)
-        # The record ends up to one sample after the motion, so the bound may be passed by rounding.
-        assert 0.5 * bounds[trace.subject] < np.max(free) <= 1.001 * bounds[trace.subject] + 1e-6
+        # The record ends up to one sample after the motion, in which the paraboloid of 28 mm changes the swing a little.
+        assert 0.5 * bounds[trace.subject] < np.max(free) <= 1.005 * bounds[trace.subject] + 1e-6
 
 
 def test_summary_says_what_counts(tilting: Evidence, crowded: Evidence, crowded_pictures: dict[str, Figure]) -> None:
