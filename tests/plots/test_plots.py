@@ -329,7 +329,7 @@ def test_free_heights_go_on_where_the_motion_ends(crowded: Evidence) -> None:
     for trace in crowded.traces("slosh height"):
         free = heights[trace.subject]
         assert free[0] == pytest.approx(trace.value[-1], abs=1e-9)
-        # The record ends up to one sample after the motion, in which the paraboloid of 28 mm changes the swing a little.
+        # The record ends up to one sample after the motion; the paraboloid of 28 mm changes the swing in it.
         assert 0.5 * bounds[trace.subject] < np.max(free) <= 1.005 * bounds[trace.subject] + 1e-6
 
 
