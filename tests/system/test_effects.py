@@ -61,6 +61,7 @@ class Case:
 
 CASES = (
     Case("slosh height"),
+    Case("trough", "shallow water"),
     Case("residual height"),
     Case("still at the end", "published end"),
     Case("apparent gravity", "drop of cup and bottle"),
@@ -84,6 +85,7 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "published end": {"motion.end": "published"},
             "tin loaded on one side": {"cargo.1": _TIN},
             "tight tilt": {"motion.max_tilt": "15 deg"},
+            "shallow water": {"cargo.0.liquid_height": "10 mm", "cargo.0.max_slosh_height": "30 mm"},
             "tight path jerk": {"motion.path_jerk_limit": 25.0},
             "drop of cup and bottle": _DROP,
             "drop of the bottle": _DROP,

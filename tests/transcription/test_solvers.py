@@ -12,6 +12,7 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
 from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import SOLVERS, Solution, SolveOptions, solve
@@ -148,7 +149,7 @@ def test_a_value_that_is_no_number_is_the_largest_violation(task: Task, value: f
 
 def test_slack_is_kept_for_every_subject_and_never_far_below_zero(task: Task) -> None:
     solution = task.solve("ipopt")
-    wanted = {(item.name, index) for item in CONSTRAINTS for index in range(len(item.subjects(task.scene)))}
+    wanted = {RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(task.scene)}
     assert set(solution.slack) == wanted
     assert min(solution.slack.values()) > -1e-6
     # A time-optimal motion meets some limit, and not all of them.
