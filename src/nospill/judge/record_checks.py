@@ -20,6 +20,9 @@ ATTITUDE_TOLERANCE = 1e-4
 """rad; the same for its attitude."""
 SPEED_TOLERANCE = 1e-3
 """rad/s; recorded joint speeds against the derivative of the recorded positions, and the speed left at both ends."""
+REST_SHARE = 5e-3
+"""Part of the least joint speed limit with which the played motion may begin and end: the spline through the samples
+rings a little into the rest before and after, the more the farther apart they are."""
 ACCELERATION_TOLERANCE = 0.5
 """rad/s^2; recorded joint accelerations likewise (the jerk jumps, a spline through samples rounds the corner)."""
 SPEED_SHARE, ACCELERATION_SHARE = 0.1, 0.25
@@ -101,7 +104,8 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     position, attitude = _path_error(trajectory, scene, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
-    ends = np.maximum(*(np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed)))
+    recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
+    jump = max(SPEED_TOLERANCE, REST_SHARE * float(np.min(scene.robot.max_speed)))
     progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
     both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
@@ -116,7 +120,8 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
         limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position),
         limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
-        limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, ends),
+        limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
+        limit_row("rest as played", "joints", "rad/s", jump, both, ends),
         limit_row("recorded speed", "joints", "rad/s", speeds, trajectory.t, speed),
         limit_row("recorded acceleration", "joints", "rad/s^2", accelerations, trajectory.t, acceleration),
         limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),

@@ -42,7 +42,7 @@ def remedy(row: Row, rate: float) -> str:
     """
     if row.ok or rate >= _DENSE:
         return ""
-    if row.constraint == "rest at the ends":
+    if row.constraint == "rest as played":
         holds = f"motion.hold_before and motion.hold_after of {_HOLD_PERIODS / rate:.3g} s, in which the spline settles"
         return f" Samples {1e3 / rate:.3g} ms apart start and stop with a jump: try {holds}, or a higher output.rate."
     if row.constraint in ("path position", "path attitude"):
