@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
-import nbformat
+import nbformat  # pyright: ignore[reportMissingImports]  (an extra of the documentation, where these tests run)
 import pytest
 from nospill_docs.formulas import formula
 from nospill_docs.links import broken_links
