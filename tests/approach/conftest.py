@@ -16,7 +16,7 @@ from tests.builders import joint_path_of, joint_paths_of
 
 
 @dataclass(frozen=True)
-class Asked:
+class Requested:
     """A scene that asks for an approach, its rules, and the joints at which the motion starts."""
 
     scene: Scene
@@ -25,7 +25,7 @@ class Asked:
 
 
 @pytest.fixture(scope="session")
-def asked(changed_scene) -> Callable[..., Asked]:
+def requested(changed_scene) -> Callable[..., Requested]:
     """Make the scene of an example with a table [approach]; `shift` (rad) is taken from the start of the motion."""
 
     @cache
@@ -33,7 +33,7 @@ def asked(changed_scene) -> Callable[..., Asked]:
         scene = changed_scene(name, {})
         return joint_path_of(scene).q[0]
 
-    def make(name: str = "matrix-liquid", *, shift: list[float] | None = None, **table: Any) -> Asked:
+    def make(name: str = "matrix-liquid", *, shift: list[float] | None = None, **table: Any) -> Requested:
         own = start(name)
         came = "home" if shift is None else [float(value) for value in own + np.array(shift)]
         entry = {"from": came, "tray": "empty", "acceleration": "6 rad/s^2"} | table
@@ -41,6 +41,6 @@ def asked(changed_scene) -> Callable[..., Asked]:
         assert scene.approach is not None
         if shift is None:
             own = preferred_path(joint_paths_of(scene), scene.robot, scene.start_near).q[0]
-        return Asked(scene, scene.approach, own)
+        return Requested(scene, scene.approach, own)
 
     return make

@@ -24,35 +24,35 @@ def failed(certificate) -> set[str]:
     return {row.constraint.removeprefix(APPROACH) for row in certificate.rows if not row.ok}
 
 
-def test_an_empty_tray_goes_as_fast_as_the_scales_allow(asked):
-    question = asked()
+def test_an_empty_tray_goes_as_fast_as_the_scales_allow(requested):
+    question = requested()
     found = find_approach(question.scene, question.rules, question.end)
     assert found.certificate.ok and found.segment.stretch == 1.0
     assert {row.constraint for row in found.certificate.rows if row.constraint.endswith("height")} == set()
     speeds = np.max(np.abs(found.segment.samples.speed), axis=0) / question.rules.max_speed  # pyright: ignore[reportArgumentType, reportCallIssue]
     assert np.max(speeds) <= 0.5 * (1 + 1e-9)
-    quick = asked(speed_scale=1.0, acceleration_scale=1.0)
+    quick = requested(speed_scale=1.0, acceleration_scale=1.0)
     faster = find_approach(quick.scene, quick.rules, quick.end)
     assert faster.certificate.ok
     assert faster.segment.duration < found.segment.duration
 
 
-def test_a_loaded_tray_is_slowed_down_until_the_liquid_bears_it(asked):
-    question = asked(shift=LEVEL, tray="loaded")
+def test_a_loaded_tray_is_slowed_down_until_the_liquid_bears_it(requested):
+    question = requested(shift=LEVEL, tray="loaded")
     found = find_approach(question.scene, question.rules, question.end)
     assert found.certificate.ok
     assert 1.0 < found.segment.stretch < SLOWEST
     named = {row.constraint.removeprefix(APPROACH) for row in found.certificate.rows}
     assert {"slip", "tip", "lift", "slosh height", "residual height"} <= named
-    empty = asked(shift=LEVEL)
+    empty = requested(shift=LEVEL)
     at_once = find_approach(empty.scene, empty.rules, empty.end).segment
     verdict = judge_segment(replace(at_once, loaded=True), question.scene, question.rules, question.end)
     assert not verdict.ok
     assert failed(verdict) <= {"slip", "slosh height", "residual height"}
 
 
-def test_a_lean_that_friction_does_not_bear_is_refused_at_any_speed(asked):
-    question = asked("matrix-rigid", shift=LEANING, tray="loaded")
+def test_a_lean_that_friction_does_not_bear_is_refused_at_any_speed(requested):
+    question = requested("matrix-rigid", shift=LEANING, tray="loaded")
     found = find_approach(question.scene, question.rules, question.end)
     assert not found.certificate.ok
     assert found.segment.stretch == SLOWEST
@@ -64,8 +64,8 @@ def test_a_lean_that_friction_does_not_bear_is_refused_at_any_speed(asked):
 
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.floats(0.02, 0.98), min_size=6, max_size=6), st.sampled_from([0.1, 0.5, 1.0]))
-def test_from_anywhere_within_the_limits_an_empty_tray_arrives(asked, parts, scale):
-    question = asked()
+def test_from_anywhere_within_the_limits_an_empty_tray_arrives(requested, parts, scale):
+    question = requested()
     robot = question.scene.robot
     start = robot.lower + np.array(parts) * (robot.upper - robot.lower)
     rules = replace(question.rules, start=start, speed_scale=scale, acceleration_scale=scale)
@@ -76,8 +76,8 @@ def test_from_anywhere_within_the_limits_an_empty_tray_arrives(asked, parts, sca
 
 
 @pytest.fixture(scope="module")
-def good(asked):
-    question = asked()
+def good(requested):
+    question = requested()
     return question, find_approach(question.scene, question.rules, question.end).segment
 
 

@@ -171,9 +171,9 @@ def test_targets_are_judged_in_their_direction() -> None:
 
 
 def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
-    told = {"processor": "p", "cores": 2, "load_before": 0.0, "load_after": 0.0, "python": "3", "casadi": "3"}
+    stated = {"processor": "p", "cores": 2, "load_before": 0.0, "load_after": 0.0, "python": "3", "casadi": "3"}
     results = {
-        "machine": told | {"commit": "abc", "changed_since": False},
+        "machine": stated | {"commit": "abc", "changed_since": False},
         "measurements": {
             "baseline liquid": {"seconds": 60.0, "iterations": 300},
             "cold matrix-liquid": {"seconds": 0.5, "certified": True, "peak_memory_mb": 150.0},

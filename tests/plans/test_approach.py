@@ -1,4 +1,4 @@
-"""A plan with its approach: certified as a whole, kept in its folder, judged again, handed over, and told of."""
+"""A plan with its approach: certified as a whole, kept in its folder, judged again, handed over, and stated of."""
 
 from __future__ import annotations
 
@@ -105,14 +105,14 @@ def test_it_comes_back_from_its_folder_and_is_judged_the_same(loaded, tmp_path):
     assert np.array_equal(back.approach.samples.position, loaded.approach.samples.position)
     assert back.summary() == loaded.summary()
     assert back.certificate == loaded.certificate == certify_whole(back)
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert told["approach"] == {
+    stated = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert stated["approach"] == {
         "file": "approach.csv",
         "duration_s": loaded.approach.duration,
         "tray": "loaded",
         "stretch": loaded.approach.stretch,
     }
-    assert told["branch"] == "start (1, 2) deg" and told["base_yaw"] is None
+    assert stated["branch"] == "start (1, 2) deg" and stated["base_yaw"] is None
     loaded.save(tmp_path / "out")  # a folder with an approach may be replaced
     (tmp_path / "out" / "approach.csv").unlink()
     with pytest.raises(PlanFolderError, match=r"approach\.csv"):
@@ -125,10 +125,10 @@ def test_folders_of_earlier_versions_are_read(moved, tmp_path):
     old = replace(plan, scene=replace(plan.scene, approach=None, start_near=None, source=source))
     old.save(tmp_path / "out")
     file = tmp_path / "out" / "summary.json"
-    told = json.loads(file.read_text())
+    stated = json.loads(file.read_text())
     for key in ("branch", "base_yaw", "approach"):
-        del told[key]
-    file.write_text(json.dumps(told))
+        del stated[key]
+    file.write_text(json.dumps(stated))
     back = load_plan(tmp_path / "out")
     assert back.report.branch == "" and back.report.base_yaw is None and back.approach is None
     assert back.certificate == plan.certificate

@@ -186,8 +186,8 @@ def test_summaries_have_the_same_keys_in_the_same_order(judged: tuple[Plan, Judg
     assert tuple(plan.summary()) == SUMMARY_KEYS
     failed = failed_summary("tea", "no way")
     assert tuple(failed) == SUMMARY_KEYS
-    told = {key: value for key, value in failed.items() if value is not None}
-    assert told == {"scenario": "tea", "status": "failed", "message": "no way"}
+    stated = {key: value for key, value in failed.items() if value is not None}
+    assert stated == {"scenario": "tea", "status": "failed", "message": "no way"}
 
 
 def test_a_plan_comes_back_from_its_folder(judged: tuple[Plan, Judgement], tmp_path: Path) -> None:

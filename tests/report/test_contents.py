@@ -37,23 +37,23 @@ def facts(table: TextTable) -> dict[str, str]:
 def test_a_straight_line_is_described_by_its_own_figures(slow_plan: Plan) -> None:
     line = {"type": "line", "start": ["0.3 m", "-0.2 m", "1 m"], "end": ["0.3 m", "0.2 m", "1.3 m"]}
     source = dict(slow_plan.scene.source) | {"path": line | {"yaw": ["10 deg", "50 deg"]}}
-    told = facts(task_table(scene_from_table(source, name="x")))
-    assert told["path"] == (
+    stated = facts(task_table(scene_from_table(source, name="x")))
+    assert stated["path"] == (
         "line, 0.50 m long, from (0.300, −0.200, 1.000) m to (0.300, 0.200, 1.300) m of the base, yaw from 10 to 50 deg"
     )
-    assert told["tray"] == "335 x 250 mm, surface at (0, 0, 108) mm of the flange"
-    assert told["attitude"] == "the tray stays level"
+    assert stated["tray"] == "335 x 250 mm, surface at (0, 0, 108) mm of the flange"
+    assert stated["attitude"] == "the tray stays level"
 
 
 def test_motion_rules_and_given_limits_are_stated(slow_plan: Plan) -> None:
     source = dict(slow_plan.scene.source)
     source |= {"motion": {"tilt": "free", "max_tilt": "20 deg", "end": "still", "residual_fraction": 0.1}}
     source |= {"robot": {"model": "comau-smart-six", "limits": {"speed_scale": 0.5}, "limits_applied": "all"}}
-    told = facts(task_table(scene_from_table(source, name="x")))
-    assert "up to 20 deg" in told["attitude"]
-    assert "stand still" in told["at the end"] and "10 %" in told["at the end"]
-    assert told["limit of speed scale"] == "0.5"
-    assert told["robot, limits applied"] == "all"
+    stated = facts(task_table(scene_from_table(source, name="x")))
+    assert "up to 20 deg" in stated["attitude"]
+    assert "stand still" in stated["at the end"] and "10 %" in stated["at the end"]
+    assert stated["limit of speed scale"] == "0.5"
+    assert stated["robot, limits applied"] == "all"
 
 
 def test_figures_of_the_motion(slow_report: Report, slow_plan: Plan) -> None:
@@ -72,11 +72,11 @@ def test_joints_used_of_their_limits(slow_report: Report, slow_plan: Plan) -> No
     played = np.degrees(np.max(np.abs(slow_report.evidence.judgement.replay.joint_speed), axis=0))
     limits = np.degrees(slow_plan.scene.robot.max_speed)
     for row, value, limit in zip(rows, played, limits, strict=True):
-        told = re.fullmatch(r"(\S+) of (\S+) \((\d+) %\)", row[speed])
-        assert told is not None
-        assert float(told[1]) == pytest.approx(value, rel=6e-4, abs=1e-6)
-        assert float(told[2]) == pytest.approx(limit, rel=1e-3)
-        assert float(told[3]) == int(100 * value / limit)
+        stated = re.fullmatch(r"(\S+) of (\S+) \((\d+) %\)", row[speed])
+        assert stated is not None
+        assert float(stated[1]) == pytest.approx(value, rel=6e-4, abs=1e-6)
+        assert float(stated[2]) == pytest.approx(limit, rel=1e-3)
+        assert float(stated[3]) == int(100 * value / limit)
 
 
 def test_the_verdict_is_that_of_the_samples_not_of_the_file(fast_plan: Plan, slow_plan: Plan) -> None:
@@ -91,8 +91,8 @@ def test_the_verdict_is_that_of_the_samples_not_of_the_file(fast_plan: Plan, slo
 def test_checksum_is_that_of_the_file(folder: Path, slow_report: Report) -> None:
     digest = hashlib.sha256((folder / TRAJECTORY_FILE).read_bytes()).hexdigest()
     for report in (slow_report, make_report(load_plan(folder))):
-        told = facts(report.versions)["trajectory.csv"]
-        assert f"{digest[:16]}…{digest[-8:]}" in told
+        stated = facts(report.versions)["trajectory.csv"]
+        assert f"{digest[:16]}…{digest[-8:]}" in stated
 
 
 def test_controller_files_that_differ_are_marked(slow_plan: Plan) -> None:
@@ -156,9 +156,9 @@ def test_pdf_has_every_page_and_no_picture(slow_report: Report) -> None:
 def test_no_word_is_lost_between_sheets(rows: list[tuple[str, str]]) -> None:
     table = TextTable("many words", ("who", "what"), tuple(rows), note="the end")
     pages = text_pages((table, table), "heading")
-    told = [text.get_text().replace(r"\$", "$") for page in pages for text in page.texts]
+    stated = [text.get_text().replace(r"\$", "$") for page in pages for text in page.texts]
     for words in (rows, [("many words", ""), ("the end", "")]):
-        found = "".join("".join(told).split())
+        found = "".join("".join(stated).split())
         for row in words:
             for cell in row:
                 for word in printable(cell).split():
