@@ -126,8 +126,15 @@ def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting
     assert page.locator("#nospill-speed option").all_inner_texts() == list(SPEEDS)
     page.wait_for_function(f"was => {CURSOR} != was", arg=page.evaluate(CURSOR))
     page.keyboard.press("Space")
+
+    def at_rest(found: np.ndarray) -> bool:
+        if liquids(found) >= 3 and tray(found) > 0.03:
+            return True
+        page.locator("#root input").first.fill("0")  # again: a busy machine may have let it play on
+        return False
+
     page.locator("#root input").first.fill("0")
-    pixels = eventually(page, lambda found: liquids(found) >= 3 and tray(found) > 0.03, "a tray with four cups")
+    pixels = eventually(page, at_rest, "a tray with four cups")
     assert pixels.std() > 15  # not blank
     assert cups(pixels) > 0.05  # their liquid alone is half of a cup
     assert page.locator("#nospill-side polyline").count() == 4 + 4 + 6
