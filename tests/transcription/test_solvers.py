@@ -56,7 +56,7 @@ def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, solver: st
     assert solution.converged
     assert solution.status == f"{solver} converged to an optimum"
     assert solution.violation < 1e-6
-    assert 0 < solution.iterations < 100 and 0 < solution.solve_time_s < 60
+    assert 0 < solution.iterations < 100 and solution.solve_time_s > 0
     assert solution.stages.intervals == INTERVALS
     assert solution.objective >= solution.stages.duration
     assert len(solution.variables) == task.problem().transcription.variables
