@@ -40,6 +40,15 @@ def level_film(changed_scene: Callable[..., Scene]) -> Film:
     return film_of(changed_scene("matrix-liquid", {}))
 
 
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film, level_film: Film) -> tuple[str, str]:
+    """Plan folders of the level and of the tilting motion."""
+    place = tmp_path_factory.mktemp("plans")
+    level_film.plan.save(place / "level")
+    tilting_film.plan.save(place / "tilting")
+    return str(place / "level"), str(place / "tilting")
+
+
 @pytest.fixture(scope="session")
 def mixed_film() -> Film:
     """A turned box with liquid, a cup and a solid on a tray that is turned on the flange and off its axis; 2 modes."""

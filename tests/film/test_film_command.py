@@ -21,14 +21,6 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["film", *arguments])
 
 
-@pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film, level_film: Film) -> tuple[str, str]:
-    place = tmp_path_factory.mktemp("plans")
-    level_film.plan.save(place / "level")
-    tilting_film.plan.save(place / "tilting")
-    return str(place / "level"), str(place / "tilting")
-
-
 def wanted_pictures(*films: Film) -> int:
     length = max(film.plan.duration for film in films) + 0.4
     return int(np.ceil(length * 4 / 0.5 - 1e-9)) + 1

@@ -24,14 +24,6 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["view", *arguments])
 
 
-@pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film, level_film: Film) -> tuple[str, str]:
-    place = tmp_path_factory.mktemp("plans")
-    level_film.plan.save(place / "level")
-    tilting_film.plan.save(place / "tilting")
-    return str(place / "level"), str(place / "tilting")
-
-
 def test_without_viser_one_line_says_what_to_install(folders: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "viser", None)
     result = run(folders[0])
