@@ -237,7 +237,9 @@ def test_waypoint_file_goes_into_the_copy(tmp_path: Path) -> None:
     assert table["path"]["file"] == "way.csv"  # what came in is left alone
     assert scene.name == "with-spaces-more"
     write_scenario(scene, tmp_path / "scenario.toml")
-    assert "way.csv" not in (tmp_path / "scenario.toml").read_text(encoding="utf-8")
+    saved = tomllib.loads((tmp_path / "scenario.toml").read_text(encoding="utf-8"))["path"]
+    assert "file" not in saved
+    assert saved["origin"] == "way.csv, 3 points"
     assert same(read_scenario(tmp_path / "scenario.toml"), scene)
 
 

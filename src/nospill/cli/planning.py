@@ -44,6 +44,8 @@ def plan(
         scene = read_scenario(scenario)
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
+        for note in scene.path.notes:
+            say(f"path: {one_line(note)}")
         progress.say("load the optimiser")
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan
