@@ -48,7 +48,7 @@ def test_noise_of_a_millimetre_is_smoothed_within_the_tolerance(count: int) -> N
     path = path_through_waypoints(points, smoothing=6e-3)
     assert distance(path, points[:: max(1, count // 200)]) <= 6e-3 + 1e-5
     assert largest(path, 3) < 2 * largest(path_through_waypoints(ARC), 3)
-    np.testing.assert_allclose(path.at([0.0, 1.0])[:, :3], points[[0, -1]], atol=1e-12)
+    np.testing.assert_allclose(path.at(np.array([0.0, 1.0]))[:, :3], points[[0, -1]], atol=1e-12)
     assert f"joins the {count} waypoints, at most 6 mm beside them" in path.notes[-1]
 
 
