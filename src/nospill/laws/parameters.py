@@ -8,8 +8,8 @@ vector, `symbolic` makes the same record with the entries of an SX vector as lea
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import Any, TypeVar
 
@@ -160,6 +160,27 @@ class Structure:
     regular: bool = False
 
     @property
+    def of_tray(self) -> Structure:
+        """What the laws of tray and joints read: the same for any cargo and for paths of any number of spans."""
+        return replace(self, fidelity="full", end="residual", spans=1, objects=())
+
+    def of_object(self, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
+        """What the laws of one object read: the same on any robot and along any path; the end condition at its END."""
+        return replace(
+            self,
+            end=end,
+            spans=1,
+            degree=1,
+            urdf="",
+            joints=(),
+            tip="",
+            objects=(item,),
+            joint_limits=(),
+            redundant=False,
+            regular=False,
+        )
+
+    @property
     def slosh_slices(self) -> tuple[slice, ...]:
         """Of each object, among the slosh coordinates of all; empty for a solid."""
         return _consecutive([item.coordinates for item in self.objects])
@@ -197,8 +218,16 @@ def symbolic(template: Record, vector: ca.SX) -> Record:
     size = len(flatten(template))
     if vector.numel() != size:
         raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
-    record, _ = _unflatten(template, vector, 0)
+    record, _ = _unflatten(template, vector, 0, _shaped)
     return record
+
+
+def places(record: Record) -> Record:
+    """The record whose leaves say where each entry stands in `flatten`: arrays of indices of the leaves' shapes."""
+    found, _ = _unflatten(
+        record, np.arange(len(flatten(record))), 0, lambda piece, shape: piece.reshape(shape, order="F")
+    )
+    return found
 
 
 def constants(record: Record) -> Record:
@@ -206,29 +235,32 @@ def constants(record: Record) -> Record:
     return symbolic(record, ca.SX(ca.DM(flatten(record))))
 
 
-def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
+def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tuple[int, ...]], Any]) -> Any:
     if isinstance(template, tuple):
         items = []
         for item in template:
-            value, start = _unflatten(item, vector, start)
+            value, start = _unflatten(item, vector, start, shaped)
             items.append(value)
         return tuple(items), start
     if dataclasses.is_dataclass(template):
         assert not isinstance(template, type)
         values = {}
         for field in dataclasses.fields(template):
-            values[field.name], start = _unflatten(getattr(template, field.name), vector, start)
+            values[field.name], start = _unflatten(getattr(template, field.name), vector, start, shaped)
         return type(template)(**values), start
     shape = np.shape(template)
     size = int(np.prod(shape))
-    piece = vector[start : start + size]
+    return shaped(vector[start : start + size], shape), start + size
+
+
+def _shaped(piece: ca.SX, shape: tuple[int, ...]) -> Any:
     if len(shape) == 2:
-        piece = ca.reshape(piece, *shape)
-    elif len(shape) == 3:
+        return ca.reshape(piece, *shape)
+    if len(shape) == 3:
         # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
         step = shape[0] * shape[1]
-        piece = [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
-    return piece, start + size
+        return [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
+    return piece
 
 
 def parameter_count(structure: Structure) -> int:

@@ -27,11 +27,13 @@ class Derivatives:
     Attributes:
         outputs: (m, 1).
         jacobian: (m, n) of the outputs.
+        gradient: (n, 1) of multipliers . outputs.
         hessian: (n, n) upper triangle of that of multipliers . outputs.
     """
 
     outputs: SX
     jacobian: SX
+    gradient: SX
     hessian: SX
 
 
@@ -92,8 +94,9 @@ class LiftedVariables:
             )[0]
             replaced.insert(0, own)
             end = start
-        found = ca.substitute([outputs, jacobian, ca.triu(hessian)], [*self._symbols, *adjoints], [*written, *replaced])
-        return Derivatives(found[0], found[1], found[2])
+        parts = [outputs, jacobian, gradient[: z.numel()], ca.triu(hessian)]
+        found = ca.substitute(parts, [*self._symbols, *adjoints], [*written, *replaced])
+        return Derivatives(found[0], found[1], found[2], found[3])
 
     def _written_out(self) -> list[SX]:
         written: list[SX] = []
