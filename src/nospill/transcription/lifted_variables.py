@@ -61,14 +61,23 @@ class LiftedVariables:
         """An expression without symbols of lifted values."""
         return ca.substitute([expression], self._symbols, self._written_out())[0] if self._symbols else expression
 
-    def derivatives(self, z: SX, outputs: SX, multipliers: SX) -> Derivatives:
-        """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1)."""
+    def derivatives(
+        self, z: SX, outputs: SX, multipliers: SX, *, further: tuple[SX, SX] | None = None
+    ) -> Derivatives:
+        """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1).
+
+        `further` are some of z and the symbols (k, 1), and a symmetric matrix (k, k) to be added to the Hessian with
+        respect to them: second derivatives of outputs that are only known as numbers.
+        """
         adjoints = [SX.sym(f"g{index}", symbol.numel()) for index, symbol in enumerate(self._symbols)]
         parts = [ca.dot(adjoint, value) for adjoint, value in zip(adjoints, self._values, strict=True)]
         lagrangian = ca.dot(multipliers, outputs) + sum(parts, SX(0))
         everything = ca.vertcat(z, *self._symbols)
         jacobian = ca.jacobian(outputs, everything)
         hessian, gradient = ca.hessian(lagrangian, everything)
+        if further is not None:
+            chosen = ca.jacobian(further[0], everything)
+            hessian += chosen.T @ (further[1] @ chosen)
         hessian = ca.triu2symm(ca.triu(hessian))
 
         end = everything.numel()

@@ -28,7 +28,7 @@ from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
 from nospill.transcription.stage import RowCollector, RowIndex, Rows
-from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions, with_interval
+from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
 
 Triplets = tuple[np.ndarray, np.ndarray]
 """Row and column of every structural nonzero, column by column."""
@@ -152,19 +152,20 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     own = ca.vertcat(gaps, equalities, rows.stacked()[0])
     cost = _cost(layout, numbers, interval, jerks, given.intervals)
 
-    weight, multipliers = SX.sym("f"), SX.sym("l", own.numel())
-    share = SX.sym("share", _share_size(structure.tilt_free))
-    count, columns = tray.numbers.numel(), motion_columns(layout)
+    pattern, columns = motion_pattern(structure.tilt_free), motion_columns(layout)
+    weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
+    gamma, curvature = SX.sym("gamma", count), SX.sym("curvature", pattern.share.nnz())
+    motion = lifted.lift(tray.numbers)
     found = lifted.derivatives(
-        z, ca.vertcat(cost, own, tray.numbers), ca.vertcat(weight, multipliers, share[:count])
+        z,
+        ca.vertcat(cost, own, motion),
+        ca.vertcat(weight, multipliers, gamma),
+        further=(ca.vertcat(motion, z[layout.interval]), ca.triu2symm(SX(pattern.share, curvature))),
     )
     values, jacobian = found.outputs[1 : 1 + own.numel()], found.jacobian[1 : 1 + own.numel(), :]
     motion, slopes = found.outputs[1 + own.numel() :], found.jacobian[1 + own.numel() :, :]
-    pattern = motion_pattern(structure.tilt_free)
     assert slopes[:, columns].sparsity() == pattern.jacobian and slopes.nnz() == pattern.jacobian.nnz()
-    outer = ca.triu2symm(SX(pattern.share, share[count:]))
-    through = with_interval(slopes, layout.interval)
-    hessian = ca.triu(found.hessian + through.T @ (outer @ through))
+    share = ca.vertcat(gamma, curvature)
 
     instants = ca.vertcat(*[moved(chains[:1], jerks[:1], fraction * interval)[0][0] for fraction in INSTANTS])
     shared = [z, given.pieces, given.parameters]
@@ -175,14 +176,14 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
         "constraints": (shared, [values, motion]),
         "constraint_jacobian": (shared, [values, nonzeros(jacobian), motion, nonzeros(slopes)]),
         "motion": (shared, [motion, nonzeros(slopes)]),
-        "lagrangian_hessian": ([*shared, weight, multipliers, share], [nonzeros(hessian)]),
+        "lagrangian_hessian": ([*shared, weight, multipliers, share], [nonzeros(found.hessian)]),
     }
     data = {
         "gaps": gaps.numel(),
         "fixed": gaps.numel() + equalities.numel(),
         "rows": rows.plain(),
         "jacobian": jacobian.sparsity().get_triplet(),
-        "hessian": hessian.sparsity().get_triplet(),
+        "hessian": found.hessian.sparsity().get_triplet(),
     }
     return functions_of(outputs), data
 
