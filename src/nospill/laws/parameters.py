@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import casadi as ca
 import numpy as np
 
+from nospill.core.frames import SX
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.scene import EndCondition, Fidelity
 
@@ -159,26 +160,26 @@ class Structure:
     redundant: bool = False
     regular: bool = False
 
+    # What different laws read of it: their functions are made once for each of these, see `codegen`.
+
+    @property
+    def of_arm(self) -> Structure:
+        """The arm alone."""
+        return Structure("full", True, "residual", 1, 1, self.urdf, self.joints, self.tip, ())
+
     @property
     def of_tray(self) -> Structure:
-        """What the laws of tray and joints read: the same for any cargo and for paths of any number of spans."""
-        return replace(self, fidelity="full", end="residual", spans=1, objects=())
+        """The laws of tray and joints: the same for any cargo and path."""
+        return replace(self, fidelity="full", end="residual", spans=1, degree=1, objects=())
+
+    @property
+    def of_motion(self) -> Structure:
+        """The tray's way along a path: the same for any robot and cargo."""
+        return Structure("full", self.tilt_free, "residual", 1, self.degree, "", (), "", ())
 
     def of_object(self, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
-        """What the laws of one object read: the same on any robot and along any path; the end condition at its END."""
-        return replace(
-            self,
-            end=end,
-            spans=1,
-            degree=1,
-            urdf="",
-            joints=(),
-            tip="",
-            objects=(item,),
-            joint_limits=(),
-            redundant=False,
-            regular=False,
-        )
+        """The laws of one object: the same on any robot and path, and under any end condition but at the end itself."""
+        return Structure(self.fidelity, True, end, 1, 1, "", (), "", (item,))
 
     @property
     def slosh_slices(self) -> tuple[slice, ...]:
@@ -209,7 +210,7 @@ def _gather(record: object, leaves: list[np.ndarray]) -> None:
         leaves.append(np.asarray(record, dtype=float).ravel(order="F"))
 
 
-def symbolic(template: Record, vector: ca.SX) -> Record:
+def symbolic(template: Record, vector: SX) -> Record:
     """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
 
     Raises:
@@ -232,7 +233,7 @@ def places(record: Record) -> Record:
 
 def constants(record: Record) -> Record:
     """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
-    return symbolic(record, ca.SX(ca.DM(flatten(record))))
+    return symbolic(record, SX(ca.DM(flatten(record))))
 
 
 def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tuple[int, ...]], Any]) -> Any:
@@ -253,7 +254,7 @@ def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tu
     return shaped(vector[start : start + size], shape), start + size
 
 
-def _shaped(piece: ca.SX, shape: tuple[int, ...]) -> Any:
+def _shaped(piece: SX, shape: tuple[int, ...]) -> Any:
     if len(shape) == 2:
         return ca.reshape(piece, *shape)
     if len(shape) == 3:
@@ -268,9 +269,38 @@ def parameter_count(structure: Structure) -> int:
     return len(flatten(blank_numbers(structure)))
 
 
-def symbolic_numbers(structure: Structure, vector: ca.SX) -> SceneNumbers:
+def symbolic_numbers(structure: Structure, vector: SX) -> SceneNumbers:
     """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
     return symbolic(blank_numbers(structure), vector)
+
+
+def tray_numbers(numbers: SceneNumbers) -> SceneNumbers:
+    """The numbers that the laws of tray and joints read: neither those of the path nor those of objects."""
+    return replace(numbers, path_breaks=(), path_coefficients=(), objects=())
+
+
+def object_numbers(numbers: SceneNumbers, index: int) -> tuple[Number, Number, ObjectNumbers]:
+    """The numbers that the laws of one object read: what the scene gives to all of them, and its own."""
+    return numbers.gravity, numbers.residual_fraction, numbers.objects[index]
+
+
+def symbolic_object(kind: Structure) -> tuple[SX, SceneNumbers]:
+    """Symbols (n, 1) for `object_numbers` of a structure of one object, and the numbers of which they are the leaves.
+
+    Its other numbers are blank: no law of an object reads them.
+    """
+    blank = blank_numbers(kind)
+    template = object_numbers(blank, 0)
+    vector = SX.sym("p", len(flatten(template)))
+    gravity, residual_fraction, own = symbolic(template, vector)
+    return vector, replace(blank, gravity=gravity, residual_fraction=residual_fraction, objects=(own,))
+
+
+def symbolic_tray(kind: Structure) -> tuple[SX, SceneNumbers]:
+    """Symbols (n, 1) for `tray_numbers` of a structure, and the numbers of which they are the leaves."""
+    template = tray_numbers(blank_numbers(kind))
+    vector = SX.sym("p", len(flatten(template)))
+    return vector, symbolic(template, vector)
 
 
 def blank_numbers(structure: Structure) -> SceneNumbers:

@@ -20,15 +20,7 @@ from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench
-from nospill.laws.parameters import (
-    ObjectNumbers,
-    ObjectStructure,
-    SceneNumbers,
-    Structure,
-    blank_numbers,
-    flatten,
-    symbolic,
-)
+from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure, symbolic_object
 from nospill.laws.sample import ObjectSample, Sample, object_motion, object_states, sample_objects
 from nospill.laws.slosh.motion import motion_residual
 from nospill.transcription.collocation import gauss_step, interior
@@ -108,19 +100,14 @@ def constraint_names(point: EvaluationPoint) -> tuple[str, ...]:
     return tuple(constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point)
 
 
-def object_numbers(numbers: SceneNumbers, own: ObjectNumbers) -> tuple[Any, ...]:
-    """The numbers that the blocks of an object read: what the scene gives to all, and its own."""
-    return numbers.gravity, numbers.residual_fraction, own
-
-
 def object_block(structure: Structure, item: ObjectStructure) -> ObjectBlock:
     """The block of an object of a structure."""
-    return _object_block(structure.of_object(item))
+    return _object_block(replace(structure.of_object(item), tilt_free=structure.tilt_free))
 
 
 def end_block(structure: Structure, item: ObjectStructure) -> EndBlock:
     """The rows of an object on the final state, the tray at rest and level."""
-    return _end_block(replace(structure.of_object(item, end=structure.end), tilt_free=False))
+    return _end_block(structure.of_object(item, end=structure.end))
 
 
 @lru_cache(maxsize=64)
@@ -153,15 +140,11 @@ class _Symbols:
 
 
 def _symbols(kind: Structure, point: EvaluationPoint, variables: int) -> _Symbols:
-    blank = blank_numbers(kind)
-    template, names = object_numbers(blank, blank.objects[0]), constraint_names(point)
-    sizes = [len(flatten(template)), 1, variables, len(names)]
-    parameters = SX.sym("p", sum(sizes))
-    flat, interval_scale, scales, fractions = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
-    gravity, residual_fraction, own = symbolic(template, flat)
-    numbers = replace(blank, gravity=gravity, residual_fraction=residual_fraction, objects=(own,))
+    flat, numbers = symbolic_object(kind)
+    names = constraint_names(point)
+    interval_scale, scales, fractions = SX.sym("hs"), SX.sym("scales", variables), SX.sym("backoff", len(names))
     backoff = {RowIndex(name, 0): fractions[index] for index, name in enumerate(names)}
-    return _Symbols(parameters, numbers, interval_scale, scales, backoff)
+    return _Symbols(ca.vertcat(flat, interval_scale, scales, fractions), numbers, interval_scale, scales, backoff)
 
 
 def _build(kind: Structure) -> tuple[codegen.Functions, dict[str, Any]]:

@@ -15,12 +15,20 @@ import numpy as np
 
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers, flatten, places
+from nospill.laws.parameters import (
+    SceneNumbers,
+    Structure,
+    blank_numbers,
+    flatten,
+    object_numbers,
+    places,
+    tray_numbers,
+)
 from nospill.transcription.layout import Layout, layout_of
-from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names, object_numbers
+from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names
 from nospill.transcription.path_expression import path_table, piece_degree
 from nospill.transcription.stage import Block, RowIndex, Rows
-from nospill.transcription.tray_block import TrayBlock, tray_keys, tray_numbers
+from nospill.transcription.tray_block import TrayBlock, tray_keys
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +204,7 @@ class ParameterPlaces:
         self, index: int, variables: np.ndarray, subjects: Mapping[str, int], point: EvaluationPoint
     ) -> np.ndarray:
         """What the block of an object reads that has these variables and is these subjects of the constraints."""
-        own = flatten(object_numbers(self.numbers, self.numbers.objects[index])).astype(int)
+        own = flatten(object_numbers(self.numbers, index)).astype(int)
         # a constraint that does not apply to the object is not read: any subject will do
         backoff = [self.backoff[RowIndex(name, subjects.get(name, 0))] for name in constraint_names(point)]
         scales = [self.scales + self.layout.interval, *(self.scales + variables)]

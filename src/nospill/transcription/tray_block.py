@@ -21,7 +21,7 @@ from nospill.core.frames import SX
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers, flatten, symbolic
+from nospill.laws.parameters import SceneNumbers, Structure, symbolic_tray
 from nospill.laws.sample import Sample
 from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Layout, layout_of
@@ -75,7 +75,7 @@ class TrayBlock:
     @property
     def share(self) -> int:
         """Length of gamma and the nonzeros of S."""
-        return _share_size(bool(self.layout.tilts))
+        return int(self.lagrangian_hessian.size1_in(5))
 
 
 def tray_keys(structure: Structure) -> tuple[RowIndex, ...]:
@@ -85,16 +85,9 @@ def tray_keys(structure: Structure) -> tuple[RowIndex, ...]:
     return tuple(RowIndex(name, subject) for name in names for subject in range(count))
 
 
-def tray_numbers(numbers: SceneNumbers) -> SceneNumbers:
-    """The numbers that this block reads of a scene's: neither path, which it reads in pieces, nor objects."""
-    return replace(numbers, path_breaks=(), path_coefficients=(), objects=())
-
-
-@lru_cache(maxsize=16)
 def tray_block(structure: Structure) -> TrayBlock:
     """The block of a structure."""
-    kind = replace(structure.of_tray, degree=piece_degree(structure))
-    return _block(kind)
+    return _block(replace(structure.of_tray, degree=piece_degree(structure)))
 
 
 @lru_cache(maxsize=16)
@@ -125,14 +118,13 @@ class _Symbols:
 
 
 def _symbols(structure: Structure, layout: Layout) -> _Symbols:
-    template = tray_numbers(blank_numbers(structure))
     keys = tray_keys(structure)
-    sizes = [len(flatten(template)), layout.size, len(keys), 1]
-    parameters = SX.sym("p", sum(sizes))
-    flat, scales, fractions, count = ca.vertsplit(parameters, np.cumsum([0, *sizes]).tolist())
+    flat, numbers = symbolic_tray(structure)
+    scales, fractions, count = SX.sym("scales", layout.size), SX.sym("backoff", len(keys)), SX.sym("count")
     pieces = SX.sym("pieces", piece_size(structure.degree) * len(INSTANTS))
     backoff = {key: fractions[index] for index, key in enumerate(keys)}
-    return _Symbols(SX.sym("z", layout.size), pieces, parameters, symbolic(template, flat), scales, backoff, count)
+    parameters = ca.vertcat(flat, scales, fractions, count)
+    return _Symbols(SX.sym("z", layout.size), pieces, parameters, numbers, scales, backoff, count)
 
 
 def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
@@ -212,11 +204,6 @@ def _cost(layout: Layout, numbers: SceneNumbers, interval: SX, jerks: SX, interv
     weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.tilts + layout.redundant)
     cost: SX = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     return cost
-
-
-def _share_size(tilt_free: bool) -> int:
-    pattern = motion_pattern(tilt_free)
-    return pattern.count + int(pattern.share.nnz())
 
 
 def functions_of(outputs: Mapping[str, tuple[list[SX], Sequence[SX]]]) -> codegen.Functions:
