@@ -236,7 +236,7 @@ def _step(kind: Structure) -> Any:
 def _integrate(liquids: tuple[_Liquids, ...], body: np.ndarray, length: float) -> np.ndarray:
     """All liquids from rest along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
     count, steps = sum(own.displacements.size for own in liquids), (body.shape[1] - 1) // 2
-    states = np.empty((steps + 1, 2 * count))
+    states = np.empty((2 * count, steps + 1))
     for own in liquids:
         found = integrate(
             own.step,
@@ -246,5 +246,5 @@ def _integrate(liquids: tuple[_Liquids, ...], body: np.ndarray, length: float) -
             parameters=own.parameters,
         )
         places = np.hstack([own.displacements, count + own.displacements])
-        states[:, places.ravel()] = found
-    return states
+        states[places.ravel()] = found.T
+    return states.T
