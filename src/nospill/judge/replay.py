@@ -78,7 +78,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    arm, liquids = _arm_motion(structure.of_arm), _liquids(scene)
+    arm, liquids = arm_motion(structure.of_arm), _liquids(scene)
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -148,7 +148,7 @@ def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _arm_motion(kind: Structure) -> Any:
+def arm_motion(kind: Structure) -> Any:
     """The arm's `motion_function`."""
 
     def build() -> tuple[codegen.Functions, None]:
@@ -203,7 +203,7 @@ def _liquids(scene: Scene) -> tuple[_Liquids, ...]:
 @lru_cache(maxsize=64)
 def _steps(kind: Structure, count: int) -> Any:
     """The step of so many liquids of a kind along one motion."""
-    step = _step(kind)
+    step = liquid_step(kind)
     if count == 1:
         return step
     columns, rows = step.size1_in(0), step.size1_in(5)
@@ -216,7 +216,7 @@ def _steps(kind: Structure, count: int) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _step(kind: Structure) -> Any:
+def liquid_step(kind: Structure) -> Any:
     """One Runge-Kutta step of one liquid; the body rows are its inputs, `object_numbers` its parameters."""
 
     def build() -> tuple[codegen.Functions, None]:

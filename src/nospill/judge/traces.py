@@ -104,23 +104,19 @@ Figures = dict[str, list[np.ndarray]]
 """Of every constraint: subject by subject, value, limit and margin (3, m)."""
 
 
-def _tray_figures(
-    scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers
-) -> Figures:
-    function, names = _of_tray(structure_of(scene).of_tray, point)
+def _tray_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
+    function, names = tray_figures_function(structure_of(scene).of_tray, point)
     rows = evaluate(function, columns, flatten(tray_numbers(numbers)))
     return _by_constraint(names, rows)
 
 
-def _object_figures(
-    scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers
-) -> Figures:
+def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
     """Object by object; before the slosh coordinates of all, their displacements and velocities, may be the motion."""
     structure, found = structure_of(scene), {}
     *body, q, qd = columns
     end = structure.end if point is EvaluationPoint.END else "residual"
     for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
-        function, names = _of_object(structure.of_object(item, end=end), point)
+        function, names = object_figures_function(structure.of_object(item, end=end), point)
         if names:
             rows = evaluate(function, [*body, q[own], qd[own]], flatten(object_numbers(numbers, index)))
             for name, figures in _by_constraint(names, rows).items():
@@ -163,7 +159,7 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=64)
-def _of_object(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
+def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
     """(columns of `Inputs` of one object, `object_numbers`) -> value, limit, margin of its constraints; their names."""
 
     def build() -> tuple[codegen.Functions, list[str]]:
@@ -183,7 +179,7 @@ def _of_object(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]
 
 
 @lru_cache(maxsize=16)
-def _of_tray(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
+def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
     """(columns of `Inputs`, `tray_numbers`) -> value, limit, margin of the constraints; their names, by subject."""
 
     def build() -> tuple[codegen.Functions, list[str]]:

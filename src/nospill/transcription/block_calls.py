@@ -194,7 +194,10 @@ def hessian_parts(stage: StageFunctions) -> Stacked:
 
 def row_parts(stage: StageFunctions) -> tuple[Stacked, np.ndarray, np.ndarray]:
     """Of the rows; with the entry that each row of a stage is, and that each row on the final state is."""
-    rows, end_rows = [stage.tray.rows, *(item.rows for item in stage.objects)], [item.end_rows for item in stage.objects]
+    rows, end_rows = (
+        [stage.tray.rows, *(item.rows for item in stage.objects)],
+        [item.end_rows for item in stage.objects],
+    )
     entries = np.argsort(np.concatenate(rows))
     return Stacked(tuple(len(own) for own in rows)), entries, np.argsort(np.concatenate([*end_rows, []]))
 

@@ -121,7 +121,7 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
 
 
 @lru_cache(maxsize=16)
-def _tray_function(kind: Structure) -> Any:
+def tray_function(kind: Structure) -> Any:
     """(chains, piece of the path, gravity) -> the tray's pose and motion."""
 
     def build() -> tuple[codegen.Functions, None]:
@@ -148,7 +148,7 @@ def _tray_function(kind: Structure) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _crest_function(kind: Structure) -> Any:
+def crest_function(kind: Structure) -> Any:
     """(displacements, the tray's motion, gravity and numbers of the object) -> crest of its liquid."""
 
     def build() -> tuple[codegen.Functions, None]:
@@ -156,7 +156,9 @@ def _crest_function(kind: Structure) -> Any:
         displacement, body = SX.sym("q", count), SX.sym("body", 9)
         slosh = split_states(kind, displacement, SX.zeros(count), SX.zeros(count))
         (found,) = sample_objects(kind, numbers, body_motion(body), slosh)
-        return {"crest": _dense("crest", [displacement, body, parameters], [crest(found.structure, found.surface)])}, None
+        return {
+            "crest": _dense("crest", [displacement, body, parameters], [crest(found.structure, found.surface)])
+        }, None
 
     return codegen.functions("crest", kind, build)[0]["crest"]
 
@@ -170,7 +172,7 @@ def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
     kind = replace(structure.of_motion, degree=piece_degree(structure))
     pieces = path_table(path.breaks, path.coefficients, degree=kind.degree)[:, span_of(path.breaks, chains[:, 0])]
     own = chains[:, : 3 * layout_of(kind).chains].T
-    flat = evaluate(_tray_function(kind), [own, pieces], np.array([scene.gravity]))
+    flat = evaluate(tray_function(kind), [own, pieces], np.array([scene.gravity]))
     return TraySamples(
         position=flat[:3].T.copy(),
         rotation=flat[3:12].T.reshape(-1, 3, 3),
@@ -233,7 +235,10 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
     for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
         if not cargo.oscillators:
             continue
-        displacement, function = samples.displacement[:, own], _crest_function(structure.of_object(structure.objects[index]))
+        displacement, function = (
+            samples.displacement[:, own],
+            crest_function(structure.of_object(structure.objects[index])),
+        )
         crests = evaluate(function, [displacement.T, tray.body], flatten(object_numbers(numbers, index)))
         tracks[cargo.name] = SloshTrack(displacement, samples.velocity[:, own], crests[0])
     return tracks

@@ -61,9 +61,7 @@ class LiftedVariables:
         """An expression without symbols of lifted values."""
         return ca.substitute([expression], self._symbols, self._written_out())[0] if self._symbols else expression
 
-    def derivatives(
-        self, z: SX, outputs: SX, multipliers: SX, *, further: tuple[SX, SX] | None = None
-    ) -> Derivatives:
+    def derivatives(self, z: SX, outputs: SX, multipliers: SX, *, further: tuple[SX, SX] | None = None) -> Derivatives:
         """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1).
 
         `further` are some of z and the symbols (k, 1), and a symmetric matrix (k, k) to be added to the Hessian with

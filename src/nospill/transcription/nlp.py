@@ -29,6 +29,7 @@ IndexedBackoff = Mapping[RowIndex, float]
 IndexedRows = frozenset[RowIndex]
 """Rows that take part, those on the final state as well."""
 
+
 @dataclass(frozen=True, eq=False)
 class Transcription:
     """A problem built for a structure, a number of intervals and a choice of rows, ready for any numbers.
@@ -166,7 +167,10 @@ def _row_places(
     behind = parts.total(intervals) + len(end_entries)
     order = places[:, active].copy()
     order[:, :states] = behind + np.arange(gaps.size).reshape(gaps.shape)
-    return gaps.ravel().tolist(), [*order.ravel().tolist(), *(parts.total(intervals) + end_entries[end_active]).tolist()]
+    return gaps.ravel().tolist(), [
+        *order.ravel().tolist(),
+        *(parts.total(intervals) + end_entries[end_active]).tolist(),
+    ]
 
 
 def _following(stage: StageFunctions, intervals: int) -> list[int]:

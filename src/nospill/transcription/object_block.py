@@ -211,9 +211,7 @@ def _expressions(
         position, rate = lifted.lift(step.point_displacements[point]), lifted.lift(step.point_velocities[point])
         motion = object_motion(numbers, motions[instant])
         residuals = [
-            motion_residual(
-                oscillator, directions, motion, state, damp_against_spin=kind.fidelity == "deliverable"
-            )
+            motion_residual(oscillator, directions, motion, state, damp_against_spin=kind.fidelity == "deliverable")
             for oscillator, directions, state in zip(
                 numbers.oscillators,
                 item.oscillators,

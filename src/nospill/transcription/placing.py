@@ -147,9 +147,7 @@ def gathered(of_objects: Sequence[Rows], point: EvaluationPoint, *, first: int) 
                 lower.append(of_objects[index].lower[own])
                 upper.append(of_objects[index].upper[own])
                 count += block.count
-    return GatheredRows(
-        np.concatenate(lower), np.concatenate(upper), tuple(blocks), tuple(places_of), tuple(subjects)
-    )
+    return GatheredRows(np.concatenate(lower), np.concatenate(upper), tuple(blocks), tuple(places_of), tuple(subjects))
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,9 +89,7 @@ class StageFunctions:
     @property
     def compiled(self) -> bool:
         """Whether all of them are machine code rather than CasADi's virtual machine."""
-        return all(
-            [self.tray.block.compiled, *(item.block.compiled and item.end.compiled for item in self.objects)]
-        )
+        return all([self.tray.block.compiled, *(item.block.compiled and item.end.compiled for item in self.objects)])
 
 
 @lru_cache(maxsize=16)

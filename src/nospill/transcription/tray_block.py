@@ -134,9 +134,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
     jerks, interval = stage[layout.jerks], stage[layout.interval]
     pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
-    tray = tray_motions(
-        chains, jerks, interval, pieces, lifted, tilt_free=structure.tilt_free, gravity=numbers.gravity
-    )
+    tray = tray_motions(chains, jerks, interval, pieces, lifted, tilt_free=structure.tilt_free, gravity=numbers.gravity)
     ends = moved(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
     equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
