@@ -16,7 +16,8 @@ import numpy as np
 
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.laws import codegen
-from nospill.laws.parameters import SceneNumbers, Structure, flatten, object_numbers, symbolic_object
+from nospill.laws.kinds import arm_kind, numbers_of_object, object_kind, symbolic_object
+from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
@@ -78,7 +79,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    arm, liquids = arm_motion(structure.of_arm), _liquids(scene)
+    arm, liquids = arm_motion(arm_kind(structure)), _liquids(scene)
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -188,12 +189,12 @@ def _liquids(scene: Scene) -> tuple[_Liquids, ...]:
     kinds: dict[Structure, list[int]] = {}
     for index, item in enumerate(structure.objects):
         if item.coordinates:
-            kinds.setdefault(structure.of_object(item), []).append(index)
+            kinds.setdefault(object_kind(structure, item), []).append(index)
     coordinates = np.arange(coordinate_count(structure))
     return tuple(
         _Liquids(
             _steps(kind, len(members)),
-            np.concatenate([flatten(object_numbers(numbers, index)) for index in members]),
+            np.concatenate([flatten(numbers_of_object(numbers, index)) for index in members]),
             np.array([coordinates[structure.slosh_slices[index]] for index in members]),
         )
         for kind, members in kinds.items()
@@ -217,7 +218,7 @@ def _steps(kind: Structure, count: int) -> Any:
 
 @lru_cache(maxsize=64)
 def liquid_step(kind: Structure) -> Any:
-    """One Runge-Kutta step of one liquid; the body rows are its inputs, `object_numbers` its parameters."""
+    """One Runge-Kutta step of one liquid; the body rows are its inputs, `numbers_of_object` its parameters."""
 
     def build() -> tuple[codegen.Functions, None]:
         count, (vector, numbers) = coordinate_count(kind), symbolic_object(kind)

@@ -17,15 +17,15 @@ from nospill.judge.verdict import Trace
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import (
-    SceneNumbers,
-    Structure,
-    flatten,
-    object_numbers,
+from nospill.laws.kinds import (
+    numbers_of_object,
+    numbers_of_tray,
+    object_kind,
     symbolic_object,
     symbolic_tray,
-    tray_numbers,
+    tray_kind,
 )
+from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.motion.trajectory import Trajectory
@@ -105,8 +105,8 @@ Figures = dict[str, list[np.ndarray]]
 
 
 def _tray_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
-    function, names = tray_figures_function(structure_of(scene).of_tray, point)
-    rows = evaluate(function, columns, flatten(tray_numbers(numbers)))
+    function, names = tray_figures_function(tray_kind(structure_of(scene)), point)
+    rows = evaluate(function, columns, flatten(numbers_of_tray(numbers)))
     return _by_constraint(names, rows)
 
 
@@ -116,9 +116,9 @@ def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarr
     *body, q, qd = columns
     end = structure.end if point is EvaluationPoint.END else "residual"
     for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
-        function, names = object_figures_function(structure.of_object(item, end=end), point)
+        function, names = object_figures_function(object_kind(structure, item, end=end), point)
         if names:
-            rows = evaluate(function, [*body, q[own], qd[own]], flatten(object_numbers(numbers, index)))
+            rows = evaluate(function, [*body, q[own], qd[own]], flatten(numbers_of_object(numbers, index)))
             for name, figures in _by_constraint(names, rows).items():
                 found.setdefault(name, []).extend(figures)
     return found
@@ -160,7 +160,7 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(maxsize=64)
 def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
-    """(columns of `Inputs` of one object, `object_numbers`) -> value, limit, margin of its constraints; their names."""
+    """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; their names."""
 
     def build() -> tuple[codegen.Functions, list[str]]:
         (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
@@ -180,7 +180,7 @@ def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[An
 
 @lru_cache(maxsize=16)
 def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
-    """(columns of `Inputs`, `tray_numbers`) -> value, limit, margin of the constraints; their names, by subject."""
+    """(columns of `Inputs`, `numbers_of_tray`) -> value, limit, margin of the constraints; their names, by subject."""
 
     def build() -> tuple[codegen.Functions, list[str]]:
         (parameters, numbers), joints = symbolic_tray(kind), len(kind.joints)

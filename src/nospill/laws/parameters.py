@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any, TypeVar
 
@@ -160,27 +160,6 @@ class Structure:
     redundant: bool = False
     regular: bool = False
 
-    # What different laws read of it: their functions are made once for each of these, see `codegen`.
-
-    @property
-    def of_arm(self) -> Structure:
-        """The arm alone."""
-        return Structure("full", True, "residual", 1, 1, self.urdf, self.joints, self.tip, ())
-
-    @property
-    def of_tray(self) -> Structure:
-        """The laws of tray and joints: the same for any cargo and path."""
-        return replace(self, fidelity="full", end="residual", spans=1, degree=1, objects=())
-
-    @property
-    def of_motion(self) -> Structure:
-        """The tray's way along a path: the same for any robot and cargo."""
-        return Structure("full", self.tilt_free, "residual", 1, self.degree, "", (), "", ())
-
-    def of_object(self, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
-        """The laws of one object: the same on any robot and path, and under any end condition but at the end itself."""
-        return Structure(self.fidelity, True, end, 1, 1, "", (), "", (item,))
-
     @property
     def slosh_slices(self) -> tuple[slice, ...]:
         """Of each object, among the slosh coordinates of all; empty for a solid."""
@@ -272,35 +251,6 @@ def parameter_count(structure: Structure) -> int:
 def symbolic_numbers(structure: Structure, vector: SX) -> SceneNumbers:
     """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
     return symbolic(blank_numbers(structure), vector)
-
-
-def tray_numbers(numbers: SceneNumbers) -> SceneNumbers:
-    """The numbers that the laws of tray and joints read: neither those of the path nor those of objects."""
-    return replace(numbers, path_breaks=(), path_coefficients=(), objects=())
-
-
-def object_numbers(numbers: SceneNumbers, index: int) -> tuple[Number, Number, ObjectNumbers]:
-    """The numbers that the laws of one object read: what the scene gives to all of them, and its own."""
-    return numbers.gravity, numbers.residual_fraction, numbers.objects[index]
-
-
-def symbolic_object(kind: Structure) -> tuple[SX, SceneNumbers]:
-    """Symbols (n, 1) for `object_numbers` of a structure of one object, and the numbers of which they are the leaves.
-
-    Its other numbers are blank: no law of an object reads them.
-    """
-    blank = blank_numbers(kind)
-    template = object_numbers(blank, 0)
-    vector = SX.sym("p", len(flatten(template)))
-    gravity, residual_fraction, own = symbolic(template, vector)
-    return vector, replace(blank, gravity=gravity, residual_fraction=residual_fraction, objects=(own,))
-
-
-def symbolic_tray(kind: Structure) -> tuple[SX, SceneNumbers]:
-    """Symbols (n, 1) for `tray_numbers` of a structure, and the numbers of which they are the leaves."""
-    template = tray_numbers(blank_numbers(kind))
-    vector = SX.sym("p", len(flatten(template)))
-    return vector, symbolic(template, vector)
 
 
 def blank_numbers(structure: Structure) -> SceneNumbers:

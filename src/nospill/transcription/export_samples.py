@@ -14,7 +14,8 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
 from nospill.errors import ModelError
 from nospill.laws import codegen
-from nospill.laws.parameters import Structure, flatten, object_numbers, symbolic_object
+from nospill.laws.kinds import motion_kind, numbers_of_object, object_kind, symbolic_object
+from nospill.laws.parameters import Structure, flatten
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
@@ -169,7 +170,7 @@ def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
 
 def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
     structure, path = structure_of(scene), scene.path
-    kind = replace(structure.of_motion, degree=piece_degree(structure))
+    kind = replace(motion_kind(structure), degree=piece_degree(structure))
     pieces = path_table(path.breaks, path.coefficients, degree=kind.degree)[:, span_of(path.breaks, chains[:, 0])]
     own = chains[:, : 3 * layout_of(kind).chains].T
     flat = evaluate(tray_function(kind), [own, pieces], np.array([scene.gravity]))
@@ -237,8 +238,8 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
             continue
         displacement, function = (
             samples.displacement[:, own],
-            crest_function(structure.of_object(structure.objects[index])),
+            crest_function(object_kind(structure, structure.objects[index])),
         )
-        crests = evaluate(function, [displacement.T, tray.body], flatten(object_numbers(numbers, index)))
+        crests = evaluate(function, [displacement.T, tray.body], flatten(numbers_of_object(numbers, index)))
         tracks[cargo.name] = SloshTrack(displacement, samples.velocity[:, own], crests[0])
     return tracks

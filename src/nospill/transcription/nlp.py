@@ -207,7 +207,7 @@ def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tup
 def _jacobian_places(
     stage: StageFunctions, active: np.ndarray, end_active: np.ndarray, intervals: int
 ) -> tuple[ca.Sparsity, list[int]]:
-    """Sparsity of the whole Jacobian, and of each nonzero its place among the stacked ones with the ones of the gaps."""
+    """Sparsity of the whole Jacobian; and of each nonzero its place among the stacked ones, behind them the gaps'."""
     layout, sizes, count, parts = stage.layout, stage.sizes, len(active), jacobian_parts(stage)
     entries, rows, columns = _active_entries(sizes.jacobian, active, sizes.rows_per_stage)
     end_entries, end_rows, end_columns = _active_entries(sizes.end_jacobian, end_active, len(sizes.end_lower))

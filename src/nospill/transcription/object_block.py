@@ -20,7 +20,8 @@ from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench
-from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure, symbolic_object
+from nospill.laws.kinds import object_kind, symbolic_object
+from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure
 from nospill.laws.sample import ObjectSample, Sample, object_motion, object_states, sample_objects
 from nospill.laws.slosh.motion import motion_residual
 from nospill.transcription.collocation import gauss_step, interior
@@ -102,12 +103,12 @@ def constraint_names(point: EvaluationPoint) -> tuple[str, ...]:
 
 def object_block(structure: Structure, item: ObjectStructure) -> ObjectBlock:
     """The block of an object of a structure."""
-    return _object_block(replace(structure.of_object(item), tilt_free=structure.tilt_free))
+    return _object_block(replace(object_kind(structure, item), tilt_free=structure.tilt_free))
 
 
 def end_block(structure: Structure, item: ObjectStructure) -> EndBlock:
     """The rows of an object on the final state, the tray at rest and level."""
-    return _end_block(structure.of_object(item, end=structure.end))
+    return _end_block(object_kind(structure, item, end=structure.end))
 
 
 @lru_cache(maxsize=64)

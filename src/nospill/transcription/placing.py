@@ -15,15 +15,8 @@ import numpy as np
 
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.parameters import (
-    SceneNumbers,
-    Structure,
-    blank_numbers,
-    flatten,
-    object_numbers,
-    places,
-    tray_numbers,
-)
+from nospill.laws.kinds import numbers_of_object, numbers_of_tray
+from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers, flatten, places
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names
 from nospill.transcription.path_expression import path_table, piece_degree
@@ -194,7 +187,7 @@ class ParameterPlaces:
 
     def of_tray(self) -> np.ndarray:
         """What the tray's block reads."""
-        own = flatten(tray_numbers(self.numbers)).astype(int)
+        own = flatten(numbers_of_tray(self.numbers)).astype(int)
         backoff = [self.backoff[key] for key in self.tray]
         return np.concatenate([own, self.scales + tray_variables(self.layout), backoff, [self.intervals]]).astype(int)
 
@@ -202,7 +195,7 @@ class ParameterPlaces:
         self, index: int, variables: np.ndarray, subjects: Mapping[str, int], point: EvaluationPoint
     ) -> np.ndarray:
         """What the block of an object reads that has these variables and is these subjects of the constraints."""
-        own = flatten(object_numbers(self.numbers, index)).astype(int)
+        own = flatten(numbers_of_object(self.numbers, index)).astype(int)
         # a constraint that does not apply to the object is not read: any subject will do
         backoff = [self.backoff[RowIndex(name, subjects.get(name, 0))] for name in constraint_names(point)]
         scales = [self.scales + self.layout.interval, *(self.scales + variables)]

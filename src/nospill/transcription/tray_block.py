@@ -21,7 +21,8 @@ from nospill.core.frames import SX
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.parameters import SceneNumbers, Structure, symbolic_tray
+from nospill.laws.kinds import symbolic_tray, tray_kind
+from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import Sample
 from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Layout, layout_of
@@ -87,7 +88,7 @@ def tray_keys(structure: Structure) -> tuple[RowIndex, ...]:
 
 def tray_block(structure: Structure) -> TrayBlock:
     """The block of a structure."""
-    return _block(replace(structure.of_tray, degree=piece_degree(structure)))
+    return _block(replace(tray_kind(structure), degree=piece_degree(structure)))
 
 
 @lru_cache(maxsize=16)
