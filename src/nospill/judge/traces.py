@@ -160,7 +160,7 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(maxsize=64)
 def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
-    """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; their names."""
+    """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; names."""
 
     def build() -> tuple[codegen.Functions, list[str]]:
         (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)

@@ -60,7 +60,7 @@ def symbolic_tray(kind: Structure) -> tuple[SX, SceneNumbers]:
 
 
 def symbolic_object(kind: Structure) -> tuple[SX, SceneNumbers]:
-    """Symbols (n, 1) for `numbers_of_object` of a structure of one object, and the numbers of which they are the leaves.
+    """Symbols (n, 1) for `numbers_of_object` of a kind of object, and the numbers of which they are the leaves.
 
     Its other numbers are blank: no law of an object reads them.
     """
