@@ -20,6 +20,7 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
+from nospill.transcription.path_expression import PathPiece, path_table, piece_degree, span_of
 from nospill.transcription.tray_state import TrayState, tray_state
 
 POINTS = [np.random.default_rng(seed).uniform(-1, 1, 32) for seed in range(4)]
@@ -44,7 +45,9 @@ def numbers(*expressions: SX) -> list[np.ndarray]:
 def tray(scene: Scene, *chains: np.ndarray) -> TrayState:
     """The package's tray at given s and tilt chains."""
     state = tuple((SX(float(chain[0])), SX(float(chain[1])), SX(float(chain[2]))) for chain in chains)
-    return tray_state(structure_of(scene), constants(numbers_of(scene)), state)
+    table = path_table(scene.path.breaks, scene.path.coefficients, degree=piece_degree(structure_of(scene)))
+    piece = PathPiece.of(SX(ca.DM(table[:, span_of(scene.path.breaks, chains[0][:1])])))
+    return tray_state(piece, state, tilt_free=scene.motion.tilt_free, gravity=SX(scene.gravity))
 
 
 def waiter_rows(scene: Scene, state: TrayState, slosh: Any) -> np.ndarray:

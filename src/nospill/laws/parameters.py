@@ -8,7 +8,7 @@ vector, `symbolic` makes the same record with the entries of an SX vector as lea
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any, TypeVar
@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import casadi as ca
 import numpy as np
 
+from nospill.core.frames import SX
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.scene import EndCondition, Fidelity
 
@@ -188,7 +189,7 @@ def _gather(record: object, leaves: list[np.ndarray]) -> None:
         leaves.append(np.asarray(record, dtype=float).ravel(order="F"))
 
 
-def symbolic(template: Record, vector: ca.SX) -> Record:
+def symbolic(template: Record, vector: SX) -> Record:
     """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
 
     Raises:
@@ -197,38 +198,49 @@ def symbolic(template: Record, vector: ca.SX) -> Record:
     size = len(flatten(template))
     if vector.numel() != size:
         raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
-    record, _ = _unflatten(template, vector, 0)
+    record, _ = _unflatten(template, vector, 0, _shaped)
     return record
+
+
+def places(record: Record) -> Record:
+    """The record whose leaves say where each entry stands in `flatten`: arrays of indices of the leaves' shapes."""
+    found, _ = _unflatten(
+        record, np.arange(len(flatten(record))), 0, lambda piece, shape: piece.reshape(shape, order="F")
+    )
+    return found
 
 
 def constants(record: Record) -> Record:
     """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
-    return symbolic(record, ca.SX(ca.DM(flatten(record))))
+    return symbolic(record, SX(ca.DM(flatten(record))))
 
 
-def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
+def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tuple[int, ...]], Any]) -> Any:
     if isinstance(template, tuple):
         items = []
         for item in template:
-            value, start = _unflatten(item, vector, start)
+            value, start = _unflatten(item, vector, start, shaped)
             items.append(value)
         return tuple(items), start
     if dataclasses.is_dataclass(template):
         assert not isinstance(template, type)
         values = {}
         for field in dataclasses.fields(template):
-            values[field.name], start = _unflatten(getattr(template, field.name), vector, start)
+            values[field.name], start = _unflatten(getattr(template, field.name), vector, start, shaped)
         return type(template)(**values), start
     shape = np.shape(template)
     size = int(np.prod(shape))
-    piece = vector[start : start + size]
+    return shaped(vector[start : start + size], shape), start + size
+
+
+def _shaped(piece: SX, shape: tuple[int, ...]) -> Any:
     if len(shape) == 2:
-        piece = ca.reshape(piece, *shape)
-    elif len(shape) == 3:
+        return ca.reshape(piece, *shape)
+    if len(shape) == 3:
         # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
         step = shape[0] * shape[1]
-        piece = [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
-    return piece, start + size
+        return [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
+    return piece
 
 
 def parameter_count(structure: Structure) -> int:
@@ -236,7 +248,7 @@ def parameter_count(structure: Structure) -> int:
     return len(flatten(blank_numbers(structure)))
 
 
-def symbolic_numbers(structure: Structure, vector: ca.SX) -> SceneNumbers:
+def symbolic_numbers(structure: Structure, vector: SX) -> SceneNumbers:
     """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
     return symbolic(blank_numbers(structure), vector)
 
