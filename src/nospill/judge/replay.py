@@ -7,7 +7,7 @@ with the arm at rest before and after; a receiver that moves otherwise between i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -16,15 +16,22 @@ import numpy as np
 
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.laws import codegen
-from nospill.laws.parameters import SceneNumbers, Structure, parameter_count, symbolic_numbers
+from nospill.laws.parameters import (
+    ObjectStructure,
+    SceneNumbers,
+    Structure,
+    flatten,
+    object_parameter_count,
+    symbolic_object,
+)
 from nospill.laws.sample import coordinate_count, object_motion
-from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import ToolMotions, kinematics
-from nospill.scene.scene import Scene
+from nospill.scene.scene import Fidelity, Scene
 
 MINIMUM_RATE = 2000.0
 """Hz; the grid on which a trajectory is judged is at least this fine, unless another rate is given."""
@@ -78,7 +85,12 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    made, parameters = _functions(structure), flat_numbers(scene)
+    arm = _arm(replace(structure, objects=()))
+    liquids = [
+        (_step(item, structure.fidelity), flatten(own))
+        for item, own in zip(structure.objects, numbers_of(scene).objects, strict=True)
+        if item.oscillators
+    ]
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -89,11 +101,12 @@ def replay(
             finest = max(refinement, 2 if count else 1)
             grid = _grid(trajectory, 2 * per_sample * finest)
             joints = [spline(grid, order) for order in range(3)]
-            tray, body = tray_from_joints(scene, joints, made["flat_motion"])
+            tray, body = tray_from_joints(scene, joints, arm)
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
-        return _integrate(made["step"], parameters, body[:, ::every], float(grid[2 * every] - grid[0]))
+        length = float(grid[2 * every] - grid[0])
+        return _stacked([_integrate(step, own, body[:, ::every], length) for step, own in liquids])
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -148,16 +161,10 @@ def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure) -> codegen.Functions:
-    """The arm's `motion_function` and one Runge-Kutta step of all liquids."""
-
-    def build() -> tuple[codegen.Functions, None]:
-        made = {"flat_motion": kinematics(structure).motion_function}
-        if coordinate_count(structure):
-            made["step"] = _step(structure)
-        return made, None
-
-    return codegen.functions("replay", structure, build)[0]
+def _arm(structure: Structure) -> Any:
+    """The arm's `motion_function`, whatever stands on its tray."""
+    made = codegen.functions("arm", structure, lambda: ({"flat_motion": kinematics(structure).motion_function}, None))
+    return made[0]["flat_motion"]
 
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
@@ -170,20 +177,35 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-def _step(structure: Structure) -> Any:
-    """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
-    count = coordinate_count(structure)
+@lru_cache(maxsize=16)
+def _step(item: ObjectStructure, fidelity: Fidelity) -> Any:
+    """One Runge-Kutta step of one liquid; the tray's body rows are its inputs, the object's numbers its parameters.
+
+    Liquids do not feel each other: like ones share a function, however many stand on the tray and on whichever tray.
+    """
+    count = item.coordinates
 
     def rate(state: SX, body: SX, parameters: SX) -> SX:
+        own = symbolic_object(item, parameters)
         q, qd = state[:count], state[count:]
-        numbers = symbolic_numbers(structure, parameters)
-        return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
+        motion, deliverable = object_motion(own, body_motion(body)), fidelity == "deliverable"
+        return ca.vertcat(qd, modal_accelerations(item, own, motion, q, qd, damp_against_spin=deliverable))
 
-    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=parameter_count(structure))
+    def build() -> tuple[codegen.Functions, None]:
+        size = object_parameter_count(item)
+        return {"step": runge_kutta_step(rate, states=2 * count, inputs=9, parameters=size)}, None
+
+    return codegen.functions("liquid", (fidelity, item), build)[0]["step"]
+
+
+def _stacked(states: list[np.ndarray]) -> np.ndarray:
+    """States (m, 2 k) of each liquid as those of all: displacements object by object, then velocities."""
+    halves = [np.split(own, 2, axis=1) for own in states]
+    return np.hstack([own[part] for part in range(2) for own in halves])
 
 
 def _integrate(step: Any, parameters: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
-    """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
+    """A liquid from rest along a motion sampled at half steps: (m, 2 k)."""
     return integrate(
         step,
         np.zeros(step.size1_in(0)),

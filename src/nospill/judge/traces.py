@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,14 +13,17 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
+from nospill.judge.after_end import AFTER, EVERY, played_on
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
+from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.parameters import SceneNumbers, Structure, flatten, parameter_count, symbolic_numbers
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -58,7 +62,26 @@ def constraint_traces(
         EvaluationPoint.CONTROL: control_inputs(trajectory),
         EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
-    return evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+    traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+    return tuple(_played_on(traces, scene, inputs[EvaluationPoint.END][1]))
+
+
+def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
+    """The traces, those of residual heights whose bound is above the limit from the free motion."""
+    cargo = {item.name: (item, own) for item, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)}
+    bounds: dict[str, Trace] = {}
+    free = np.empty((0, 0))
+    for trace in traces:
+        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0 or not _has_many(cargo[trace.subject][0]):
+            yield trace
+            continue
+        if not bounds:
+            free, change = free_states(scene, *(part[:, 0] for part in state), AFTER)
+            later = {EvaluationPoint.END: (AFTER[::EVERY], [part[::EVERY].T for part in (free, change)])}
+            own = [item for item in CONSTRAINTS if item.name == ResidualHeight.name]
+            bounds = {found.subject: found for found in evaluated_traces(scene, later, constraints=own)}
+        item, columns = cargo[trace.subject]
+        yield played_on(trace, item, free[:, columns], bounds[trace.subject].value)
 
 
 def evaluated_traces(
@@ -79,20 +102,48 @@ def evaluated_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    structure, parameters = structure_of(scene), flat_numbers(scene, payload)
     traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in CONSTRAINTS}
-    for point, (t, columns) in inputs.items():
-        present = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(scene)]
-        if not any(item in constraints for item in present):
-            continue
-        function = _figures(structure)[f"figures_{point.value}"]
-        rows = iter(evaluate(function, columns, parameters).reshape(-1, 3, len(t)))
-        for constraint in present:
-            for subject in constraint.subjects(scene):
-                figures = next(rows)  # value, limit, margin
-                if constraint in constraints:
-                    traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *figures))
+    for part, structure, numbers, own in _parts(scene, numbers_of(scene, payload), inputs):
+        for point, (t, columns) in own.items():
+            present = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(part)]
+            if not any(item in constraints for item in present):
+                continue
+            function = _figures(structure)[f"figures_{point.value}"]
+            rows = iter(evaluate(function, columns, flatten(numbers)).reshape(-1, 3, len(t)))
+            for constraint in present:
+                for subject in constraint.subjects(part):
+                    figures = next(rows)  # value, limit, margin
+                    if constraint in constraints:
+                        traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *figures))
     return tuple(trace for own in traces.values() for trace in own)
+
+
+Part = tuple[Scene, Structure, SceneNumbers, dict[EvaluationPoint, Inputs]]
+"""A part of a scene: what names its subjects, its structure and numbers, and the inputs that concern it."""
+
+
+def _parts(scene: Scene, numbers: SceneNumbers, inputs: Mapping[EvaluationPoint, Inputs]) -> Iterator[Part]:
+    """The scene without its objects, then each of them alone.
+
+    Expressions of one object serve all like it, so a full tray needs no more of them than a single cup.
+    """
+    whole = structure_of(scene)
+    of_arm = {point: given for point, given in inputs.items() if point not in OF_OBJECTS}
+    yield replace(scene, cargo=()), replace(whole, objects=()), replace(numbers, objects=()), of_arm
+    items = zip(scene.cargo, whole.objects, numbers.objects, whole.slosh_slices, strict=True)
+    for cargo, structure, own, coordinates in items:
+        of_object = {
+            point: (t, [*columns[:-2], *(rows[coordinates] for rows in columns[-2:])])  # displacements and velocities
+            for point, (t, columns) in inputs.items()
+            if point in OF_OBJECTS
+        }
+        part = replace(scene, cargo=(cargo,))
+        yield part, replace(whole, objects=(structure,)), replace(numbers, objects=(own,)), of_object
+
+
+def _has_many(cargo: Cargo) -> bool:
+    """Whether its liquid has more than one mode, whose bound is not far above its highest surface."""
+    return cargo.filling is not None and cargo.filling.modes.count > 1
 
 
 def control_inputs(trajectory: Trajectory) -> Inputs:
@@ -125,8 +176,9 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=16)
 def _figures(structure: Structure) -> codegen.Functions:
     def build() -> tuple[codegen.Functions, None]:
-        points = [_figures_function(structure, point) for point in EvaluationPoint]
-        return {function.name(): function for function in points if function is not None}, None
+        points = [point for point in EvaluationPoint if (point in OF_OBJECTS) == bool(structure.objects)]
+        made = [_figures_function(structure, point) for point in points]
+        return {function.name(): function for function in made if function is not None}, None
 
     return codegen.functions("figures", structure, build)[0]
 
