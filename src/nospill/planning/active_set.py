@@ -32,7 +32,7 @@ _NEAR_MEMBER = 0.02
 _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it and be answered by back-off alone: a larger problem
 costs more."""
-_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.1
+_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.3
 
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
