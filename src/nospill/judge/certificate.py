@@ -75,6 +75,17 @@ def judge(
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
     require_same_joints_and_liquids(trajectory, scene)
+    return judge_motion(trajectory, scene, motion=motion, rate=rate)
+
+
+def judge_motion(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+) -> Judgement:
+    """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)

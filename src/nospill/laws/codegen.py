@@ -25,7 +25,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -35,7 +35,6 @@ import casadi as ca
 
 from nospill.laws import compile_worker
 from nospill.laws.compile_worker import LONGEST_COMPILATION
-from nospill.laws.parameters import Structure
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
@@ -48,7 +47,7 @@ _FLAGS = ("-O1", "-shared", "-fPIC")
 
 
 def functions(
-    kind: str, structure: Structure, build: Callable[[], tuple[Functions, Any]]
+    kind: str, structure: Hashable, build: Callable[[], tuple[Functions, Any]]
 ) -> tuple[Functions, Any, bool]:
     """The functions of a kind and structure, compiled if they are on the disk.
 
@@ -73,7 +72,7 @@ def functions(
     return *ready, True
 
 
-def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
+def _load(kind: str, structure: Hashable) -> tuple[Functions, Any] | None:
     if _mode() == "off":
         return None
     library, table_file = _places(kind, structure)
@@ -94,7 +93,7 @@ def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
         return None
 
 
-def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
+def _start(kind: str, structure: Hashable, made: Functions, data: Any) -> None:
     mode, compiler = _mode(), compiler_path()
     if mode == "off" or compiler is None:
         return
@@ -158,7 +157,7 @@ def _mode() -> str:
     return mode if mode in ("wait", "off") else "background"
 
 
-def _places(kind: str, structure: Structure) -> tuple[Path, Path]:
+def _places(kind: str, structure: Hashable) -> tuple[Path, Path]:
     digest = hashlib.sha256()
     for part in (_FORMAT, kind, source_digest(), ca.CasadiMeta.version(), " ".join(_FLAGS), repr(structure)):
         digest.update(part.encode())

@@ -18,6 +18,7 @@ from nospill.laws.parameters import (
     blank_numbers,
     flatten,
     symbolic,
+    with_known_curvatures,
 )
 from nospill.scene.scene import EndCondition
 
@@ -68,4 +69,5 @@ def symbolic_object(kind: Structure) -> tuple[SX, SceneNumbers]:
     template = numbers_of_object(blank, 0)
     vector = SX.sym("p", len(flatten(template)))
     gravity, residual_fraction, own = symbolic(template, vector)
+    own = with_known_curvatures(kind.objects[0], own)
     return vector, replace(blank, gravity=gravity, residual_fraction=residual_fraction, objects=(own,))

@@ -28,9 +28,10 @@ Record = TypeVar("Record")
 
 @dataclass(frozen=True, slots=True)
 class OscillatorNumbers:
-    """One modal mass; fields as in `slosh.modes.Oscillator`, `curvature` = P in 1/m."""
+    """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat."""
 
     frequency: Number
+    stiffness: Number
     curvature: Number
     mass: Number
     height: Number
@@ -119,17 +120,24 @@ class ObjectStructure:
     Attributes:
         footprint: its class.
         oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
+        flat: per oscillator, whether its mass moves on a plane, so that its law is linear.
         shallow: whether its surface may rise by more than its liquid is deep.
     """
 
     footprint: type[Footprint]
     oscillators: tuple[tuple[int, ...], ...]
+    flat: tuple[bool, ...]
     shallow: bool = False
 
     @property
     def coordinates(self) -> int:
         """Number of slosh coordinates of the object."""
         return sum(len(directions) for directions in self.oscillators)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes in each direction."""
+        return max((sum(axis in own for own in self.oscillators) for axis in (0, 1)), default=0)
 
     @property
     def oscillator_slices(self) -> tuple[slice, ...]:
@@ -249,8 +257,32 @@ def parameter_count(structure: Structure) -> int:
 
 
 def symbolic_numbers(structure: Structure, vector: SX) -> SceneNumbers:
-    """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
-    return symbolic(blank_numbers(structure), vector)
+    """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`.
+
+    Where the structure knows a number, the expressions have no symbol for it (`with_known_curvatures`).
+    """
+    numbers = symbolic(blank_numbers(structure), vector)
+    pairs = zip(structure.objects, numbers.objects, strict=True)
+    return dataclasses.replace(numbers, objects=tuple(with_known_curvatures(item, own) for item, own in pairs))
+
+
+def with_known_curvatures(structure: ObjectStructure, numbers: ObjectNumbers) -> ObjectNumbers:
+    """An object's symbolic numbers with a curvature of zero for its flat modes, of their stiffness for the others."""
+    oscillators = tuple(
+        dataclasses.replace(own, curvature=SX(0) if flat else own.stiffness)
+        for own, flat in zip(numbers.oscillators, structure.flat, strict=True)
+    )
+    return dataclasses.replace(numbers, oscillators=oscillators)
+
+
+def object_parameter_count(structure: ObjectStructure) -> int:
+    """Number of leaves of the numbers of one object."""
+    return len(flatten(_blank_object(structure)))
+
+
+def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNumbers:
+    """`symbolic_numbers` of one object alone."""
+    return with_known_curvatures(structure, symbolic(_blank_object(structure), vector))
 
 
 def blank_numbers(structure: Structure) -> SceneNumbers:
@@ -284,7 +316,13 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
 def _blank_object(item: ObjectStructure) -> ObjectNumbers:
     scalar = 0.0
     oscillator = OscillatorNumbers(
-        frequency=scalar, curvature=scalar, mass=scalar, height=scalar, damping=scalar, surface_gain=scalar
+        frequency=scalar,
+        stiffness=scalar,
+        curvature=scalar,
+        mass=scalar,
+        height=scalar,
+        damping=scalar,
+        surface_gain=scalar,
     )
     return ObjectNumbers(
         position=np.zeros(3),

@@ -44,6 +44,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
     return ObjectStructure(
         footprint=type(cargo.container.footprint),
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
+        flat=tuple(mode.curvature == 0.0 for mode in cargo.oscillators),
         shallow=cargo.filling is not None and cargo.filling.shallow,
     )
 
@@ -157,6 +158,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         oscillators=tuple(
             OscillatorNumbers(
                 frequency=mode.frequency,
+                stiffness=mode.stiffness,
                 curvature=mode.curvature,
                 mass=mode.mass,
                 height=mode.height,

@@ -21,7 +21,15 @@ from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Structure, blank_numbers, flatten, symbolic
+from nospill.laws.parameters import (
+    ObjectNumbers,
+    SceneNumbers,
+    Structure,
+    blank_numbers,
+    flatten,
+    object_parameter_count,
+    symbolic_object_numbers,
+)
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
@@ -114,15 +122,14 @@ class _Made:
 @lru_cache(maxsize=16)
 def _function(structure: Structure, steps: int, batch: int) -> _Made:
     """(numbers of the samples, motion) -> worst margin and limit of every constraint, margin by margin."""
-    blank = blank_numbers(structure)
-    count, size = coordinate_count(structure), 3 + len(flatten(blank.objects))
+    count, size = coordinate_count(structure), 3 + object_parameter_count(structure.objects[0])
     p = SX.sym("p", size)
-    numbers = _scene_numbers(blank, p)
+    numbers = _scene_numbers(structure, p)
     state, first, middle, last = SX.sym("state", 2 * count), SX.sym("b0", 9), SX.sym("b1", 9), SX.sym("b2", 9)
     following = state
     if count:
         step = runge_kutta_step(
-            lambda x, b, q: _rate(structure, _scene_numbers(blank, q), x, b),
+            lambda x, b, q: _rate(structure, _scene_numbers(structure, q), x, b),
             states=2 * count,
             inputs=9,
             parameters=size,
@@ -151,9 +158,11 @@ def _function(structure: Structure, steps: int, batch: int) -> _Made:
     return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
 
 
-def _scene_numbers(record: SceneNumbers, p: SX) -> SceneNumbers:
-    """The record with gravity, residual fraction and the object's numbers from `p`; no more is read of it here."""
-    return replace(record, gravity=p[0], residual_fraction=p[1], objects=symbolic(record.objects, p[3:]))
+def _scene_numbers(structure: Structure, p: SX) -> SceneNumbers:
+    """The numbers with gravity, residual fraction and the object's own from `p`; no more is read of them here."""
+    (item,) = structure.objects
+    blank = blank_numbers(structure)
+    return replace(blank, gravity=p[0], residual_fraction=p[1], objects=(symbolic_object_numbers(item, p[3:]),))
 
 
 def _rate(structure: Structure, numbers: SceneNumbers, state: SX, body: SX) -> SX:

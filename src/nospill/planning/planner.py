@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
+from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import Task
@@ -90,7 +91,8 @@ def _planned(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
     certificate, maxima = judged.judgement.certificate, motion_maxima(judged.judgement, scene)
-    found = Plan(scene, judged.trajectory, certificate, maxima, report, judged.judgement)
+    record = with_recorded_modes(judged.trajectory, scene)
+    found = Plan(scene, record, certificate, maxima, report, judged.judgement)
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(

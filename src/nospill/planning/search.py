@@ -79,7 +79,7 @@ def found_motion(task: Task, joint_path: JointPath, log: Log, *, search: Search 
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
-    ways = passages(task.scene, joint_path, coarse_start(task.scene, joint_path))
+    ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
     *first, last = (replace(task, passage=passage) for passage in ways)
     for way in first:
         try:
@@ -138,7 +138,7 @@ class Searcher:
     def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
         """A changed scene along a joint path; nothing that is learnt of it comes back to the search."""
         task = Task.of(scene, self.task.ignored)
-        ways = passages(scene, joint_path, coarse_start(scene, joint_path))
+        ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
         way = ways[min(1, len(ways) - 1)] if self.task.passage.determinant is not None else ways[0]
         task = replace(task, passage=way)
         return Trial(ActiveSet.of(task, joint_path.q).with_rows(()), joint_path, self.log)

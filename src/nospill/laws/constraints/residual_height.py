@@ -16,7 +16,7 @@ STILL_FRACTION = 0.02
 The optimiser holds it at zero exactly; the judge integrates with another method and must find it this small."""
 
 _SMOOTHING = 0.02
-"""Of the bound, as a fraction of its limit: it adds 0.01 % for a mode that reaches it, 1.4 % for one at rest."""
+"""Of the bounds of all modes, as a fraction of the limit: it adds 0.01 % where one mode reaches it, 2 % at rest."""
 
 
 class ResidualHeight(Constraint):
@@ -53,7 +53,7 @@ class ResidualHeight(Constraint):
                     state.velocity,
                     frequency=oscillator.frequency,
                     damping=oscillator.damping,
-                    smoothing=_SMOOTHING * limit / gain,
+                    smoothing=_SMOOTHING * limit / (gain * item.structure.modes),
                 )
             budgets.append((Range(height, -limit, limit, limit),))
         return tuple(budgets)

@@ -49,7 +49,14 @@ def residual_bound(
 
 
 def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Slosh coordinates after the end of the motion, the tray at rest.
+    """Slosh coordinates after the end of the motion, the tray at rest: the first part of `free_states`."""
+    return free_states(scene, displacement, velocity, t)[0]
+
+
+def free_states(
+    scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Slosh coordinates and their rates after the end of the motion, the tray at rest.
 
     Args:
         scene: with the liquids.
@@ -58,7 +65,7 @@ def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t:
         t: (m,) since the end, s.
 
     Returns:
-        (m, k), m.
+        (m, k), m and m/s.
     """
     modes = [
         (mode.frequency, mode.damping) for cargo in scene.cargo for mode in cargo.oscillators for _ in mode.directions
@@ -67,4 +74,7 @@ def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t:
     decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)
     quadrature = (velocity + decay * displacement) / damped
     later = t[:, None]
-    return np.exp(-decay * later) * (displacement * np.cos(damped * later) + quadrature * np.sin(damped * later))
+    envelope, cosine, sine = np.exp(-decay * later), np.cos(damped * later), np.sin(damped * later)
+    q = envelope * (displacement * cosine + quadrature * sine)
+    change = envelope * damped * (quadrature * cosine - displacement * sine)
+    return q, change - decay * q
