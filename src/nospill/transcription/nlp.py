@@ -85,7 +85,6 @@ def transcribe(
     intervals: int,
     *,
     active: IndexedRows | None = None,
-    derivable: bool = False,
 ) -> Transcription:
     """The transcription of a structure.
 
@@ -93,9 +92,8 @@ def transcribe(
         structure: what there is.
         intervals: N.
         active: which rows take part; None for all. The judge looks at all of them in any case.
-        derivable: from functions that CasADi can derive itself, for a solver that does not take ours.
     """
-    return _transcribe(stage_functions(structure, derivable=derivable), intervals, active)
+    return _transcribe(stage_functions(structure), intervals, active)
 
 
 @lru_cache(maxsize=32)

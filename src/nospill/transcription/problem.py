@@ -31,9 +31,6 @@ _LARGEST_SLOSH_SCALE = 0.02
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
 
-DERIVING_SOLVERS = ("fatrop",)
-"""Solvers whose interface accepts no derivatives and derives the problem's functions itself."""
-
 
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
@@ -130,9 +127,7 @@ def build_problem(
         numbers = replace(numbers, self_motion=self_motion)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
-    transcription = transcribe(
-        structure, intervals, active=taking_part, derivable=scene.planning.solver in DERIVING_SOLVERS
-    )
+    transcription = transcribe(structure, intervals, active=taking_part)
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, transcription.layout, scales, intervals, exact_rest=exact_rest)
     if least_determinant is not None:

@@ -98,16 +98,13 @@ def parameter_sizes(structure: Structure, numbers: int) -> tuple[int, int, int, 
 
 
 @lru_cache(maxsize=16)
-def stage_functions(structure: Structure, *, derivable: bool = False) -> StageFunctions:
-    """The functions of a structure; with `derivable`, functions that CasADi can differentiate itself.
+def stage_functions(structure: Structure) -> StageFunctions:
+    """The functions of a structure.
 
     Compiled ones are taken from the disk where an earlier run has left them; otherwise they are built for CasADi's
     virtual machine, and a compiler, where there is one, is started in the background for the next time.
     """
-    if derivable:
-        made, data, is_compiled = *_build(structure), False
-    else:
-        made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure))
+    made, data, is_compiled = codegen.functions("stage", structure, lambda: _build(structure))
     return StageFunctions(layout_of(structure), _sizes(data), backoff_keys(structure), **made, compiled=is_compiled)
 
 
