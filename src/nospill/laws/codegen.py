@@ -25,7 +25,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -44,6 +44,7 @@ _SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion
 
 _FORMAT = "4"
 _FLAGS = ("-O1", "-shared", "-fPIC")
+_FLAGS_OF_SOURCES = ("-O2", "-std=c99", "-shared", "-fPIC")
 
 
 def functions(
@@ -72,6 +73,47 @@ def functions(
     return *ready, True
 
 
+def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) -> Path | None:
+    """C files of the package as a shared library, compiled at once where it is not on the disk; for small files.
+
+    Args:
+        kind: what it is for, first part of its name.
+        sources: the files, compiled as one.
+        linked: libraries that it needs, as the compiler takes them.
+
+    Returns:
+        The library, or None where it cannot be had.
+    """
+    if _mode() == "off":
+        return None
+    text = b"\n".join(source.read_bytes() for source in sources)
+    digest = hashlib.sha256("\0".join((_FORMAT, *_FLAGS_OF_SOURCES, *linked)).encode() + text)
+    library = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}.so"
+    with suppress(OSError):
+        library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not _is_private(library.parent):
+            return None
+        if _is_whole(library):
+            return library
+        lock, compiler = library.with_suffix(".lock"), compiler_path()
+        if compiler is not None and _take(lock):
+            folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
+            (folder / "made.c").write_bytes(text)
+            compile_worker.compile_library(library, lock, folder, (compiler, *_FLAGS_OF_SOURCES), linked)
+            if _is_whole(library):
+                return library
+    return None
+
+
+def _is_whole(library: Path) -> bool:
+    """Whether a library is there with its own hash beside it."""
+    try:
+        stored = library.with_suffix(".sum").read_text(encoding="utf-8")
+        return stored == hashlib.sha256(library.read_bytes()).hexdigest()
+    except (OSError, ValueError):
+        return False
+
+
 def _load(kind: str, structure: Hashable) -> tuple[Functions, Any] | None:
     if _mode() == "off":
         return None
@@ -82,8 +124,7 @@ def _load(kind: str, structure: Hashable) -> tuple[Functions, Any] | None:
         if not library.is_file():
             return None
         table = json.loads(table_file.read_text(encoding="utf-8"))
-        stored = library.with_suffix(".sum").read_text(encoding="utf-8")
-        if table["key"] != library.stem or stored != hashlib.sha256(library.read_bytes()).hexdigest():
+        if table["key"] != library.stem or not _is_whole(library):
             raise ValueError("the files of the entry do not belong together")
         return {name: ca.external(name, str(library)) for name in table["functions"]}, table["data"]
     except (OSError, ValueError, KeyError, TypeError, RuntimeError):

@@ -44,6 +44,7 @@ class Log:
         solve_time: of all solves, s.
         iterations: of all solves.
         rounds: of tightening and constraint generation.
+        linear_solvers: of every solve.
         starts: end time of the answer from each start, s; None where there was none.
     """
 
@@ -54,6 +55,7 @@ class Log:
     solve_time: float = 0.0
     iterations: int = 0
     rounds: int = 0
+    linear_solvers: list[str] = field(default_factory=list)
     starts: list[float | None] = field(default_factory=list)
 
     @property
@@ -86,3 +88,4 @@ class Log:
         """Count the effort of a solve."""
         self.solve_time += solution.solve_time_s
         self.iterations += solution.iterations
+        self.linear_solvers.append(solution.linear_solver)

@@ -86,6 +86,7 @@ def _planned(
         starts=Starts.of(log.starts),
         phases=log.phases,
         solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
+        linear_solvers=tuple(log.linear_solvers),
         backoff=judged.candidate.active.increased(),
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from pathlib import Path
@@ -84,6 +85,7 @@ class PlanningReport:
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
+        linear_solvers: of every solve; where one failed, the one after it and its own name.
     """
 
     plan_time: float
@@ -96,6 +98,7 @@ class PlanningReport:
     backoff: dict[str, float]
     branch: str = ""
     base_yaw: str | None = None
+    linear_solvers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,6 +256,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "backoff": _Kept("report", "backoff"),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
+    "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
     "approach": _Computed(_approach_summary),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
@@ -168,8 +169,15 @@ def _planning(plan: Plan) -> TextTable:
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),
         *((f"back-off, {name}", f"{100 * share:.2f} % kept back") for name, share in report.backoff.items()),
         ("solver", report.solver_status),
+        ("linear solver", _in_words(report.linear_solvers)),
     ]
     return TextTable("How it was planned", (), tuple((name, text) for name, text in rows if text))
+
+
+def _in_words(names: Sequence[str]) -> str:
+    """The most frequent name, then how often there was another."""
+    (first, _), *others = Counter(names).most_common() or [("", 0)]
+    return "; ".join([first, *(f"{name} in {count} of {len(names)} solves" for name, count in others)])
 
 
 def _versions(plan: Plan, controller_files: Mapping[str, str | None]) -> TextTable:

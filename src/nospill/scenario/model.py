@@ -113,7 +113,10 @@ class PlanningTable(Table):
             description="fewest time intervals; long motions of liquids get more",
         ),
     ] = 100
-    solver: Annotated[Literal["ipopt", "fatrop"], Field(description="the nonlinear programming solver")] = "ipopt"
+    linear_solver: Annotated[
+        Literal["auto", "ldl", "mumps"],
+        Field(description="of IPOPT's steps; auto takes ldl where it can be compiled, and mumps otherwise"),
+    ] = "auto"
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=100_000, description="iterations of one solve")] = 1000
     max_solve_time: Annotated[
         float,

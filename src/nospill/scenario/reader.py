@@ -275,7 +275,7 @@ def _planning(scenario: Scenario) -> PlanningOptions:
         path_jerk_weight=options.path_jerk_weight,
         tilt_jerk_weight=options.tilt_jerk_weight,
         intervals=options.intervals,
-        solver=options.solver,
+        linear_solver=options.linear_solver,
         max_iterations=options.max_iterations,
         max_solve_time=options.max_solve_time,
         max_plan_time=options.max_plan_time,

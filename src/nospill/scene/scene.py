@@ -81,12 +81,12 @@ class ApproachRules:
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, solver, times (s), number of starts."""
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts."""
 
     path_jerk_weight: float
     tilt_jerk_weight: float
     intervals: int
-    solver: str
+    linear_solver: str
     max_iterations: int
     max_solve_time: float
     max_plan_time: float
