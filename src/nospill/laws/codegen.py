@@ -91,7 +91,7 @@ def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) 
     library = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}.so"
     with suppress(OSError):
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _is_private(library.parent):
+        if not is_private(library.parent):
             return None
         if _is_whole(library):
             return library
