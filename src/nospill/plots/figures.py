@@ -14,6 +14,7 @@ from nospill.plans.plan import Plan
 from nospill.plots.contact_use import contact_use_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
+from nospill.plots.limiting import limiting_figure
 from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
 from nospill.plots.style import LOOK
@@ -22,6 +23,7 @@ from nospill.plots.tilt import tilt_figure
 from nospill.plots.tray_plan import tray_plan_figure
 
 FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
+    "limits": limiting_figure,
     "slosh-heights": slosh_heights_figure,
     "margins": contact_use_figure,
     "joints": joints_figure,
@@ -31,9 +33,10 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""
 
 REPORT_FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
+    "limits": limiting_figure,
     "tray": tray_plan_figure,
     "path": path_figure,
-    **{name: draw for name, draw in FIGURES.items() if name != "summary"},
+    **{name: draw for name, draw in FIGURES.items() if name not in ("limits", "summary")},
 }
 """The figures of a report: what the summary sheet shows in small, and the others."""
 
