@@ -84,7 +84,7 @@ def test_checks_of_the_record_are_one_line() -> None:
     rows = (row("slip", 0.4, 1.0, 0.6, "1"), row("even sampling", 0.0, 1e-6, 1e-6, "1"), row("tip", 0.9, 1.0, 0.1, "1"))
     good = Certificate(True, 2000.0, rows)
     assert [item.constraint for item in good.listed_rows()] == ["tip", "slip"]
-    assert integrity_line(good) == "integrity of the file: 1 checks hold"
+    assert integrity_line(good) == "integrity of the file: 1 check holds"
     assert verdict_line(good) == "certified: all 3 rows hold on a grid of 2000 Hz"
     bad = Certificate(False, 2000.0, (*rows, row("approach end", 1.0, 1e-4, -1.0, "rad")))
     assert [item.constraint for item in bad.listed_rows()] == ["approach end", "tip", "slip"]

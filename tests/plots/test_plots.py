@@ -368,7 +368,7 @@ def test_limits_over_time_are_named_with_their_shares(crowded: Evidence, crowded
     names = [item.get_text() for item in axes.get_yticklabels()]
     shown = crowded.limiting[: len(names) - 1]
     wanted = limiting_names([item.row for item in shown], crowded.plan.scene.robot.joints)
-    assert names == [*(plain(name, 24) for name in wanted), "at no limit"]
+    assert names == [*(plain(name, 22) for name in wanted), "at no limit"]
     shares = [item.get_text() for item in axes.texts if item.get_text().endswith(" %")]
     assert shares[:-1] == [f"{100 * item.share:.0f} %" for item in shown]
     assert shown[0].share > 0.2
@@ -381,6 +381,7 @@ def test_colours_of_use_grow_darker() -> None:
     grey = 0.299 * red + 0.587 * green + 0.114 * blue
     assert np.all(np.diff(grey) < 0)
     assert np.ptp(grey) > 0.5
+    assert USE_COLOURS(2.0) == (0.0, 0.0, 0.0, 1.0)
 
 
 def test_nearest_row_of_every_constraint(crowded: Evidence) -> None:

@@ -76,7 +76,7 @@ def integrity_line(certificate: Certificate) -> str:
     failed = [row.constraint for row in checks if not row.ok]
     if failed:
         return f"integrity of the file: {len(failed)} of {len(checks)} checks fail ({', '.join(failed)})"
-    return f"integrity of the file: {len(checks)} checks hold"
+    return f"integrity of the file: {len(checks)} {'check holds' if len(checks) == 1 else 'checks hold'}"
 
 
 def percent(use: float, ok: bool = True) -> str:

@@ -11,17 +11,18 @@ from matplotlib.figure import Figure
 
 from nospill.judge.limiting import Limiting, limiting_names, share_without_limit
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import INK, ORANGE, RED, SMALL, WIDTH, headline, plain
+from nospill.plots.style import BLACK, INK, ORANGE, RED, SMALL, WIDTH, headline, plain
 
 USE_COLOURS = LinearSegmentedColormap.from_list(
     "use of limit", [(0.0, "#FFFFFF"), (0.5, "#FBF0DC"), (0.8, "#F3C663"), (0.9, ORANGE), (1.0, RED)]
-)
-"""From white to vermilion, darker and darker: in grey, too, darker is nearer to the limit."""
+).with_extremes(over=BLACK)
+"""From white to vermilion, darker and darker, black beyond: in grey, too, darker is nearer to the limit."""
 
 _SHADES = 20
 """Steps of the colour; neighbouring instants of one step are drawn as one patch, so that files stay small."""
 _HATCH, _NONE = "//////", "#BBBBBB"
-_MOST_ROWS, _LONGEST_NAME = 16, 24
+_MOST_ROWS, _LONGEST_NAME = 16, 22
+_BROKEN_ABOVE = 1.0 + 1e-6
 _ROW, _TOP, _BOTTOM, _KEY, _LEFT, _RIGHT = 0.19, 0.8, 0.44, 0.1, 1.38, 0.52
 """in."""
 
@@ -40,7 +41,7 @@ def limiting_figure(evidence: Evidence) -> Figure | None:
     draw_limiting(axes, evidence, most=_MOST_ROWS)
     axes.set_xlabel("time [s]")
     key = figure.add_axes((_LEFT / WIDTH, 1 - (_TOP - 0.08) / total, 0.45 * inner / WIDTH, _KEY / total))
-    draw_colour_key(key)
+    draw_colour_key(key, broken=not evidence.judgement.certificate.ok)
     return figure
 
 
@@ -76,8 +77,8 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
         axes.annotate(more, (0.0, 0.0), (-16, -4), "axes fraction", "offset points", **look)
 
 
-def draw_colour_key(axes: Axes) -> None:
-    """The scale of colours from 0 to the limit, and what hatching means."""
+def draw_colour_key(axes: Axes, *, broken: bool) -> None:
+    """The scale of colours from 0 to the limit, and what hatching means; black too, where a limit is broken."""
     edges = np.linspace(0.0, 1.0, _SHADES + 1)
     spans = list(zip(edges[:-1], np.diff(edges), strict=True))
     axes.broken_barh(spans, (0.0, 1.0), facecolors=USE_COLOURS(_shades(edges[:-1])), edgecolor="face", linewidth=0.3)
@@ -87,7 +88,7 @@ def draw_colour_key(axes: Axes) -> None:
     axes.set_axis_off()
     axes.text(-0.05, 0.4, "use 0", ha="right", va="center", size=SMALL)
     axes.text(1.02, 0.4, "1", ha="left", va="center", size=SMALL)
-    axes.text(1.43, 0.4, "at the limit", ha="left", va="center", size=SMALL)
+    axes.text(1.43, 0.4, "at the limit" + ("; black: broken" if broken else ""), ha="left", va="center", size=SMALL)
 
 
 def _draw_use(axes: Axes, line: int, item: Limiting) -> None:
@@ -109,8 +110,9 @@ def _draw_free(axes: Axes, line: int, rows: Sequence[Limiting], end: float) -> N
 
 
 def _shades(use: np.ndarray) -> np.ndarray:
-    """Uses in the middle of their steps of colour."""
-    return (np.floor(np.clip(np.nan_to_num(use, nan=1.0), 0.0, 1.0 - 1e-9) * _SHADES) + 0.5) / _SHADES
+    """Uses in the middle of their steps of colour; 2 where the limit is broken."""
+    inside = (np.floor(np.clip(use, 0.0, 1.0 - 1e-9) * _SHADES) + 0.5) / _SHADES
+    return np.where(use <= _BROKEN_ABOVE, inside, 2.0)
 
 
 def _spans(t: np.ndarray, values: np.ndarray) -> tuple[list[tuple[float, float]], np.ndarray]:

@@ -49,7 +49,8 @@ def summary_figure(evidence: Evidence) -> Figure:
     panels = [figure.add_axes((left, bottom, width, height)) for left in (0.435, 0.735)]
     draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=18)
     figure.text(0.022, 0.297, "What holds the motion back, and when", size=9, va="center")
-    draw_colour_key(figure.add_axes((0.12, 0.267, 0.085, 0.011)))
+    broken = not evidence.judgement.certificate.ok
+    draw_colour_key(figure.add_axes((0.12, 0.267, 0.085, 0.011)), broken=broken)
     _draw_tightest(panels[0], evidence)
     draw_speeds(panels[1], evidence)
     joints = short_names(evidence.plan.scene.robot.joints)

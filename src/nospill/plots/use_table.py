@@ -57,7 +57,7 @@ def _draw_row(axes: Axes, line: int, row: Row, subject: str, unit_use: float) ->
     text = row_text(row)
     for x, cell, align in (
         (0.0, row.constraint, "left"),
-        (_SUBJECT, plain(subject, 16), "left"),
+        (_SUBJECT, plain(subject, 15), "left"),
         (_USE, text.use, "right"),
         (_VALUE, text.value, "right"),
         (_LIMIT, text.limit, "right"),
