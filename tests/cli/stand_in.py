@@ -31,7 +31,9 @@ class StandIn:
     duration = 1.8431
     message = "certified"
     motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
-    scene = SimpleNamespace(name="tea", robot=SimpleNamespace(name="arm", notes=()), motion=motion)
+    robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
+    scene = SimpleNamespace(name="tea", robot=robot, motion=motion)
+    held_back = "friction of c1 holds 31 % of the motion"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     approach = None
 
@@ -70,14 +72,20 @@ class StandIn:
         def load_plan(folder: Path) -> SimpleNamespace:
             if not (folder / "summary.json").exists():
                 raise PlanFolderError(f"{folder} is not a plan folder")
-            return SimpleNamespace(trajectory="trajectory", scene="scene")
+            return SimpleNamespace(trajectory="trajectory", scene=self.scene)
 
         def certify_whole(saved: SimpleNamespace) -> Certificate:
-            self.calls.append(f"certify {saved.trajectory} {saved.scene}")
+            self.calls.append(f"certify {saved.trajectory} {saved.scene.name}")
             return self.certificate
 
-        def save_figures(plan: object, folder: Path) -> None:
+        def save_figures(
+            plan: object, folder: Path, *, pdf: bool = False, progress: Callable[[int, int], None] | None = None
+        ) -> None:
             folder.mkdir(exist_ok=True)
+            assert progress is not None
+            progress(0, 1)
+            if pdf:
+                (folder / "sheet.pdf").write_text("new")
             (folder / "sheet.png").write_text("new")
 
         functions = {

@@ -153,7 +153,7 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
     pyplot = "matplotlib.pyplot" in sys.modules
     (tmp_path / "deep" / "figures").mkdir(parents=True)
     (tmp_path / "deep" / "figures" / "mine.txt").write_text("kept")
-    written = save_figures(tilting.plan, tmp_path / "deep" / "figures")
+    written = save_figures(tilting.plan, tmp_path / "deep" / "figures", pdf=True)
     assert calls == [(tilting.plan.trajectory, tilting.plan.scene)]
     applying = [name for name in figures.FIGURES if name != "limits" or tilting.limiting]
     assert [path.name for path in written] == [f"{name}.{end}" for name in applying for end in ("png", "pdf")]
@@ -410,7 +410,11 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     monkeypatch.setattr(figures, "judge", never)
     monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
     plan = dataclasses.replace(tilting.plan, judgement=tilting.judgement)
-    assert [path.name for path in save_figures(plan, tmp_path)] == ["joints.png", "joints.pdf"]
+    told: list[tuple[int, int]] = []
+    written = save_figures(plan, tmp_path, progress=lambda *done: told.append(done))
+    assert [path.name for path in written] == ["joints.png"]
+    assert told == [(0, 1)]
+    assert [path.name for path in save_figures(plan, tmp_path, pdf=True)] == ["joints.png", "joints.pdf"]
     assert plan == plan and "judgement" not in repr(plan)
 
 

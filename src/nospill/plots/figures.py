@@ -44,30 +44,27 @@ RESOLUTION = 150
 """Dots per inch of the PNG files."""
 
 
-def draw_figures(plan: Plan) -> dict[str, Figure]:
-    """The figures that apply to a plan, by file name; to be drawn or saved inside `matplotlib.rc_context(LOOK)`.
-
-    Raises:
-        ModelError: the liquids cannot be integrated along the trajectory.
-        PlanFolderError: the trajectory does not fit the scene.
-    """
-    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
-    with matplotlib.rc_context(LOOK):
-        drawn = {name: draw(evidence) for name, draw in FIGURES.items()}
-    return {name: figure for name, figure in drawn.items() if figure is not None}
-
-
-def write_figures(plan: Plan, folder: Path) -> list[Path]:
+def write_figures(
+    plan: Plan, folder: Path, *, pdf: bool = False, progress: Callable[[int, int], None] | None = None
+) -> list[Path]:
     """See `nospill.plots.save_figures`."""
+    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
     written = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in draw_figures(plan).items():
-            with matplotlib.rc_context(LOOK):
-                # No date: the same plan gives the same bytes.
-                figure.savefig(folder / f"{name}.png", dpi=RESOLUTION)
-                figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
-            written += [folder / f"{name}.png", folder / f"{name}.pdf"]
+        with matplotlib.rc_context(LOOK):
+            for done, (name, draw) in enumerate(FIGURES.items()):
+                if progress is not None:
+                    progress(done, len(FIGURES))
+                figure = draw(evidence)
+                if figure is None:
+                    continue
+                written.append(folder / f"{name}.png")
+                figure.savefig(written[-1], dpi=RESOLUTION)
+                if pdf:
+                    written.append(folder / f"{name}.pdf")
+                    # No date: the same plan gives the same bytes.
+                    figure.savefig(written[-1], metadata={"CreationDate": None})
     except OSError as error:
         raise PlanFolderError(f"{folder}: the figures cannot be written ({error.strerror or error})") from error
     return written

@@ -40,7 +40,7 @@ def limiting_figure(evidence: Evidence) -> Figure | None:
     headline(figure, evidence, "What holds the motion back, and when", left=0.1 / WIDTH, y=1 - 0.06 / total)
     draw_limiting(axes, evidence, most=_MOST_ROWS)
     axes.set_xlabel("time [s]")
-    key = figure.add_axes((_LEFT / WIDTH, 1 - (_TOP - 0.08) / total, 0.45 * inner / WIDTH, _KEY / total))
+    key = figure.add_axes((_LEFT / WIDTH, 1 - (_TOP - 0.08) / total, 0.38 * inner / WIDTH, _KEY / total))
     draw_colour_key(key, broken=not evidence.judgement.certificate.ok)
     return figure
 
