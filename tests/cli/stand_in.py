@@ -17,6 +17,7 @@ from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.plans.names import is_plan_folder
 from nospill.plans.plan import SUMMARY_KEYS, failed_summary
+from nospill.plots import FIRST_FIGURES
 
 
 @dataclass
@@ -27,6 +28,8 @@ class StandIn:
     planning: Callable[[], None] = lambda: None
     calls: list[str] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
+
+    figures: tuple[str, ...] | None = None
 
     duration = 1.8431
     message = "certified"
@@ -79,8 +82,14 @@ class StandIn:
             return self.certificate
 
         def save_figures(
-            plan: object, folder: Path, *, pdf: bool = False, progress: Callable[[int, int], None] | None = None
+            plan: object,
+            folder: Path,
+            *,
+            names: tuple[str, ...] = (),
+            pdf: bool = False,
+            progress: Callable[[int, int], None] | None = None,
         ) -> None:
+            self.figures = names
             folder.mkdir(exist_ok=True)
             assert progress is not None
             progress(0, 1)
@@ -94,7 +103,7 @@ class StandIn:
             "plans.plan": {"failed_summary": failed_summary},
             "plans.loading": {"load_plan": load_plan},
             "plans.approach": {"certify_whole": certify_whole, "settling_time": lambda _: 0.0},
-            "plots": {"save_figures": save_figures},
+            "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}
         for name, attributes in functions.items():

@@ -14,6 +14,7 @@ import pytest
 
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.plans.plan import SUMMARY_KEYS
+from nospill.plots import FIRST_FIGURES
 from tests.cli.stand_in import StandIn, nospill, raising, row
 from tests.waiting import finished, wait_until
 
@@ -74,6 +75,13 @@ def test_table_shows_the_worst_row_of_each_constraint(stand_in: StandIn) -> None
     assert slip == [["slip", "c3", "100.1", "%", "FAILS", "0.8", "1", "N", "0.500", "s"]]
     assert any("[c1]" in line and "99.9 %" in line for line in lines)
     assert lines[0].startswith("not certified: 1 of 5 rows fail") and lines[-1] == "not certified: 1.843 s"
+
+
+def test_few_figures_unless_all_are_wanted(stand_in: StandIn, folder: Path) -> None:
+    nospill("plan", "tea.toml", "-o", "tea")
+    assert stand_in.figures == FIRST_FIGURES
+    nospill("plan", "tea.toml", "-o", "tea", "--all-figures")
+    assert stand_in.figures == ()
 
 
 def test_pdf_on_request(stand_in: StandIn, folder: Path) -> None:

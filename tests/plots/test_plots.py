@@ -26,8 +26,8 @@ from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plots import FIRST_FIGURES, figures, save_figures
 from nospill.plots import evidence as evidence_module
-from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
 from nospill.plots.limiting import USE_COLOURS
@@ -415,7 +415,12 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     assert [path.name for path in written] == ["joints.png"]
     assert told == [(0, 1)]
     assert [path.name for path in save_figures(plan, tmp_path, pdf=True)] == ["joints.png", "joints.pdf"]
+    assert save_figures(plan, tmp_path, names=["summary"]) == []
     assert plan == plan and "judgement" not in repr(plan)
+
+
+def test_first_figures_are_figures() -> None:
+    assert set(FIRST_FIGURES) < set(figures.FIGURES)
 
 
 def test_names_are_no_formulas() -> None:

@@ -31,7 +31,10 @@ def plan(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
-    pdf: Annotated[bool, typer.Option("--pdf", help="Write every figure as PDF too.")] = False,
+    all_figures: Annotated[
+        bool, typer.Option("--all-figures", help="Draw every figure, not the sheet and the limits alone.")
+    ] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
@@ -61,7 +64,8 @@ def plan(
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if output is not None:
                 progress.say(FILES)
-                figures = None if no_figures else functools.partial(_write_figures, outcome, progress, pdf)
+                drawing = functools.partial(_write_figures, outcome, progress, pdf=pdf, everything=all_figures)
+                figures = None if no_figures else drawing
                 outcome.save(output, extra=figures, time_writing=True)
                 page = write_plan_report(outcome, output) if report else None
         except NoSolutionError as error:
@@ -133,7 +137,7 @@ def plot(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
     pdf: Annotated[bool, typer.Option("--pdf", help="Write every figure as PDF too.")] = False,
 ) -> int:
-    """Draw the figures of a plan folder again, as PNG or also as PDF."""
+    """Draw every figure of a plan folder, as PNG or also as PDF."""
     from nospill.core.files import atomic_folder
     from nospill.plans.loading import load_plan
     from nospill.plots import save_figures
@@ -172,10 +176,11 @@ def _choices(found: Plan) -> list[str]:
     return lines
 
 
-def _write_figures(found: Plan, progress: ProgressLine, pdf: bool, folder: Path) -> None:
-    from nospill.plots import save_figures
+def _write_figures(found: Plan, progress: ProgressLine, folder: Path, *, pdf: bool, everything: bool) -> None:
+    from nospill.plots import FIRST_FIGURES, save_figures
 
-    save_figures(found, folder / "figures", pdf=pdf, progress=progress.drawn)
+    names = () if everything else FIRST_FIGURES
+    save_figures(found, folder / "figures", names=names, pdf=pdf, progress=progress.drawn)
 
 
 def _only_figures(names: set[str]) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 from matplotlib.figure import Figure
@@ -42,25 +43,33 @@ REPORT_FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
 
 RESOLUTION = 150
 """Dots per inch of the PNG files."""
+_PNG: dict[str, Any] = {"compress_level": 1}
+"""Twice as fast to write as the usual level, for files a quarter larger."""
 
 
 def write_figures(
-    plan: Plan, folder: Path, *, pdf: bool = False, progress: Callable[[int, int], None] | None = None
+    plan: Plan,
+    folder: Path,
+    *,
+    names: Collection[str] = (),
+    pdf: bool = False,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Path]:
     """See `nospill.plots.save_figures`."""
+    wanted = {name: draw for name, draw in FIGURES.items() if not names or name in names}
     evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
     written = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with matplotlib.rc_context(LOOK):
-            for done, (name, draw) in enumerate(FIGURES.items()):
+            for done, (name, draw) in enumerate(wanted.items()):
                 if progress is not None:
-                    progress(done, len(FIGURES))
+                    progress(done, len(wanted))
                 figure = draw(evidence)
                 if figure is None:
                     continue
                 written.append(folder / f"{name}.png")
-                figure.savefig(written[-1], dpi=RESOLUTION)
+                figure.savefig(written[-1], dpi=RESOLUTION, pil_kwargs=_PNG)
                 if pdf:
                     written.append(folder / f"{name}.pdf")
                     # No date: the same plan gives the same bytes.
