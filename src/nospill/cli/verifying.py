@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import beside, only_stderr, print_json, print_table, say
+from nospill.cli.reporting import beside, only_stderr, print_json
+from nospill.cli.tables import print_table, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.margins import MarginsReport

@@ -12,6 +12,7 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
+from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -33,6 +34,7 @@ class MotionMaxima:
         joint_speed_use: largest joint speed as a fraction of its limit.
         slosh_height: m, by object with liquid.
         residual_height: m, by object with liquid.
+        time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
     """
 
     tray_acceleration: float
@@ -41,6 +43,7 @@ class MotionMaxima:
     joint_speed_use: float
     slosh_height: dict[str, float]
     residual_height: dict[str, float]
+    time_at_limit: dict[str, float] = field(default_factory=dict)
 
 
 _AGREED = 5e-3
@@ -141,6 +144,11 @@ class Plan:
         if self.certificate.ok:
             return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
         return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
+
+    @property
+    def held_back(self) -> str:
+        """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
+        return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -252,6 +260,8 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "held_back": _Computed(lambda plan: plan.held_back),
+    "time_at_limit": _Kept("maxima", "time_at_limit"),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff"),
     "phases_s": _Kept("report", "phases"),
@@ -277,7 +287,8 @@ def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, Planning
     Raises:
         KeyError: a key is missing.
     """
-    optional = {item.name for item in fields(PlanningReport) if item.default is not MISSING}
+    known = (*fields(MotionMaxima), *fields(PlanningReport))
+    optional = {item.name for item in known if item.default is not MISSING or item.default_factory is not MISSING}
     found: dict[str, dict[str, Any]] = {"maxima": {}, "report": {}}
     for key, entry in _SUMMARY.items():
         if isinstance(entry, _Kept) and (key in summary or entry.name not in optional):
@@ -299,4 +310,5 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         joint_speed_use=float(np.max(speeds)),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
+        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
     )

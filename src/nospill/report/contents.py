@@ -9,20 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-import numpy as np
-
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe
-from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Role
-from nospill.laws.constraints.joint_position import JointPosition
-from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.judge.wording import describe, integrity_line, row_text, verdict_word
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
-from nospill.plots.use_table import row_texts
+from nospill.plots.tiles import Tile, liquid_tiles, tiles
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
 from nospill.report.task import cargo_table, joint_table, task_table
 
@@ -52,7 +46,7 @@ class Report:
     Attributes:
         evidence: the plan and the judgement the report rests on; figures are drawn from it.
         ok, verdict, detail: whether it is certified, in two or three words, and in one sentence.
-        tiles: largest figures: (value with unit, what it is).
+        tiles: largest figures.
         opinion: of the simulation.
         task, cargo, joints, planning, versions: tables.
     """
@@ -61,7 +55,7 @@ class Report:
     ok: bool
     verdict: str
     detail: str
-    tiles: tuple[tuple[str, str], ...]
+    tiles: tuple[Tile, ...]
     opinion: SecondOpinion
     task: TextTable
     cargo: TextTable
@@ -93,11 +87,10 @@ def make_report(
     certificate = evidence.judgement.certificate
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
+    verdict = verdict_word(certificate.ok)
     if certificate.ok:
-        verdict = "certified"
         detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
     else:
-        verdict = "not certified"
         detail = (
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
@@ -106,7 +99,7 @@ def make_report(
         ok=certificate.ok,
         verdict=verdict,
         detail=detail,
-        tiles=_tiles(evidence),
+        tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         task=task_table(plan.scene, approach=plan.approach),
         cargo=cargo_table(plan.scene, certificate),
@@ -117,40 +110,22 @@ def make_report(
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
-    """The certificate as text: the row nearest to its limit of every constraint, or all rows."""
-    rows = certificate.rows if everything else certificate.worst_rows()
+    """The certificate as text: the fullest row of every constraint, the fullest first, or all rows in their order."""
+    rows = certificate.rows if everything else certificate.listed_rows()
     cells = []
     for row in rows:
-        value, limit, unit = row_texts(row)
-        share = f"{100 * row.use:.2f} %"
+        text = row_text(row)
         verdict = "holds" if row.ok else "FAILS"
-        cells.append((row.constraint, row.label, value, limit, unit, share, f"{row.at_s:.3f}", verdict))
+        cells.append(
+            (row.constraint, row.label, text.use, text.value, text.limit, text.unit, f"{row.at_s:.3f}", verdict)
+        )
     return TextTable(
         "All rows of the certificate" if everything else "Certificate",
-        ("constraint", "of", "value", "limit", "unit", "use of limit", "at [s]", ""),
+        ("constraint", "of", "use of limit", "value", "limit", "unit", "at [s]", ""),
         tuple(cells),
+        note="" if everything else f"{integrity_line(certificate).capitalize()}.",
         failing=tuple(index for index, row in enumerate(rows) if not row.ok),
     )
-
-
-def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
-    maxima, rows = evidence.maxima, evidence.judgement.certificate.rows
-    tiles = [
-        (f"{evidence.end_time:.3f} s", "duration"),
-        (f"{maxima.tray_acceleration:.2f} m/s²", "largest acceleration of the tray"),
-        (f"{maxima.tray_angular_acceleration:.1f} rad/s²", "largest angular acceleration"),
-        (f"{np.degrees(maxima.tilt):.1f}°", "largest tilt"),
-    ]
-    by_subject = {(row.constraint, row.subject): row for row in rows}
-    for name, height in maxima.slosh_height.items():
-        limit = by_subject[(SloshHeight.name, name)].limit
-        tiles.append((f"{1e3 * height:.2f} mm", f"liquid of {name} rises, {1e3 * limit:.3g} mm allowed"))
-    joints = {item.name for item in CONSTRAINTS if item.role is Role.JOINT} - {JointPosition.name}
-    used = [row for row in rows if row.constraint in joints]
-    if used:
-        most = max(used, key=lambda row: row.use)
-        tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.label}"))
-    return tuple(tiles)
 
 
 def _planning(plan: Plan) -> TextTable:

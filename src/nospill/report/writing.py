@@ -37,7 +37,7 @@ def pdf_tables(report: Report) -> tuple[TextTable, ...]:
     verdict = (
         ("verdict", report.verdict.upper()),
         ("", report.detail),
-        *((label, value) for value, label in report.tiles),
+        *((tile.label, tile.value) for tile in report.tiles),
     )
     opinion = report.opinion
     return (
