@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import time
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +20,7 @@ from nospill.errors import NoSolutionError, ScenarioError
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.judge.verdict import Certificate
     from nospill.plans.plan import Plan
+    from nospill.plans.warnings.record import PlanWarning
 
 
 def plan(
@@ -74,6 +76,7 @@ def plan(
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
         _print_certificate(outcome.certificate)
+        _print_warnings(outcome.warnings)
         print(f"duration: {outcome.duration:.3f} s")
         for line in _choices(outcome):
             print(line)
@@ -94,12 +97,15 @@ def check(
     """
     from nospill.export.plan_files import compare_plan_files
     from nospill.judge.wording import describe
-    from nospill.plans.approach import certify_whole
+    from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
+    from nospill.plans.warnings import plan_warnings
 
     saved = load_plan(folder)
-    certificate = certify_whole(saved)
+    judgement = judge_whole(saved)
+    certificate = judgement.certificate
     _print_certificate(certificate)
+    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print(f"{name} {difference or 'holds the motion of the trajectory'}")
@@ -180,3 +186,11 @@ def _print_certificate(certificate: Certificate) -> None:
         print(f"certified: all {len(certificate.rows)} rows hold {grid}")
     else:
         print(f"not certified: {len(failed)} of {len(certificate.rows)} rows fail {grid}")
+
+
+def _print_warnings(warnings: Sequence[PlanWarning]) -> None:
+    """Print a line for each kind of warning, where the verdict stands."""
+    from nospill.plans.warnings.record import warning_lines
+
+    for line in warning_lines(warnings):
+        print(f"warning: {line}")

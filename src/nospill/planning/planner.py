@@ -19,7 +19,7 @@ from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan, PlanningReport, Starts, judged_plan
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
@@ -89,8 +89,7 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    certificate, maxima = judged.judgement.certificate, motion_maxima(judged.judgement, scene)
-    found = Plan(scene, judged.trajectory, certificate, maxima, report, judged.judgement)
+    found = judged_plan(scene, judged.trajectory, judged.judgement, report)
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(

@@ -18,6 +18,8 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
+from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.record import PlanWarning
 from nospill.scene.scene import Scene
 
 
@@ -111,6 +113,7 @@ class Plan:
         judgement: the evidence of the certificate while it is at hand; not saved, None for a plan from a folder.
         approach: from where the arm is to the start of the trajectory, if the scenario asks for it. The certificate has
             the rows about it too.
+        warnings: what the plan rests on beyond its limits; the verdict is without them.
     """
 
     scene: Scene
@@ -120,6 +123,7 @@ class Plan:
     report: PlanningReport
     judgement: Judgement | None = field(default=None, repr=False, compare=False)
     approach: Segment | None = field(default=None, repr=False, compare=False)
+    warnings: tuple[PlanWarning, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -249,6 +253,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff"),
     "phases_s": _Kept("report", "phases"),
@@ -295,4 +300,17 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         joint_speed_use=float(np.max(speeds)),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
+    )
+
+
+def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, report: PlanningReport) -> Plan:
+    """The plan of a judged motion, with its largest figures and its warnings; without an approach."""
+    return Plan(
+        scene=scene,
+        trajectory=trajectory,
+        certificate=judgement.certificate,
+        maxima=motion_maxima(judgement, scene),
+        report=report,
+        judgement=judgement,
+        warnings=plan_warnings(scene, judgement, report.backoff),
     )

@@ -19,6 +19,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
+from nospill.plans.warnings import plan_warnings
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.use_table import row_texts
@@ -54,6 +55,7 @@ class Report:
         tiles: largest figures: (value with unit, what it is).
         opinion: of the simulation.
         task, cargo, joints, planning, versions: tables.
+        warnings: what the verdict rests on: what about, subject, sentence.
     """
 
     evidence: Evidence
@@ -67,6 +69,7 @@ class Report:
     joints: TextTable
     planning: TextTable
     versions: TextTable
+    warnings: TextTable
 
     @property
     def certificate(self) -> Certificate:
@@ -112,6 +115,7 @@ def make_report(
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
         versions=_versions(plan, controller_files or {}),
+        warnings=_warnings(evidence),
     )
 
 
@@ -150,6 +154,15 @@ def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
         most = max(used, key=lambda row: row.use)
         tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.label}"))
     return tuple(tiles)
+
+
+def _warnings(evidence: Evidence) -> TextTable:
+    plan = evidence.plan
+    found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    rows = tuple((item.name, item.subject, item.text) for item in found)
+    return TextTable(
+        "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."
+    )
 
 
 def _planning(plan: Plan) -> TextTable:
