@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -58,8 +58,8 @@ class StandIn:
                 extra(partial)
 
     def modules(self) -> dict[str, ModuleType]:
-        def read_scenario(path: str) -> SimpleNamespace:
-            self.calls.append(f"read {path}")
+        def read_scenario(path: str, *, settings: Sequence[str] = ()) -> SimpleNamespace:
+            self.calls.append(" ".join([f"read {path}", *settings]))
             return self.scene
 
         def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:

@@ -134,13 +134,17 @@ def test_folders_of_earlier_versions_are_read(moved, tmp_path):
     assert back.certificate == plan.certificate
 
 
-def test_an_approach_changed_behind_the_source_is_not_saved(whole, tmp_path):
+def test_an_approach_changed_behind_the_source_is_saved_as_it_is(whole, tmp_path):
     rules = whole.scene.approach
     assert rules is not None
     altered = replace(whole.scene, approach=replace(rules, max_jerk=rules.max_jerk * 2.0))
-    for scene in (altered, replace(whole.scene, approach=None)):
-        with pytest.raises(PlanFolderError, match="changed after it was read"):
-            replace(whole, scene=scene).save(tmp_path / "out")
+    replace(whole, scene=altered).save(tmp_path / "out")
+    assert np.allclose(load_plan(tmp_path / "out").scene.approach.max_jerk, 2.0 * rules.max_jerk)
+    replace(whole, scene=replace(whole.scene, approach=None), approach=None).save(tmp_path / "out")
+    assert load_plan(tmp_path / "out").scene.approach is None
+    beyond = replace(whole.scene, approach=replace(rules, max_speed=2.0 * rules.max_speed))
+    with pytest.raises(PlanFolderError, match=r"approach.max_speed of the scene was changed"):
+        replace(whole, scene=beyond).save(tmp_path / "out")
 
 
 def test_a_failed_summary_has_the_new_keys(whole):

@@ -24,7 +24,9 @@ if TYPE_CHECKING:  # for annotations only: at run time these would load numpy an
 
 
 def plan(
-    scenario: Annotated[str, typer.Argument(help="A scenario file (TOML) or the name of a bundled example.")],
+    scenario: Annotated[
+        str, typer.Argument(help="A scenario file (TOML), a plan folder, or the name of a bundled example.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
@@ -32,6 +34,15 @@ def plan(
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Another value for a key of the scenario, as motion.tilt=free or cargo.c1.friction=0.4; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
@@ -43,7 +54,7 @@ def plan(
             raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
-        scene = read_scenario(scenario)
+        scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
         progress.say("load the optimiser")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
-from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
+from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
@@ -60,6 +60,7 @@ def certify(
 
     Raises:
         ModelError: the liquids cannot be integrated.
+        ScenarioError: no trajectory, or no scene.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
@@ -74,6 +75,7 @@ def judge(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
+    require_record(trajectory, scene)
     require_same_joints_and_liquids(trajectory, scene)
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)

@@ -162,8 +162,8 @@ class Plan:
             time_writing: add the time this takes to the summary's phases, so that two copies differ in that figure.
 
         Raises:
-            PlanFolderError: the folder holds something else or cannot be written, or the scene is not what its
-                scenario says.
+            PlanFolderError: the folder holds something else or cannot be written, or no scenario
+                describes the scene.
         """
         write_folder(
             folder,
