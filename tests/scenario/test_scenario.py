@@ -258,7 +258,7 @@ def box(at: tuple[float, float], length: float, width: float, yaw: float) -> Car
 
 
 def _placed(keys: dict[str, Any], at: tuple[float, float], yaw: float) -> Cargo:
-    tray = {"size": [9, 9], "friction": 0.4}
+    tray = {"size": ["9 m", "9 m"], "friction": 0.4}
     entry = {"name": "c", "at": list(at), "yaw": yaw, "height": 0.1, "mass": 1, **keys}
     return scene_with(tray=tray, cargo=[entry]).cargo[0]
 

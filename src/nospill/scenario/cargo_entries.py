@@ -67,7 +67,7 @@ class CargoTable(Table):
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
     max_slosh_height: Annotated[
         float | None,
-        Measured(dimension="length", above=0.0, at_most=10.0),
+        Measured(dimension="length", kind="size", above=0.0, at_most=10.0),
         Field(
             description="how far the surface may rise above its rest level; to the rim less freeboard_reserve when not "
             "given"
