@@ -38,6 +38,13 @@ def robots(
         for row in table
     ]
     print_table(("robot", "what it is", "joints", "reach m", "payload kg", "limits known"), rows)
+    print_table(
+        ("robot", "base frame, the root of the arm"),
+        [
+            (row["name"], row["base_frame"] or "that of its description; compare it with the controller's")
+            for row in table
+        ],
+    )
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
 
