@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -17,6 +17,7 @@ from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.plans.names import is_plan_folder
 from nospill.plans.plan import SUMMARY_KEYS, failed_summary
+from nospill.plans.warnings.record import PlanWarning
 from nospill.plots import FIRST_FIGURES
 
 
@@ -39,6 +40,7 @@ class StandIn:
     held_back = "friction of c1 holds 31 % of the motion"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     approach = None
+    warnings: tuple[PlanWarning, ...] = ()
 
     def __post_init__(self) -> None:
         self.rows = [row("slip", "c1", 0.3), row("slip", "c2", 0.1, ok=self.ok), row("slosh height", "[c1]", 1e-5)]
@@ -61,8 +63,8 @@ class StandIn:
                 extra(partial)
 
     def modules(self) -> dict[str, ModuleType]:
-        def read_scenario(path: str) -> SimpleNamespace:
-            self.calls.append(f"read {path}")
+        def read_scenario(path: str, *, settings: Sequence[str] = ()) -> SimpleNamespace:
+            self.calls.append(" ".join([f"read {path}", *settings]))
             return self.scene
 
         def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:
@@ -75,11 +77,15 @@ class StandIn:
         def load_plan(folder: Path) -> SimpleNamespace:
             if not (folder / "summary.json").exists():
                 raise PlanFolderError(f"{folder} is not a plan folder")
-            return SimpleNamespace(trajectory="trajectory", scene=self.scene)
+            report = SimpleNamespace(backoff={})
+            return SimpleNamespace(trajectory="trajectory", scene=self.scene, report=report)
 
-        def certify_whole(saved: SimpleNamespace) -> Certificate:
-            self.calls.append(f"certify {saved.trajectory} {saved.scene.name}")
-            return self.certificate
+        def judge_whole(saved: SimpleNamespace) -> SimpleNamespace:
+            self.calls.append(f"judge {saved.trajectory} {saved.scene.name}")
+            return SimpleNamespace(certificate=self.certificate)
+
+        def plan_warnings(scene: object, judgement: object, backoff: object) -> tuple[PlanWarning, ...]:
+            return self.warnings
 
         def save_figures(
             plan: object,
@@ -102,7 +108,8 @@ class StandIn:
             "planning.planner": {"plan": plan},
             "plans.plan": {"failed_summary": failed_summary},
             "plans.loading": {"load_plan": load_plan},
-            "plans.approach": {"certify_whole": certify_whole, "settling_time": lambda _: 0.0},
+            "plans.approach": {"judge_whole": judge_whole, "settling_time": lambda _: 0.0},
+            "plans.warnings": {"plan_warnings": plan_warnings},
             "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}

@@ -144,11 +144,16 @@ def test_no_solution_exits_3_and_writes_nothing(stand_in: StandIn, folder: Path,
         assert result.stdout == ""
 
 
+def test_settings_reach_the_reader(stand_in: StandIn) -> None:
+    assert nospill("plan", "tea.toml", "--set", "motion.tilt=free", "--set", "tray.mass=1").exit_code == 0
+    assert stand_in.calls[0] == "read tea.toml motion.tilt=free tray.mass=1"
+
+
 @pytest.mark.parametrize("as_json", [True, False])
 def test_bad_input_is_one_line_as_written(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch, as_json: bool) -> None:
     message = 'tea.toml: [[cargo]] "c1": radius is "-35 mm"; [bold]give[/bold] a length above 0'
 
-    def fail(_: str) -> None:
+    def fail(_: str, *, settings: object) -> None:
         raise ScenarioError(message)
 
     monkeypatch.setattr(sys.modules["nospill.scenario"], "read_scenario", fail)

@@ -128,7 +128,8 @@ def _arm(arm: dict[str, Any]) -> str:
     unknown = ", ".join(str(item) for item in _list(arm["not_known"]))
     missing = f"\nNot stated in these sources: {unknown}.\n" if unknown else ""
     table = markdown_table(("joint", *(_JOINT_COLUMNS[key] for key in columns)), rows)
-    return f"\n## {arm['title']}\n\n{table}\nWhere the figures come from:\n\n{sources}{missing}"
+    frame = f"\nBase frame: {arm['base_frame']}.\n" if arm["base_frame"] else ""
+    return f"\n## {arm['title']}\n\n{table}{frame}\nWhere the figures come from:\n\n{sources}{missing}"
 
 
 def _list(value: object) -> list[Any]:

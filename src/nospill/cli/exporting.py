@@ -30,6 +30,10 @@ def export(
         float | None,
         typer.Option(metavar="HZ", help="Samples per second; the plan's when left out.", show_default=False),
     ] = None,
+    frame: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Of poses: world (default), base_link or base.", show_default=False),
+    ] = None,
     with_approach: Annotated[
         bool,
         typer.Option(
@@ -47,10 +51,10 @@ def export(
         return 0
     if folder is None or format_name is None:
         raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
-    from nospill.plans.handover import exporter_named, hand_over
+    from nospill.plans.handover import exporter_named, hand_over, in_frame
     from nospill.plans.loading import load_plan
 
-    exporter = exporter_named(format_name)
+    exporter = in_frame(exporter_named(format_name), frame)
     plan = load_plan(folder)
     target = _target(folder, output, exporter)
     if with_approach and plan.approach is None:

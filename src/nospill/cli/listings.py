@@ -41,6 +41,14 @@ def robots(
     columns = ("robot", "what it is", "joints", "reach m", "payload kg", "limits: position, speed and")
     print_table(columns, rows, drop=("what it is", "joints", "payload kg"))
     print()
+    print_table(
+        ("robot", "base frame, the root of the arm"),
+        [
+            (row["name"], row["base_frame"] or "that of its description; compare it with the controller's")
+            for row in table
+        ],
+    )
+    print()
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
 

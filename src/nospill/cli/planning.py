@@ -21,10 +21,13 @@ from nospill.errors import NoSolutionError, ScenarioError
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.judge.verdict import Certificate
     from nospill.plans.plan import Plan
+    from nospill.plans.warnings.record import PlanWarning
 
 
 def plan(
-    scenario: Annotated[str, typer.Argument(help="A scenario file (TOML) or the name of a bundled example.")],
+    scenario: Annotated[
+        str, typer.Argument(help="A scenario file (TOML), a plan folder, or the name of a bundled example.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
@@ -36,6 +39,15 @@ def plan(
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Another value for a key of the scenario, as motion.tilt=free or cargo.c1.friction=0.4; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
@@ -47,7 +59,7 @@ def plan(
             raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
-        scene = read_scenario(scenario)
+        scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
         for note in scene.path.notes:
@@ -94,6 +106,7 @@ def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
 
     certificate = outcome.certificate
     _print_certificate(certificate, outcome.scene.robot.joints)
+    _print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
     lines += _choices(outcome)
@@ -116,12 +129,15 @@ def check(
     """
     from nospill.export.plan_files import compare_plan_files
     from nospill.judge.wording import describe, verdict_word
-    from nospill.plans.approach import certify_whole
+    from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
+    from nospill.plans.warnings import plan_warnings
 
     saved = load_plan(folder)
-    certificate = certify_whole(saved)
+    judgement = judge_whole(saved)
+    certificate = judgement.certificate
     _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
+    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
@@ -212,3 +228,11 @@ def _print_certificate(certificate: Certificate, joints: Sequence[str], *, every
     if not everything:
         print(integrity_line(certificate))
     print()
+
+
+def _print_warnings(warnings: Sequence[PlanWarning]) -> None:
+    """Print a line for each kind of warning, where the verdict stands."""
+    from nospill.plans.warnings.record import warning_lines
+
+    for line in warning_lines(warnings):
+        print_lines(f"warning: {line}")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
-from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
+from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
@@ -67,6 +67,7 @@ def certify(
 
     Raises:
         ModelError: the liquids cannot be integrated.
+        ScenarioError: no trajectory, or no scene.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
@@ -81,6 +82,7 @@ def judge(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
+    require_record(trajectory, scene)
     require_same_joints_and_liquids(trajectory, scene)
     return judge_motion(trajectory, scene, motion=motion, rate=rate)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions
-from nospill.errors import PlanFolderError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Row, limit_row
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
@@ -48,6 +48,20 @@ _COLUMNS = (
     "tray_quaternion",
 )
 """What the judge reads of a trajectory."""
+
+
+def require_record(trajectory: object, scene: object) -> None:
+    """Raise ScenarioError if what is to be judged is no record of a motion, or what it is judged by is no scene."""
+    if not isinstance(trajectory, Trajectory):
+        shape = f" of shape {np.shape(trajectory)}" if isinstance(trajectory, np.ndarray) else ""
+        raise ScenarioError(
+            f"certify judges a Trajectory, as plan.trajectory or read_trajectory(file) gives it, not a value of type "
+            f"{type(trajectory).__name__}{shape}: joint samples alone have no times, path parameter or liquids"
+        )
+    if not isinstance(scene, Scene):
+        raise ScenarioError(
+            f"certify judges by a Scene, as ns.load(file) gives it, not by a value of type {type(scene).__name__}"
+        )
 
 
 def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> None:

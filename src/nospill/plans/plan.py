@@ -20,6 +20,8 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
+from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.record import PlanWarning
 from nospill.scene.scene import Scene
 
 
@@ -117,6 +119,7 @@ class Plan:
         judgement: the evidence of the certificate while it is at hand; not saved, None for a plan from a folder.
         approach: from where the arm is to the start of the trajectory, if the scenario asks for it. The certificate has
             the rows about it too.
+        warnings: what the plan rests on beyond its limits; the verdict is without them.
     """
 
     scene: Scene
@@ -126,6 +129,7 @@ class Plan:
     report: PlanningReport
     judgement: Judgement | None = field(default=None, repr=False, compare=False)
     approach: Segment | None = field(default=None, repr=False, compare=False)
+    warnings: tuple[PlanWarning, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -169,8 +173,8 @@ class Plan:
             time_writing: add the time this takes to the summary's phases, so that two copies differ in that figure.
 
         Raises:
-            PlanFolderError: the folder holds something else or cannot be written, or the scene is not what its
-                scenario says.
+            PlanFolderError: the folder holds something else or cannot be written, or no scenario
+                describes the scene.
         """
         write_folder(
             folder,
@@ -262,6 +266,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "certificate": _Computed(_certificate_summary),
     "held_back": _Computed(lambda plan: plan.held_back),
     "time_at_limit": _Kept("maxima", "time_at_limit"),
+    "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff"),
     "phases_s": _Kept("report", "phases"),
@@ -311,4 +316,17 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
         time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
+    )
+
+
+def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, report: PlanningReport) -> Plan:
+    """The plan of a judged motion, with its largest figures and its warnings; without an approach."""
+    return Plan(
+        scene=scene,
+        trajectory=trajectory,
+        certificate=judgement.certificate,
+        maxima=motion_maxima(judgement, scene),
+        report=report,
+        judgement=judgement,
+        warnings=plan_warnings(scene, judgement, report.backoff),
     )

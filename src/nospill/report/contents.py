@@ -14,6 +14,7 @@ from nospill.judge.wording import describe, integrity_line, row_text, verdict_wo
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
+from nospill.plans.warnings import plan_warnings
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
@@ -49,6 +50,7 @@ class Report:
         tiles: largest figures.
         opinion: of the simulation.
         task, cargo, joints, planning, versions: tables.
+        warnings: what the verdict rests on: what about, subject, sentence.
     """
 
     evidence: Evidence
@@ -62,6 +64,7 @@ class Report:
     joints: TextTable
     planning: TextTable
     versions: TextTable
+    warnings: TextTable
 
     @property
     def certificate(self) -> Certificate:
@@ -106,6 +109,7 @@ def make_report(
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
         versions=_versions(plan, controller_files or {}),
+        warnings=_warnings(evidence),
     )
 
 
@@ -125,6 +129,15 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
         tuple(cells),
         note="" if everything else f"{integrity_line(certificate).capitalize()}.",
         failing=tuple(index for index, row in enumerate(rows) if not row.ok),
+    )
+
+
+def _warnings(evidence: Evidence) -> TextTable:
+    plan = evidence.plan
+    found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    rows = tuple((item.name, item.subject, item.text) for item in found)
+    return TextTable(
+        "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."
     )
 
 

@@ -51,6 +51,7 @@ def html_page(report: Report, figures: Mapping[str, str]) -> str:
         _section(report.task),
         _section(report.cargo),
         _certificate(report),
+        _section(report.warnings),
         _opinion(report),
         f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"
         "</section>",

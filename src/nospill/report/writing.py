@@ -45,6 +45,7 @@ def pdf_tables(report: Report) -> tuple[TextTable, ...]:
         report.task,
         report.cargo,
         certificate_table(report.certificate, everything=False),
+        report.warnings,
         TextTable("A second opinion", (), ((opinion.message,),)) if opinion.table is None else opinion.table,
         report.joints,
         report.planning,

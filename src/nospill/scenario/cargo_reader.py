@@ -18,6 +18,9 @@ from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 
+FREEBOARD_RESERVE = 0.1
+"""Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
+
 _SAME_MASS = 1e-9
 """Relative difference below which two masses count as equal."""
 
@@ -84,7 +87,7 @@ def _check_keys(entry: CargoTable) -> None:
     if entry.liquid is None:
         stray = [
             key
-            for key in ("liquid_height", "max_slosh_height", "damping", "empty_mass")
+            for key in ("liquid_height", "max_slosh_height", "freeboard_reserve", "damping", "empty_mass")
             if getattr(entry, key) is not None
         ]
         if stray:
@@ -127,7 +130,8 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
                 entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
             ),
         )
-    limit = room if entry.max_slosh_height is None else entry.max_slosh_height
+    reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
+    limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
@@ -137,7 +141,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
             ),
         )
     modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
-    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes)
+    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes, freeboard_reserve=reserve)
 
 
 def _heaviest_fill(entry: CargoTable, container: Container, liquid: Liquid) -> float:

@@ -1,4 +1,4 @@
-"""Reading a scenario into a Scene, and writing it back as a file that needs no other."""
+"""From the table of a scenario file to a Scene, and back to a file that needs no other."""
 
 from __future__ import annotations
 
@@ -15,15 +15,13 @@ import tomli_w
 from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
-from nospill.core.files import UnreadableError, atomic_text, bounded_text
-from nospill.core.suggestions import nearest
+from nospill.core.files import atomic_text
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
-from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
@@ -34,38 +32,24 @@ from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Sce
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
-_LARGEST_FILE = 10_000_000
-_KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
 
 
-def read_scenario(path: str | os.PathLike[str]) -> Scene:
-    """Read a scenario file, or a bundled example by its name.
-
-    Args:
-        path: a TOML file, or a key of `nospill.scenario.examples.EXAMPLES` (a file of that very name wins).
-
-    Raises:
-        ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
-            file, the place in it, the value and what is allowed.
-    """
-    label = os.fsdecode(path)
-    file = _locate(label)
-    return _scene(_parsed(file, label), label=label, name=file.stem, folder=file.parent)
-
-
-def scene_from_table(table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".") -> Scene:
+def scene_from_table(
+    table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".", label: str | None = None
+) -> Scene:
     """Build a scene from the parsed content of a scenario file.
 
     Args:
         table: keys and values as in the file; it is not changed.
-        name: the scene's name where the table has none, and what messages call it.
+        name: the scene's name where the table has none.
         folder: where files that the table names are looked up.
+        label: what messages call it; the name when left out.
 
     Raises:
         ScenarioError: as for `read_scenario`.
     """
-    return _scene(table, label=name, name=name, folder=FilePath(folder))
+    return _scene(table, label=name if label is None else label, name=name, folder=FilePath(folder))
 
 
 def scenario_text(scene: Scene) -> str:
@@ -87,50 +71,6 @@ def write_scenario(scene: Scene, path: str | FilePath) -> None:
 def scenario_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a scenario file."""
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
-
-
-def _locate(label: str) -> FilePath:
-    if not label.strip():
-        raise report(as_written(label), [("", f"names no scenario; {_KNOWN_EXAMPLES}")])
-    file = FilePath(label)
-    try:
-        if file.is_file():
-            return file
-        if label in EXAMPLES:
-            return example_path(label)
-        if file.is_dir():
-            raise report(label, [("", "is a folder; name the scenario file in it")])
-        exists = file.exists()
-    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
-        raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
-    if exists:
-        raise report(label, [("", "is not a regular file; give a TOML file")])
-    near = nearest(label, EXAMPLES)
-    hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
-    raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
-
-
-def _parsed(file: FilePath, label: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(bounded_text(file, _LARGEST_FILE))
-    except UnreadableError as error:
-        raise report(label, [("", str(error))]) from None
-    except tomllib.TOMLDecodeError as error:
-        raise report(label, [("", _syntax(str(error)))]) from None
-    except RecursionError:
-        raise report(label, [("", "is not a scenario: it is nested too deeply")]) from None
-    except ValueError as error:  # a whole number of thousands of digits
-        raise report(label, [("", f"cannot be read: {_reason(error)}")]) from None
-
-
-def _syntax(message: str) -> str:
-    if "Cannot overwrite a value" in message or "Cannot declare" in message:
-        message += "; the same key or table is given twice"
-    return f"is not valid TOML: {message}"
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 @contextmanager

@@ -53,7 +53,7 @@ class ToleranceTable(Table):
     friction: Annotated[float | None, _RATIO, Field(description="of the coefficient, relative, either side")] = None
     liquid_height: Annotated[
         float | None,
-        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the liquid's height at rest, either side"),
     ] = None
     damping: Annotated[
@@ -63,7 +63,7 @@ class ToleranceTable(Table):
     ] = None
     position: Annotated[
         float | None,
-        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the place on the tray, either side in x and in y"),
     ] = None
     mass: Annotated[

@@ -14,12 +14,21 @@ from nospill.scene.liquids import Liquid
 
 @dataclass(frozen=True, slots=True)
 class Filling:
-    """The liquid in a container: which, how high at rest (m), and how far its surface may rise (m above rest)."""
+    """The liquid in a container.
+
+    Attributes:
+        liquid: which.
+        liquid_height: at rest above the bottom, m.
+        max_slosh_height: how far its surface may rise above rest, m.
+        modes: of the liquid at rest.
+        freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
+    """
 
     liquid: Liquid
     liquid_height: float
     max_slosh_height: float
     modes: SloshModes
+    freeboard_reserve: float = 0.1
 
     @property
     def shallow(self) -> bool:

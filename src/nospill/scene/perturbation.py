@@ -52,7 +52,8 @@ class Perturbation:
 def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
     """Cargo with other numbers, built like one from a scenario.
 
-    The surface may rise as far as before, but never over the rim; where it may rise to the rim, it still may.
+    The surface may rise as far as before, but never over the rim; where it may rise to the rim, or to the rim less the
+    freeboard reserve, it still may.
 
     Args:
         cargo: as in the scenario.
@@ -100,6 +101,7 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
     before, room = cargo.container.height - filling.liquid_height, cargo.container.height - level
-    to_the_rim = filling.max_slosh_height >= before * (1.0 - _ROUNDING)
-    highest = room if to_the_rim else min(filling.max_slosh_height, room)
+    part = filling.max_slosh_height / before
+    follows = part >= 1.0 - _ROUNDING or abs(part - (1.0 - filling.freeboard_reserve)) < _ROUNDING
+    highest = min(part, 1.0) * room if follows else min(filling.max_slosh_height, room)
     return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes)
