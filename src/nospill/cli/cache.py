@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import STOPPED, print_table
+from nospill.cli.reporting import STOPPED
+from nospill.cli.tables import print_table
 
 
 def cache(
