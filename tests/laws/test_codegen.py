@@ -21,6 +21,7 @@ import pytest
 
 from nospill.judge import replay, traces
 from nospill.laws import codegen as compiled
+from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
@@ -30,7 +31,7 @@ from tests.waiting import finished
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
 
-CACHES = (stage_functions.stage_functions, traces._figures, replay._functions)
+CACHES = (stage_functions.stage_functions, traces._figures, replay._arm, replay._step)
 """What a process keeps of functions once made."""
 
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
@@ -38,6 +39,7 @@ USER = """
 import casadi as ca
 from nospill.laws import codegen as compiled
 from nospill.scenario import read_scenario
+from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 
 def build():
@@ -96,7 +98,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     structure = structure_of(small)
     slow = plan(small)
     plain = stage_functions.stage_functions(structure)
-    figures = traces._figures(structure) | replay._functions(structure)
+    figures = judging_functions(structure)
     assert not plain.compiled
     for kept in CACHES:
         kept.cache_clear()
@@ -104,7 +106,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     fast = stage_functions.stage_functions(structure)
     assert fast.compiled
-    fast_figures = traces._figures(structure) | replay._functions(structure)
+    fast_figures = judging_functions(structure)
     pairs = [
         (getattr(fast, field.name), getattr(plain, field.name))
         for field in dataclasses.fields(plain)
@@ -121,6 +123,12 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     assert again.duration == pytest.approx(slow.duration, rel=1e-6)
     assert again.report.iterations == slow.report.iterations
     assert set(endings(tmp_path)) == {".json", ".so", ".sum"}
+
+
+def judging_functions(structure: Structure) -> dict[str, ca.Function]:
+    """What the judge evaluates: the arm alone, then its only object."""
+    arm = dataclasses.replace(structure, objects=())
+    return traces._figures(arm) | traces._figures(structure) | {"flat_motion": replay._arm(arm)}
 
 
 def _same(ours: ca.Function, theirs: ca.Function) -> None:

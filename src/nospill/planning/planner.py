@@ -12,7 +12,6 @@ from nospill.errors import ScenarioError
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -24,6 +23,7 @@ from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
 
