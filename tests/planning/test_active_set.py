@@ -15,12 +15,13 @@ from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import flange_load
-from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 Q = np.zeros((2, 6))
 

@@ -19,9 +19,8 @@ from nospill.judge.wording import describe, shown_unit
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.scenario import read_scenario
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:
@@ -33,7 +32,7 @@ def judged() -> tuple[Plan, Judgement]:
     """A slow smooth motion of the liquid experiment; no solver is involved."""
     scene = read_scenario("matrix-liquid")
     path = joint_path_of(scene, samples=41)
-    trajectory = export_samples(scene, smooth_start(scene, path, 40, Start(stretch=1.5)))
+    trajectory = smooth_record(scene, path, 40, Start(stretch=1.5))
     judgement = judge(trajectory, scene)
     starts = Starts(2, 2, 1, (1.8, 1.9))
     report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})

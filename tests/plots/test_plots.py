@@ -35,9 +35,8 @@ from nospill.plots.path_view import path_figure
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
@@ -94,7 +93,7 @@ def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     """A smooth motion along the path, judged; no solver is involved, so the limits may or may not hold."""
     path = joint_path_of(scene, samples=41)
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
-    trajectory = export_samples(scene, smooth_start(scene, path, 40, start))
+    trajectory = smooth_record(scene, path, 40, start)
     judgement = judge(trajectory, scene)
     report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
     return Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report), judgement

@@ -2,8 +2,8 @@
 
 Each mode's bound holds for all time, and so does their sum; but the modes are never all at their highest at once. Where
 the sum is above the limit, the free motion is played on in closed form. At any time T after the end two numbers bound
-the height for all time together: the highest surface until T, and the sum of the bounds of the state at T, which decays.
-The least of their maximum over T is the row's value; at T = 0 it is the sum itself.
+the height for all time together: the highest surface until T, and the sum of the bounds of the state at T, which
+decays. The least of their maximum over T is the row's value; at T = 0 it is the sum itself.
 """
 
 from __future__ import annotations

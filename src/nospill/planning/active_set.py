@@ -1,4 +1,4 @@
-"""A task and the active part of its problem: constraint generation and constraint tightening as one value.
+"""The active part of a problem: constraint generation and constraint tightening as one value.
 
 Most objects, variants and rows never come near a limit, and an interior point method pays for each at every iteration.
 So a problem holds some of them; the certificate is about all; what it finds violated joins the problem, and what is in
@@ -7,7 +7,7 @@ the problem already gets a larger back-off.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +17,9 @@ from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role, RowId, liquid_names
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
-from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.laws.like_objects import outer_objects
-from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import heaviest
-from nospill.scene.variants import Variant, VariantId, labels, scene_of, variants_by_object
-from nospill.transcription.passages import NOT_BOUNDED, Passage
+from nospill.scene.variants import VariantId, labels
+from nospill.transcription.task import Task
 
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""
@@ -36,59 +32,6 @@ _MORE, _LEAST, _MOST = 1.5, 3e-4, 0.3
 
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """A scene to be planned.
-
-    Attributes:
-        scene: as requested, which the certificate is about, with all modes of its liquids.
-        model: the same with one mode of each, with which a search begins.
-        variants: of each object, the stated one first; one alone where its numbers are certain.
-        payload: what the flange carries: the objects, each as heavy as its tolerance allows.
-        ignored: names of constraints that the problem leaves out.
-        passage: how the arm passes its singularities.
-    """
-
-    scene: Scene
-    model: Scene
-    variants: tuple[tuple[Variant, ...], ...]
-    payload: tuple[Cargo, ...]
-    ignored: frozenset[str] = frozenset()
-    passage: Passage = NOT_BOUNDED
-
-    @classmethod
-    def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
-        """The task of a scene, its singularities not looked at yet."""
-        model = scene.with_one_mode()
-        return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
-
-    @property
-    def searched_scene(self) -> Scene:
-        """The model, with a level tray where only that passes the singularities."""
-        scene = self.model
-        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
-
-    @property
-    def first_members(self) -> frozenset[VariantId]:
-        """What a problem begins with: the stated variants of the outer ones of like objects."""
-        outer = {cargo.name for cargo in outer_objects(self.model)}
-        return frozenset(stated.id for stated, *_ in self.variants if stated.name in outer)
-
-    def problem_scene(self, members: Collection[VariantId], refined: Collection[str]) -> Scene:
-        """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
-        scene = self.searched_scene
-        if EndDisplacement.name in self.ignored:
-            # Its equalities are bounds of the variables, which only another end condition takes away.
-            scene = replace(scene, motion=replace(scene.motion, end="residual"))
-        families = [
-            [replace(item, cargo=with_modes(item.cargo, self.scene.planned_modes)) for item in own]
-            if own[0].name in refined
-            else own
-            for own in self.variants
-        ]
-        return scene_of(scene, families, members)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,6 @@ from nospill import diagnosis
 from nospill.errors import ScenarioError
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -25,6 +24,7 @@ from nospill.robots.joint_paths.search import branch_in_words, joint_paths, pref
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
 

@@ -6,7 +6,7 @@ from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
@@ -14,6 +14,7 @@ from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.solvers import Solution
 from nospill.transcription.stages import Stages
+from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 
 _WARM_BARRIER = 1e-6
