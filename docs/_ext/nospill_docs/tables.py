@@ -14,13 +14,11 @@ from nospill.robots.description.catalog import robot_table
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill_docs.places import Places, write_if_changed
-from nospill_docs.scenario_reference import scenario_reference
 
 
 def write_tables(places: Places) -> None:
     """Write every table into the folder of generated content."""
     for name, text in {
-        "scenario": scenario_reference(),
         "constraints": constraints_table(),
         "exporters": exporters_table(),
         "robots": robots_page(),

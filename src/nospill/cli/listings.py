@@ -53,9 +53,15 @@ def robots(
     return 0
 
 
-def schema() -> int:
+def schema(
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print a page with tables of all keys.")] = False,
+) -> int:
     """Print the JSON schema of a scenario file."""
     from nospill.scenario import scenario_schema
+    from nospill.scenario.reference import scenario_page
 
-    print_json(scenario_schema())
+    if markdown:
+        print(scenario_page(), end="")
+    else:
+        print_json(scenario_schema())
     return 0

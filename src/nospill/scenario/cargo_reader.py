@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
@@ -111,9 +112,11 @@ def _liquid(value: str | LiquidTable) -> Liquid:
             "custom", value.density, value.kinematic_viscosity, value.surface_tension, source="given in the scenario"
         )
     if value not in LIQUIDS:
+        near = nearest(value, LIQUIDS)
+        hint = f'; did you mean "{near}"?' if near else ""
         raise ScenarioError(
             f"liquid {as_written(value)} is unknown; choose {listed(tuple(LIQUIDS))}, "
-            "or give { density = ..., kinematic_viscosity = ... }"
+            f"or give {{ density = ..., kinematic_viscosity = ... }}{hint}"
         )
     return LIQUIDS[value]
 
