@@ -63,11 +63,16 @@ class Whole:
         self.found, self.layout = found, found.transcription.layout
         self.structure, self.numbers = found.structure, constants(found.numbers)
         self.stage, self.interval = stage, float(stage[self.layout.interval])
-        self.chains = [
-            tuple(SX(float(value)) for value in stage[3 * index : 3 * index + 3]) for index in range(self.layout.chains)
-        ]
-        self.slosh = [ca.SX(ca.DM(stage[part])) for part in (self.layout.displacement, self.layout.velocity)]
-        self.accelerations = tuple(ca.SX(ca.DM(stage[self.layout.acceleration(point)])) for point in range(2))
+        self.chains = [self._triple(3 * index) for index in range(self.layout.chains)]
+        self.slosh = self._column(self.layout.displacement), self._column(self.layout.velocity)
+        self.accelerations = self._column(self.layout.acceleration(0)), self._column(self.layout.acceleration(1))
+
+    def _triple(self, first: int) -> tuple[SX, SX, SX]:
+        value, rate, acceleration = (SX(float(entry)) for entry in self.stage[first : first + 3])
+        return value, rate, acceleration
+
+    def _column(self, part: slice) -> SX:
+        return SX(ca.DM(self.stage[part]))
 
     def tray(self, fraction: float) -> TrayState:
         chains = tuple(
