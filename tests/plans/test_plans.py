@@ -256,6 +256,10 @@ def test_damaged_folders_are_one_line(judged: tuple[Plan, Judgement], tmp_path: 
     [
         ("summary.json", {"starts": None}),
         ("summary.json", {"max_tilt_deg": "much"}),
+        ("summary.json", {"backoff": {"slip | c1": "much"}}),
+        ("summary.json", {"backoff": 3}),
+        ("summary.json", {"warnings": [1]}),
+        ("summary.json", {"warnings": [{"name": "crest"}]}),
         ("certificate.json", {"rows": [1]}),
         ("certificate.json", {"rows": []}),
         ("certificate.json", {"rows": [{}]}),

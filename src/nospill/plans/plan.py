@@ -231,6 +231,10 @@ def _starts(found: Mapping[str, Any]) -> Starts:
     return Starts(found["tried"], found["converged"], found["agreed"], tuple(found["durations"]))
 
 
+def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
+    return {name: float(value) for name, value in dict(found).items()}
+
+
 def _certificate_summary(plan: Plan) -> dict[str, Any]:
     worst = plan.certificate.worst
     return {
@@ -268,7 +272,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
-    "backoff": _Kept("report", "backoff"),
+    "backoff": _Kept("report", "backoff", from_json=_fractions),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
     "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),

@@ -32,6 +32,9 @@ from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Sce
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
+MOST_REST_SAMPLES = 200_000
+"""Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
+
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
 
 
@@ -102,6 +105,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     )
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
+    with _at(label, "[motion]"):
+        _check_rest(scenario)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
@@ -191,6 +196,15 @@ def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario:
                 )
             ],
             payload_reason(robot, tray, cargo, tray.mass + load - robot.payload),
+        )
+
+
+def _check_rest(scenario: Scenario) -> None:
+    samples = scenario.output.rate * (scenario.motion.hold_before + scenario.motion.hold_after)
+    if samples > MOST_REST_SAMPLES:
+        raise ScenarioError(
+            f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
+            f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
         )
 
 
