@@ -47,6 +47,7 @@ class Report:
         ok, verdict, detail: whether it is certified, in two or three words, and in one sentence.
         tiles: largest figures.
         opinion: of the simulation.
+        checksum: SHA-256 of trajectory.csv, hexadecimal.
         task, cargo, joints, planning, versions: tables.
     """
 
@@ -56,6 +57,7 @@ class Report:
     detail: str
     tiles: tuple[Tile, ...]
     opinion: SecondOpinion
+    checksum: str
     task: TextTable
     cargo: TextTable
     joints: TextTable
@@ -93,6 +95,7 @@ def make_report(
         detail = (
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
+    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
     return Report(
         evidence=evidence,
         ok=certificate.ok,
@@ -100,11 +103,12 @@ def make_report(
         detail=detail,
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
+        checksum=digest,
         task=task_table(plan.scene, approach=plan.approach),
         cargo=cargo_table(plan.scene, certificate),
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
-        versions=_versions(plan, controller_files or {}),
+        versions=_versions(plan, digest, controller_files or {}),
     )
 
 
@@ -147,8 +151,7 @@ def _planning(plan: Plan) -> TextTable:
     return TextTable("How it was planned", (), tuple((name, text) for name, text in rows if text))
 
 
-def _versions(plan: Plan, controller_files: Mapping[str, str | None]) -> TextTable:
-    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+def _versions(plan: Plan, digest: str, controller_files: Mapping[str, str | None]) -> TextTable:
     rows = [("trajectory.csv", f"{len(plan.trajectory.t)} samples, SHA-256 {digest[:16]}…{digest[-8:]}")]
     rows += [(name, fault or "holds the motion of trajectory.csv") for name, fault in controller_files.items()]
     rows += [(name, _version(name)) for name in _PACKAGES]
