@@ -19,8 +19,8 @@ from nospill.plots.text_pages import TEXT_WIDTH, FigureRow, TextTable, printable
 from nospill.plots.tiles import tiles
 from nospill.plots.use_table import certificate_figure
 
-_ORDER = ("limits", "path", "slosh-heights", "margins", "joints", "tilt", "tray")
-"""Figures side by side, two and two."""
+_FIRST, _LAST = ("limits", "path"), "tray"
+"""Figures on the first sheet, and the last one; they stand side by side, two and two."""
 _HEADING = 1.72
 """in; height of name, verdict and headline figures."""
 _GOOD = "#00704F"
@@ -58,8 +58,9 @@ def report_pdf(evidence: Evidence, first: tuple[TextTable, ...], last: tuple[Tex
         "Creator": "nospill",
     }
     with matplotlib.rc_context(LOOK):
-        drawn = {name: figure for name in _ORDER if (figure := REPORT_FIGURES[name](evidence)) is not None}
-        pictures = tuple(drawn.values())
+        order = [*_FIRST, *(name for name in REPORT_FIGURES if name not in (*_FIRST, _LAST)), _LAST]
+        drawn = (REPORT_FIGURES[name](evidence) for name in order)
+        pictures = tuple(figure for figure in drawn if figure is not None)
         rows = [FigureRow(pictures[index : index + 2]) for index in range(0, len(pictures), 2)]
         heading = FigureRow((_heading(evidence),))
         table = FigureRow((certificate_figure(evidence, TEXT_WIDTH),), "Certificate")
