@@ -26,11 +26,10 @@ from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
-from nospill.plots import FIRST_FIGURES, figures, save_figures
 from nospill.plots import evidence as evidence_module
+from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
-from nospill.plots.limiting import USE_COLOURS
 from nospill.plots.path_view import path_figure
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
 from nospill.scenario import scene_from_table
@@ -374,15 +373,6 @@ def test_limits_over_time_are_named_with_their_shares(crowded: Evidence, crowded
     assert axes.get_xlim() == (0.0, crowded.end_time)
 
 
-def test_colours_of_use_grow_darker() -> None:
-    """So that they are told apart on grey paper."""
-    red, green, blue, _ = USE_COLOURS(np.linspace(0.0, 1.0, 50)).T
-    grey = 0.299 * red + 0.587 * green + 0.114 * blue
-    assert np.all(np.diff(grey) < 0)
-    assert np.ptp(grey) > 0.5
-    assert USE_COLOURS(2.0) == (0.0, 0.0, 0.0, 1.0)
-
-
 def test_nearest_row_of_every_constraint(crowded: Evidence) -> None:
     certificate = crowded.judgement.certificate
     worst = {row.constraint: row for row in certificate.worst_rows()}
@@ -416,10 +406,6 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     assert [path.name for path in save_figures(plan, tmp_path, pdf=True)] == ["joints.png", "joints.pdf"]
     assert save_figures(plan, tmp_path, names=["summary"]) == []
     assert plan == plan and "judgement" not in repr(plan)
-
-
-def test_first_figures_are_figures() -> None:
-    assert set(FIRST_FIGURES) < set(figures.FIGURES)
 
 
 def test_names_are_no_formulas() -> None:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:  # heavy to import, and half of all calls print no table
 _USUAL_WIDTH = 120
 """Letters of a line that no terminal shows."""
 _GAP = 2
+_LEAST_NUMBER = 1e-3
+"""Smaller positive numbers are not told apart."""
 _LEAST_TEXT = 24
 """Letters that a column of sentences needs at least."""
 
@@ -128,4 +130,6 @@ def _widest(columns: Sequence[str], cells: Sequence[Sequence[str]], index: int) 
 def _cell(value: object) -> str:
     if value is None:
         return "-"
+    if isinstance(value, float) and 0.0 < value < _LEAST_NUMBER:
+        return f"< {_LEAST_NUMBER:g}"
     return f"{value:.3g}" if isinstance(value, float) else str(value)

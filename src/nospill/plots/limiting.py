@@ -63,8 +63,8 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
     _draw_free(axes, last, found, evidence.end_time)
     shares = [f"{100 * item.share:.0f} %" for item in rows] + [f"{100 * share_without_limit(found):.0f} %"]
     for line, share in enumerate(shares):
-        axes.text(1.11, line, share, transform=axes.get_yaxis_transform(), ha="right", va="center", size=SMALL)
-    axes.text(1.11, -0.62, "at limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", size=SMALL)
+        axes.text(1.13, line, share, transform=axes.get_yaxis_transform(), ha="right", va="center", size=SMALL)
+    axes.text(1.13, -0.62, "at limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", size=SMALL)
     axes.set_yticks(range(last + 1), [*(plain(name, longest) for name in names), "at no limit"])
     axes.tick_params(axis="y", length=0, labelsize=8)
     axes.set_ylim(last + 0.5, -0.5)

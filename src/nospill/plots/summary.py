@@ -45,12 +45,12 @@ def summary_figure(evidence: Evidence) -> Figure:
     draw_path(figure, evidence, (0.015, 0.36, 0.455, 0.455))
     draw_use_table(figure.add_axes((0.485, 0.36, 0.49, 0.455)), evidence)
     bottom, height, width = 0.06, 0.215, 0.24
-    limits = figure.add_axes((0.12, bottom, 0.215, 0.195))
+    limits = figure.add_axes((0.128, bottom, 0.207, 0.195))
     panels = [figure.add_axes((left, bottom, width, height)) for left in (0.435, 0.735)]
-    draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=18)
+    draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=22)
     figure.text(0.022, 0.297, "What holds the motion back, and when", size=9, va="center")
     broken = not evidence.judgement.certificate.ok
-    draw_colour_key(figure.add_axes((0.12, 0.267, 0.085, 0.011)), broken=broken)
+    draw_colour_key(figure.add_axes((0.128, 0.267, 0.085, 0.011)), broken=broken)
     _draw_tightest(panels[0], evidence)
     draw_speeds(panels[1], evidence)
     joints = short_names(evidence.plan.scene.robot.joints)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from nospill.core.short_names import short_names
 from nospill.judge.verdict import Row
@@ -14,14 +15,25 @@ _SUBJECT, _BAR, _BAR_END, _USE, _VALUE, _LIMIT, _UNIT, _TIME = 0.21, 0.385, 0.57
 _LONGEST_USE = 1.2
 _LONGEST_NAME = 20
 """Letters of 8 points that the first column holds."""
+_LINE = 0.165
+"""in; height of a line of the table alone."""
 _USUAL_LINES = 16
 """Lines for which the panel is drawn; more are narrower, fewer leave room below."""
 
 
-def draw_use_table(axes: Axes, evidence: Evidence) -> None:
+def certificate_figure(evidence: Evidence, width: float) -> Figure:
+    """The table alone, so many in wide."""
+    lines = len(evidence.judgement.certificate.listed_rows()) + 2.2
+    figure = Figure(figsize=(width, _LINE * lines))
+    draw_use_table(figure.add_axes((0.0, 0.0, 1.0, 1.0)), evidence, usual=0)
+    return figure
+
+
+def draw_use_table(axes: Axes, evidence: Evidence, *, usual: int = _USUAL_LINES) -> None:
     """One line per constraint: subject, bar of use, use, value, limit, when; a failing row is hatched and says so.
 
-    The checks of the record stand in one line below, and by themselves where they fail.
+    The checks of the record stand in one line below, and by themselves where they fail. Where there are fewer lines
+    than usual, room is left below.
     """
     certificate = evidence.judgement.certificate
     rows = certificate.listed_rows()
@@ -29,7 +41,7 @@ def draw_use_table(axes: Axes, evidence: Evidence) -> None:
     short = dict(zip(joints, short_names(joints), strict=True))
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(max(len(rows) + 1.0, _USUAL_LINES) - 0.4, -1.6)
+    axes.set_ylim(max(len(rows) + 1.0, usual) - 0.4, -1.6)
     unit_use = (_BAR_END - _BAR) / _LONGEST_USE
     limit = _BAR + unit_use
     for x, text, align in (

@@ -49,6 +49,7 @@ class Report:
         ok, verdict, detail: whether it is certified, in two or three words, and in one sentence.
         tiles: largest figures.
         opinion: of the simulation.
+        checksum: SHA-256 of trajectory.csv, hexadecimal.
         task, cargo, joints, planning, versions: tables.
         warnings: what the verdict rests on: what about, subject, sentence.
     """
@@ -59,6 +60,7 @@ class Report:
     detail: str
     tiles: tuple[Tile, ...]
     opinion: SecondOpinion
+    checksum: str
     task: TextTable
     cargo: TextTable
     joints: TextTable
@@ -97,6 +99,7 @@ def make_report(
         detail = (
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
+    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
     return Report(
         evidence=evidence,
         ok=certificate.ok,
@@ -104,11 +107,12 @@ def make_report(
         detail=detail,
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
+        checksum=digest,
         task=task_table(plan.scene, approach=plan.approach),
         cargo=cargo_table(plan.scene, certificate),
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
-        versions=_versions(plan, controller_files or {}),
+        versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),
     )
 
@@ -168,8 +172,7 @@ def _in_words(names: Sequence[str]) -> str:
     return "; ".join([first, *(f"{name} in {count} of {len(names)} solves" for name, count in others)])
 
 
-def _versions(plan: Plan, controller_files: Mapping[str, str | None]) -> TextTable:
-    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+def _versions(plan: Plan, digest: str, controller_files: Mapping[str, str | None]) -> TextTable:
     rows = [("trajectory.csv", f"{len(plan.trajectory.t)} samples, SHA-256 {digest[:16]}…{digest[-8:]}")]
     rows += [(name, fault or "holds the motion of trajectory.csv") for name, fault in controller_files.items()]
     rows += [(name, _version(name)) for name in _PACKAGES]
