@@ -123,7 +123,7 @@ def test_defaults() -> None:
     scene = scene_with()
     assert scene.fidelity == "full" and scene.slosh_modes == 1 and scene.output_rate == 500
     assert scene.motion.max_tilt == math.radians(30) and scene.motion.end == "residual" and not scene.motion.tilt_free
-    assert scene.planning.intervals == 100 and scene.planning.starts == 1 and scene.planning.solver == "ipopt"
+    assert scene.planning.intervals == 100 and scene.planning.starts == 1 and scene.planning.linear_solver == "auto"
     assert np.array_equal(scene.tray.tool.position, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
     assert scene.cargo[0].footprint_reserve == 0.05

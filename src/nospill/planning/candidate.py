@@ -130,7 +130,7 @@ def solved(
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm)
-    log.add(solution)
+    log.solutions.append(solution)
     return Candidate(active, solution)
 
 

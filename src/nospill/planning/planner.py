@@ -80,13 +80,13 @@ def _planned(
     judged = certified_by_refinement(candidate, log)
     report = PlanningReport(
         plan_time=time.perf_counter() - log.began,
-        solve_time=log.solve_time,
-        iterations=log.iterations,
+        solve_time=sum(solution.solve_time_s for solution in log.solutions),
+        iterations=sum(solution.iterations for solution in log.solutions),
         rounds=log.rounds,
         starts=Starts.of(log.starts),
         phases=log.phases,
         solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
-        linear_solvers=tuple(log.linear_solvers),
+        linear_solvers=tuple(solution.linear_solver for solution in log.solutions),
         backoff=judged.candidate.active.increased(),
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,

@@ -24,8 +24,14 @@ Settings = dict[str, Any]
 SOURCES = tuple(Path(__file__).with_name(name) for name in ("pivot_order.c", "sparse_ldl.c"))
 """Of `ldl`, one after the other."""
 
-UNSOLVED = ("Error_In_Step_Computation", "Internal_Error", "Invalid_Number_Detected", "Insufficient_Memory")
-"""IPOPT's words for an end at linear systems that were not solved, or not well enough."""
+UNSOLVED = (
+    "Error_In_Step_Computation",
+    "Restoration_Failed",
+    "Internal_Error",
+    "Invalid_Number_Detected",
+    "Insufficient_Memory",
+)
+"""IPOPT's words for an end to which linear systems that were not solved, or not well enough, may have led."""
 
 
 def _ldl() -> Settings | None:
@@ -37,6 +43,9 @@ def _ldl() -> Settings | None:
         "ipopt.hsllib": str(library),
         # There is no tolerance of pivots to raise; MA27's would be raised in five vain factorisations.
         "ipopt.ma27_pivtolmax": 1e-8,
+        # At rest some constraints depend on each other. MUMPS then estimates first multipliers that are too large, and
+        # IPOPT takes zero; the smaller ones of ldl would be taken, and led to a worse local optimum.
+        "ipopt.constr_mult_init_max": 0.0,
     }
 
 

@@ -17,7 +17,7 @@ long long amd_l_order(long long n, const long long *start, const long long *row,
                       double *info);
 
 /* Least entry that makes a pair, as part of the largest in its dual row: first this, then this. */
-static const double LEAST_ENTRY[2] = {0.1, 1e-3};
+static const double LEAST_ENTRY[2] = {0.5, 1e-3};
 
 static int lesser(int a, int b) { return a < b ? a : b; }
 static int greater(int a, int b) { return a < b ? b : a; }

@@ -18,12 +18,11 @@ typedef struct {
     int *companion;                  /* position of the row that is eliminated with a pivot and no other, -1 for none */
     int *parent;                     /* elimination tree; a pivot goes by the position of its first row */
     int *start, *entry, *other;      /* entries of each row left of the diagonal and on it: index, other position */
-    int *below, *row;                /* rows below each pivot: from where, positions */
-    int *first;                      /* where its values begin, one of each of its rows for each row below */
-    int *end, *mark, *stack, *path;  /* of a factorisation */
+    int *first, *end, *row;          /* each column of the factor: where it begins, ends; positions of its rows */
+    int *mark, *stack, *path;        /* of a factorisation */
     double *pivot, *coupling;        /* inverted: diagonal, and what stands between the two rows of a pivot */
     double *y;                       /* a pivot's rows in the making, two values a column, zero in between */
-    double *factor;                  /* not divided by the pivots */
+    double *factor;                  /* beside `row`; not divided by the pivots */
 } View;
 
 enum { HEADER = 1 }; /* of IW: the number of entries */
@@ -33,7 +32,7 @@ static View view(int n, int entries, int *iw, double *a) {
     View v;
     v.position = iw + HEADER, v.width = v.position + n, v.companion = v.width + n, v.parent = v.companion + n;
     v.end = v.parent + n, v.mark = v.end + n, v.stack = v.mark + n, v.path = v.stack + n, v.start = v.path + n;
-    v.below = v.start + n + 1, v.first = v.below + n + 1, v.entry = v.first + n + 1, v.other = v.entry + entries;
+    v.first = v.start + n + 1, v.entry = v.first + n + 1, v.other = v.entry + entries;
     v.row = v.other + entries;
     v.pivot = a + entries, v.coupling = v.pivot + n, v.y = v.coupling + n, v.factor = v.y + 2 * n;
     return v;
@@ -41,29 +40,28 @@ static View view(int n, int entries, int *iw, double *a) {
 
 static int head(const View *v, int position) { return v->width[position] ? position : position - 1; }
 
-/* Entries by rows, elimination tree, and how many rows and values stand below each pivot. */
+/* Entries by rows, elimination tree, and the most room that each column of the factor may take. */
 static void analyse(const View *v, int n, int entries, const int *row, const int *column) {
     for (int k = 0; k < entries; k++)
         v->other[k] = greater(v->position[row[k] - 1], v->position[column[k] - 1]);
     sort_by(entries, v->other, n, v->start, v->entry);
     for (int q = 0; q < entries; q++)
         v->other[q] = lesser(v->position[row[v->entry[q]] - 1], v->position[column[v->entry[q]] - 1]);
-    memset(v->below, 0, ((size_t)n + 1) * sizeof *v->below);
+    memset(v->first, 0, ((size_t)n + 1) * sizeof *v->first);
     for (int i = 0; i < n; i++) v->parent[i] = v->mark[i] = v->companion[i] = -1;
     for (int k = 0; k < n && v->width[k] > 0; k += v->width[k]) {
         v->mark[k] = k;
         for (int q = v->start[k]; q < v->start[k + v->width[k]]; q++)
             for (int i = head(v, v->other[q]); v->mark[i] != k; i = v->parent[i]) {
                 if (v->parent[i] < 0) v->parent[i] = k;
-                v->below[i + 1] += v->width[k];
+                v->first[i + 1] += v->width[k];
                 v->mark[i] = k;
             }
     }
-    v->first[0] = 0;
     for (int i = 0; i < n; i++) {
-        v->first[i + 1] = v->first[i] + v->below[i + 1] * greater(v->width[i], 0);
-        v->below[i + 1] += v->below[i];
+        if (v->width[i] == 0) v->first[i + 1] = v->first[i] - v->first[i - 1]; /* as much as the row before it */
         if (v->width[i] < 0) v->companion[-1 - v->width[i]] = i;
+        v->first[i + 1] += v->first[i];
     }
 }
 
@@ -80,25 +78,17 @@ static void divide(const View *v, int i, const double *in, double *out) {
     }
 }
 
-/* Take what pivot i contributes off one row in the making or two; `by`: their values at the pivot, divided by it. */
-static void eliminate(const View *v, int i, int rows, const double by[2][2]) {
-    const double *restrict f = v->factor + v->first[i];
+/* Take what column c contributes off one row in the making or two; `one`, `two`: their values there, divided by the
+   pivot. */
+static void eliminate(const View *v, int c, int rows, double one, double two) {
+    const double *restrict f = v->factor;
     double *restrict y = v->y;
-    const int *row = v->row + v->below[i], *end = v->row + v->end[i];
-    const double a = by[0][0], b = by[0][1], c = by[1][0], d = by[1][1];
-    if (rows == 1 && v->width[i] == 1)
-        for (; row < end; row++, f += 1) y[2 * *row] -= f[0] * a;
-    else if (rows == 1)
-        for (; row < end; row++, f += 2) y[2 * *row] -= f[0] * a + f[1] * b;
-    else if (v->width[i] == 1)
-        for (; row < end; row++, f += 1) {
-            y[2 * *row] -= f[0] * a;
-            y[2 * *row + 1] -= f[0] * c;
-        }
+    if (rows == 1)
+        for (int q = v->first[c]; q < v->end[c]; q++) y[2 * v->row[q]] -= f[q] * one;
     else
-        for (; row < end; row++, f += 2) {
-            y[2 * *row] -= f[0] * a + f[1] * b;
-            y[2 * *row + 1] -= f[0] * c + f[1] * d;
+        for (int q = v->first[c]; q < v->end[c]; q++) {
+            y[2 * v->row[q]] -= f[q] * one;
+            y[2 * v->row[q] + 1] -= f[q] * two;
         }
 }
 
@@ -136,21 +126,19 @@ static int next_pivot(const View *v, int n, int k, const double *value) {
             *(v->other[q] == companion ? &e : &c) += value[v->entry[q]];
     for (; top < n; top++) {
         int i = v->stack[top], width = v->width[i];
-        double *y = v->y + 2 * i, *f = v->factor + v->first[i] + (size_t)(v->end[i] - v->below[i]) * width;
-        double at[2][2] = {{y[0], 0.0}, {y[1], 0.0}}, by[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
+        double *y = v->y + 2 * i, at[2][2] = {{y[0], 0.0}, {y[1], 0.0}}, by[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
         y[0] = y[1] = 0.0;
         if (width == 2) at[0][1] = y[2], at[1][1] = y[3], y[2] = y[3] = 0.0;
         for (int part = 0; part < rows; part++) divide(v, i, at[part], by[part]);
-        eliminate(v, i, rows, by);
-        for (int part = 0; part < rows; part++, f += width) {
-            v->row[v->end[i]++] = k + part;
-            memcpy(f, at[part], width * sizeof *f);
+        for (int own = 0; own < width; own++) {
+            eliminate(v, i + own, rows, by[0][own], by[1][own]);
+            for (int part = 0; part < rows; part++)
+                if (at[part][own] != 0.0) /* of the two columns of a pair often one is empty here */
+                    v->row[v->end[i + own]] = k + part, v->factor[v->end[i + own]++] = at[part][own];
         }
         d -= at[0][0] * by[0][0] + at[0][1] * by[0][1];
-        if (rows == 2) {
-            c -= at[1][0] * by[0][0] + at[1][1] * by[0][1];
-            e -= at[1][0] * by[1][0] + at[1][1] * by[1][1];
-        }
+        c -= at[1][0] * by[0][0] + at[1][1] * by[0][1];
+        e -= at[1][0] * by[1][0] + at[1][1] * by[1][1];
     }
     return invert(v, k, second, d, c, e);
 }
@@ -159,7 +147,7 @@ static int next_pivot(const View *v, int n, int k, const double *value) {
 static int factorise(const View *v, int n, const double *value) {
     int negative = 0;
     memset(v->y, 0, 2 * (size_t)n * sizeof *v->y);
-    for (int i = 0; i < n; i++) v->mark[i] = -1, v->end[i] = v->below[i];
+    for (int i = 0; i < n; i++) v->mark[i] = -1, v->end[i] = v->first[i];
     for (int k = 0; k < n && v->width[k] > 0; k += v->width[k]) {
         int count = next_pivot(v, n, k, value);
         if (count < 0) return -1;
@@ -172,37 +160,24 @@ static int factorise(const View *v, int n, const double *value) {
 static void substitute(const View *v, int n, double *x) {
     int last = 0;
     for (int i = 0; i < n && v->width[i] > 0; i += v->width[i]) {
-        const double *f = v->factor + v->first[i];
         int companion = v->companion[i];
-        last = i;
+        double one = x[i];
+        divide(v, i, x + i, x + i);
         if (companion >= 0) {
-            double one = x[i], two = x[companion];
-            x[i] = one * v->pivot[i] + two * v->coupling[i];
-            x[companion] = one * v->coupling[i] + two * v->pivot[companion];
-        } else
-            divide(v, i, x + i, x + i);
-        if (v->width[i] == 1)
-            for (int q = v->below[i]; q < v->below[i + 1]; q++, f += 1) x[v->row[q]] -= f[0] * x[i];
-        else
-            for (int q = v->below[i]; q < v->below[i + 1]; q++, f += 2)
-                x[v->row[q]] -= f[0] * x[i] + f[1] * x[i + 1];
+            x[i] += x[companion] * v->coupling[i];
+            x[companion] = one * v->coupling[i] + x[companion] * v->pivot[companion];
+        }
+        for (last = i; last < i + v->width[i]; last++)
+            for (int q = v->first[last]; q < v->end[last]; q++) x[v->row[q]] -= v->factor[q] * x[last];
     }
-    for (int i = last; i >= 0; i--) {
-        const double *f = v->factor + v->first[i];
+    for (int i = last - 1; i >= 0; i--) {
         double sum[2] = {0.0, 0.0};
-        if (v->width[i] == 1)
-            for (int q = v->below[i]; q < v->below[i + 1]; q++, f += 1) sum[0] += f[0] * x[v->row[q]];
-        else if (v->width[i] == 2)
-            for (int q = v->below[i]; q < v->below[i + 1]; q++, f += 2) {
-                sum[0] += f[0] * x[v->row[q]];
-                sum[1] += f[1] * x[v->row[q]];
-            }
-        else
-            continue;
+        if (v->width[i] == 0) continue;
+        for (int own = 0; own < v->width[i]; own++)
+            for (int q = v->first[i + own]; q < v->end[i + own]; q++) sum[own] += v->factor[q] * x[v->row[q]];
         if (v->companion[i] >= 0) x[v->companion[i]] -= sum[0] * v->coupling[i];
         divide(v, i, sum, sum);
-        x[i] -= sum[0];
-        if (v->width[i] == 2) x[i + 1] -= sum[1];
+        for (int own = 0; own < v->width[i]; own++) x[i + own] -= sum[own];
     }
 }
 
@@ -226,7 +201,7 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
              const int *liw, int *ikeep, const int *nsteps, int *maxfrt, int *iw1, const int *icntl, const double *cntl,
              int *info) {
     int *state = ikeep + 2 * *n, negative;
-    long long need_iw = HEADER + 11LL * *n + 3 + 2LL * *nz, need_a;
+    long long need_iw = HEADER + 10LL * *n + 2 + 2LL * *nz, need_a;
     View v;
     (void)nsteps, (void)iw1, (void)icntl, (void)cntl;
     memset(info, 0, 20 * sizeof *info);
@@ -248,7 +223,7 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         analyse(&v, *n, *nz, irn, icn);
     } else
         v = view(*n, *nz, iw, a);
-    need_iw += v.below[*n], need_a = *nz + 4LL * *n + v.first[*n];
+    need_iw += v.first[*n], need_a = *nz + 4LL * *n + v.first[*n];
     if (need_iw > *liw || need_a > *la) {
         *state = ORDERED; /* the caller does not keep what is in IW */
         info[0] = need_iw > *liw ? LIW_TOO_SMALL : LA_TOO_SMALL;
