@@ -112,7 +112,7 @@ def _report(done: Handover) -> None:
     grid = f"on a grid of {certificate.grid_hz:g} Hz"
     failed = sum(not row.ok for row in certificate.rows)
     if certificate.ok:
-        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
+        print(f"{certificate.word}: all {len(certificate.rows)} rows hold {grid}")
     else:
         print(f"not certified: {failed} of {len(certificate.rows)} rows fail {grid}")
 

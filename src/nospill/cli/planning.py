@@ -166,7 +166,7 @@ def _only_figures(names: set[str]) -> bool:
 
 def _print_certificate(certificate: Certificate) -> None:
     """Print the worst row of each constraint and the verdict."""
-    from nospill.judge.wording import shown_unit
+    from nospill.judge.wording import full_model_note, shown_unit
 
     lines = []
     for row in certificate.worst_rows():
@@ -177,6 +177,9 @@ def _print_certificate(certificate: Certificate) -> None:
     grid = f"on a grid of {certificate.grid_hz:g} Hz"
     failed = [row for row in certificate.rows if not row.ok]
     if certificate.ok:
-        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
+        print(f"{certificate.word}: all {len(certificate.rows)} rows hold {grid}")
     else:
         print(f"not certified: {len(failed)} of {len(certificate.rows)} rows fail {grid}")
+    note = full_model_note(certificate)
+    if note:
+        say(f"warning: {note}.")

@@ -92,7 +92,9 @@ def judge_motion(
     traces = constraint_traces(held, scene, played)
     corners = corner_rows(held, scene, motion=motion, rate=rate, played=played)
     rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
-    return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played, corners)
+    published = scene.fidelity == "deliverable"
+    certificate = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
+    return Judgement(certificate, traces, played, corners)
 
 
 def corner_rows(

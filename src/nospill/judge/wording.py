@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 
-from nospill.judge.verdict import APPROACH, Row
+from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.lift import Lift
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.twist import Twist
 
 _DENSE = 200.0
 """Hz; at this rate and above the spline through the samples of a planned motion is as good as the motion."""
@@ -31,6 +37,34 @@ def describe(row: Row) -> str:
     else:
         distance = _used(row, "it")
     return f"{row.constraint} of {row.label} is {value} against a limit of {limit} ({distance}) {at}"
+
+
+_BREAKS = {Lift.name: "lifts off", Slip.name: "slips", Tip.name: "tips", Twist.name: "turns"}
+_HEIGHTS = {SloshHeight.name: "", ResidualHeight.name: " after the end"}
+
+
+def full_model_note(certificate: Certificate) -> str:
+    """What the full model sees beyond the limits of a plan that is certified as published, in one line; else nothing.
+
+    Of every constraint the worst object: `the full model sees 17.3 mm in "c1", 15 % over its limit; "bottle" slips,
+    106 %`.
+    """
+    worst: dict[str, Row] = {}
+    for row in certificate.full_model:
+        if row.constraint not in worst or row.use > worst[row.constraint].use:
+            worst[row.constraint] = row
+    heights, others = [], []
+    for name, row in worst.items():
+        if name in _HEIGHTS:
+            over = f"{100 * (row.use - 1):.2g} % over its limit"
+            heights.append(f'{1e3 * row.worst_value:.3g} mm in "{row.label}"{_HEIGHTS[name]}, {over}')
+        elif name in _BREAKS:
+            others.append(f'"{row.label}" {_BREAKS[name]}, {100 * row.use:.0f} %')
+        else:
+            others.append(f'{name} of "{row.label}" {100 * row.use:.0f} %')
+    if not worst:
+        return ""
+    return "the full model sees " + "; ".join(heights + others)
 
 
 def remedy(row: Row, rate: float) -> str:

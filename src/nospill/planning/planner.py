@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
+from nospill.judge.full_model import with_full_model
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.scene_parameters import structure_of
@@ -90,7 +91,9 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    certificate, maxima = judged.judgement.certificate, motion_maxima(judged.judgement, scene)
+    with log.phase("certify"):
+        certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
+    maxima = motion_maxima(judged.judgement, scene)
     record = with_recorded_modes(judged.trajectory, scene)
     found = Plan(scene, record, certificate, maxima, report, judged.judgement)
     with log.phase("approach") if scene.approach is not None else nullcontext():

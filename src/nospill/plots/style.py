@@ -180,7 +180,7 @@ def time_panels(
 
 def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, y: float) -> None:
     """What is shown, and below it the plan's name, end time and verdict; `left` and `y` in fractions of the figure."""
-    verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
+    verdict = evidence.judgement.certificate.word.replace("not", "NOT")
     name = plain(evidence.plan.scene.name, 32)
     below = y - _TITLE_ROW / figure.get_size_inches()[1]
     figure.text(left, y, title, ha="left", va="top", weight="bold")

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe
+from nospill.judge.wording import describe, full_model_note
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
@@ -93,18 +93,17 @@ def make_report(
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
     if certificate.ok:
-        verdict = "certified"
         detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
     else:
-        verdict = "not certified"
         detail = (
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
+    note = full_model_note(certificate)
     return Report(
         evidence=evidence,
         ok=certificate.ok,
-        verdict=verdict,
-        detail=detail,
+        verdict=certificate.word,
+        detail=detail + (f" Judged by the published equations; {note}." if note else ""),
         tiles=_tiles(evidence),
         opinion=opinion,
         task=task_table(plan.scene, approach=plan.approach),
