@@ -1,4 +1,4 @@
-"""What the whole physics say of a motion that is judged by the published equations: a warning beside its certificate."""
+"""What the whole physics say of a motion judged by the published equations: a warning beside its certificate."""
 
 from __future__ import annotations
 
