@@ -140,7 +140,8 @@ class ActiveSet:
         if scene.planned_modes == 1:
             return frozenset()
         broken = {row.subject for row in rows if row.constraint in _OF_LIQUIDS and row.shortfall > 0.0}
-        return frozenset(name for name, _ in self.members) & (liquid_names(scene) if scene.slosh_modes > 1 else broken)
+        wanted = liquid_names(scene) if scene.slosh_modes > 1 else broken
+        return frozenset(name for name, _ in self.members).intersection(wanted)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""
