@@ -13,7 +13,7 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
-from nospill.judge.after_end import AFTER, EVERY, played_on
+from nospill.judge.after_end import residual_height
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
@@ -23,7 +23,6 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.parameters import SceneNumbers, Structure, flatten, parameter_count, symbolic_numbers
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -67,21 +66,25 @@ def constraint_traces(
 
 
 def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
-    """The traces, those of residual heights whose bound is above the limit from the free motion."""
-    cargo = {item.name: (item, own) for item, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)}
-    bounds: dict[str, Trace] = {}
-    free = np.empty((0, 0))
+    """The traces, those of residual heights whose bound is above the limit from the free motion.
+
+    Of a single mode the bound is hardly above its highest surface.
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     for trace in traces:
-        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0 or not _has_many(cargo[trace.subject][0]):
+        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0:
             yield trace
             continue
-        if not bounds:
-            free, change = free_states(scene, *(part[:, 0] for part in state), AFTER)
-            later = {EvaluationPoint.END: (AFTER[::EVERY], [part[::EVERY].T for part in (free, change)])}
-            own = [item for item in CONSTRAINTS if item.name == ResidualHeight.name]
-            bounds = {found.subject: found for found in evaluated_traces(scene, later, constraints=own)}
-        item, columns = cargo[trace.subject]
-        yield played_on(trace, item, free[:, columns], bounds[trace.subject].value)
+        index = owners[trace.subject]
+        item, own = structure.objects[index], structure.slosh_slices[index]
+        if item.modes == 1:
+            yield trace
+            continue
+        limit = float(trace.limit[0])
+        parts = (part[own, 0] for part in state)
+        value = np.array([residual_height(item, numbers.objects[index], *parts, abs(limit))])
+        yield replace(trace, value=value, margin=abs(trace.limit) - value)
 
 
 def evaluated_traces(
@@ -139,11 +142,6 @@ def _parts(scene: Scene, numbers: SceneNumbers, inputs: Mapping[EvaluationPoint,
         }
         part = replace(scene, cargo=(cargo,))
         yield part, replace(whole, objects=(structure,)), replace(numbers, objects=(own,)), of_object
-
-
-def _has_many(cargo: Cargo) -> bool:
-    """Whether its liquid has more than one mode, whose bound is not far above its highest surface."""
-    return cargo.filling is not None and cargo.filling.modes.count > 1
 
 
 def control_inputs(trajectory: Trajectory) -> Inputs:
