@@ -102,8 +102,6 @@ def plan(
 
 def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
-    from nospill.judge.wording import verdict_word
-
     certificate = outcome.certificate
     _print_certificate(certificate, outcome.scene.robot.joints)
     _print_warnings(outcome.warnings)
@@ -114,7 +112,7 @@ def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
     lines += [f"written to {page}"] if page is not None else []
     lines += [f"look: nospill view {output}"] if output is not None else []
     print_lines(*lines)
-    print_verdict(f"{verdict_word(certificate.ok)}: {outcome.duration:.3f} s", certificate.ok)
+    print_verdict(f"{certificate.word}: {outcome.duration:.3f} s", certificate.ok)
 
 
 def check(
@@ -128,7 +126,7 @@ def check(
     Nothing is optimised or written.
     """
     from nospill.export.plan_files import compare_plan_files
-    from nospill.judge.wording import describe, verdict_word
+    from nospill.judge.wording import describe
     from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
     from nospill.plans.warnings import plan_warnings
@@ -147,7 +145,7 @@ def check(
     elif changed:
         say(f"{changed[0]}; plan again before it goes to a robot.")
     good = certificate.ok and not changed
-    print_verdict(verdict_word(certificate.ok) + (", but another file was changed" if changed else ""), good)
+    print_verdict(certificate.word + (", but another file was changed" if changed else ""), good)
     return 0 if good else 1
 
 
@@ -208,7 +206,7 @@ def _only_figures(names: set[str]) -> bool:
 def _print_certificate(certificate: Certificate, joints: Sequence[str], *, everything: bool = False) -> None:
     """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows."""
     from nospill.core.short_names import short_names
-    from nospill.judge.wording import integrity_line, row_text, verdict_line
+    from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
 
     rows = certificate.rows if everything else certificate.listed_rows()
     short = dict(zip(joints, short_names(joints), strict=True))
@@ -227,6 +225,9 @@ def _print_certificate(certificate: Certificate, joints: Sequence[str], *, every
     print_table(columns, lines, right=("use", "value", "limit", "at"), drop=("at", "value"), failing=failing)
     if not everything:
         print(integrity_line(certificate))
+    note = full_model_note(certificate)
+    if note:
+        print_lines(f"warning: {note}")
     print()
 
 

@@ -108,7 +108,8 @@ def judge_motion(
             use = np.interp(played.t, trace.t, trace.use)
             corner_use[own] = np.maximum(corner_use.get(own, use), use)
     rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
-    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows))
+    published = scene.fidelity == "deliverable"
+    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
     return Judgement(verdict, traces, played, trajectory.end_time, tuple(corners), corner_use)
 
 

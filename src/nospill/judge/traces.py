@@ -12,7 +12,7 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
-from nospill.judge.after_end import AFTER, EVERY, played_on
+from nospill.judge.after_end import residual_height
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
@@ -30,7 +30,6 @@ from nospill.laws.kinds import (
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -74,21 +73,25 @@ def constraint_traces(
 
 
 def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
-    """The traces, those of residual heights whose bound is above the limit from the free motion."""
-    cargo = {item.name: (item, own) for item, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)}
-    bounds: dict[str, Trace] = {}
-    free = np.empty((0, 0))
+    """The traces, those of residual heights whose bound is above the limit from the free motion.
+
+    Of a single mode the bound is hardly above its highest surface.
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     for trace in traces:
-        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0 or not _has_many(cargo[trace.subject][0]):
+        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0:
             yield trace
             continue
-        if not bounds:
-            free, change = free_states(scene, state[0][:, 0], state[1][:, 0], AFTER)
-            later = {EvaluationPoint.END: (AFTER[::EVERY], [part[::EVERY].T for part in (free, change)])}
-            own = [item for item in CONSTRAINTS if item.name == ResidualHeight.name]
-            bounds = {found.subject: found for found in evaluated_traces(scene, later, constraints=own)}
-        item, columns = cargo[trace.subject]
-        yield played_on(trace, item, free[:, columns], bounds[trace.subject].value)
+        index = owners[trace.subject]
+        item, own = structure.objects[index], structure.slosh_slices[index]
+        if item.modes == 1:
+            yield trace
+            continue
+        limit = float(trace.limit[0])
+        parts = (part[own, 0] for part in state)
+        value = np.array([residual_height(item, numbers.objects[index], *parts, abs(limit))])
+        yield replace(trace, value=value, margin=abs(trace.limit) - value)
 
 
 def evaluated_traces(
@@ -151,11 +154,6 @@ def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
     for name, figures in zip(names, rows.reshape(len(names), 3, -1), strict=True):
         found.setdefault(name, []).append(figures)
     return found
-
-
-def _has_many(cargo: Cargo) -> bool:
-    """Whether its liquid has more than one mode, whose bound is not far above its highest surface."""
-    return cargo.filling is not None and cargo.filling.modes.count > 1
 
 
 def control_inputs(trajectory: Trajectory) -> Inputs:

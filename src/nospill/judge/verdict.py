@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -89,11 +89,29 @@ def _fullest_of_each(rows: Iterable[Row]) -> tuple[Row, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """All rows; ok when every one is. `grid_hz`: rate of the grid the trajectory was judged on."""
+    """All rows; ok when every one is.
+
+    Attributes:
+        ok: whether every row holds.
+        grid_hz: rate of the grid the trajectory was judged on.
+        rows: one per constraint and subject.
+        published: whether the physics are the published ones (`fidelity = "deliverable"`).
+        full_model: where they are, and it was asked: rows that the whole physics break in the same motion. No part of
+            `ok`.
+    """
 
     ok: bool
     grid_hz: float
     rows: tuple[Row, ...]
+    published: bool = False
+    full_model: tuple[Row, ...] = ()
+
+    @property
+    def word(self) -> str:
+        """The verdict in a word or three: of the published equations it says so."""
+        if not self.ok:
+            return "not certified"
+        return "certified as published" if self.published else "certified"
 
     @property
     def worst(self) -> Row:
@@ -114,11 +132,15 @@ class Certificate:
 
     def joined(self, other: Certificate) -> Certificate:
         """This verdict with the rows of another one, about another segment, behind its own."""
-        return Certificate(self.ok and other.ok, min(self.grid_hz, other.grid_hz), self.rows + other.rows)
+        grid_hz = min(self.grid_hz, other.grid_hz)
+        return replace(self, ok=self.ok and other.ok, grid_hz=grid_hz, rows=self.rows + other.rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """For certificate.json: ok, grid_hz, rows."""
-        return {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+        """For certificate.json: ok, grid_hz, rows; of the published physics also what the full model breaks."""
+        table: dict[str, Any] = {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+        if self.published:
+            table |= {"published": True, "full_model": [_plain(row) for row in self.full_model]}
+        return table
 
 
 def _plain(row: Row) -> dict[str, Any]:

@@ -11,6 +11,12 @@ from dataclasses import dataclass
 from nospill.core.units import superscript
 from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.lift import Lift
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.twist import Twist
 
 _DENSE = 200.0
 """Hz; at this rate and above the spline through the samples of a planned motion is as good as the motion."""
@@ -57,17 +63,12 @@ class RowText:
         return f"{self.limit} {self.unit}".rstrip()
 
 
-def verdict_word(ok: bool) -> str:
-    """The verdict in a word or two, in small letters; a heading capitalises it."""
-    return "certified" if ok else "not certified"
-
-
 def verdict_line(certificate: Certificate) -> str:
     """The verdict with how many rows it rests on, on one line."""
     rows, grid = certificate.rows, f"on a grid of {certificate.grid_hz:g} Hz"
     failed = sum(not row.ok for row in rows)
     counted = f"all {len(rows)} rows hold" if certificate.ok else f"{failed} of {len(rows)} rows fail"
-    return f"{verdict_word(certificate.ok)}: {counted} {grid}"
+    return f"{certificate.word}: {counted} {grid}"
 
 
 def integrity_line(certificate: Certificate) -> str:
@@ -135,6 +136,34 @@ def describe(row: Row) -> str:
     kind = "lower limit" if text.limit.startswith(_FROM_BELOW) else "limit"
     limit = text.limit_and_unit.removeprefix(_FROM_BELOW)
     return f"{row.constraint} of {row.label} is {value} against a {kind} of {limit} ({distance}) {at}"
+
+
+_BREAKS = {Lift.name: "lifts off", Slip.name: "slips", Tip.name: "tips", Twist.name: "turns"}
+_HEIGHTS = {SloshHeight.name: "", ResidualHeight.name: " after the end"}
+
+
+def full_model_note(certificate: Certificate) -> str:
+    """What the full model sees beyond the limits of a plan that is certified as published, in one line; else nothing.
+
+    Of every constraint the worst object: `the full model sees 17.3 mm in "c1", 15 % over its limit; "bottle" slips,
+    106 %`.
+    """
+    worst: dict[str, Row] = {}
+    for row in certificate.full_model:
+        if row.constraint not in worst or row.use > worst[row.constraint].use:
+            worst[row.constraint] = row
+    heights, others = [], []
+    for name, row in worst.items():
+        if name in _HEIGHTS:
+            over = f"{100 * (row.use - 1):.2g} % over its limit"
+            heights.append(f'{1e3 * row.worst_value:.3g} mm in "{row.label}"{_HEIGHTS[name]}, {over}')
+        elif name in _BREAKS:
+            others.append(f'"{row.label}" {_BREAKS[name]}, {100 * row.use:.0f} %')
+        else:
+            others.append(f'{name} of "{row.label}" {100 * row.use:.0f} %')
+    if not worst:
+        return ""
+    return "the full model sees " + "; ".join(heights + others)
 
 
 def remedy(row: Row, rate: float) -> str:

@@ -28,6 +28,8 @@ _NEAR_MEMBER = 0.02
 _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it and be answered by back-off alone: a larger problem
 costs more."""
+_SLIGHT_OF_REFINED = 0.5
+"""The same once liquids are in it with several modes, where a variant more costs as much as three."""
 _MORE, _LEAST, _MOST = 1.5, 3e-4, 0.3
 
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
@@ -115,7 +117,7 @@ class ActiveSet:
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
             return self.joined(self.members, refined, judgement)
-        missing = self._outside(rows, 1.0 + _SLIGHT)
+        missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT))
         if missing:
             return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
         joining, backoff = set[RowId](), dict(self.backoff)
@@ -140,7 +142,8 @@ class ActiveSet:
         if scene.planned_modes == 1:
             return frozenset()
         broken = {row.subject for row in rows if row.constraint in _OF_LIQUIDS and row.shortfall > 0.0}
-        return frozenset(name for name, _ in self.members) & (liquid_names(scene) if scene.slosh_modes > 1 else broken)
+        wanted = liquid_names(scene) if scene.slosh_modes > 1 else broken
+        return frozenset(name for name, _ in self.members).intersection(wanted)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

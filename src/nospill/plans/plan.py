@@ -14,7 +14,7 @@ from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, remedy
+from nospill.judge.wording import describe, full_model_note, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
@@ -138,15 +138,17 @@ class Plan:
 
     @property
     def status(self) -> str:
-        """Either "certified" or "uncertified"."""
-        return "certified" if self.certificate.ok else "uncertified"
+        """One of "certified", "certified as published" (`fidelity = "deliverable"`) and "uncertified"."""
+        return self.certificate.word if self.certificate.ok else "uncertified"
 
     @property
     def message(self) -> str:
         """One sentence: the verdict and, if it is no, the row that says so."""
         worst = self.certificate.worst
         if self.certificate.ok:
-            return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            return (
+                f"{self.certificate.word.capitalize()}: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            )
         return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
 
     @property
@@ -241,6 +243,7 @@ def _certificate_summary(plan: Plan) -> dict[str, Any]:
         "ok": plan.certificate.ok,
         "worst_constraint": f"{worst.constraint} | {worst.label}",
         "worst_margin": worst.worst_margin,
+        "full_model": full_model_note(plan.certificate),
     }
 
 

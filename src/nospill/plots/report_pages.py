@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from nospill.judge.wording import verdict_line, verdict_word
+from nospill.judge.wording import verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.sheets import pdf_of
@@ -81,7 +81,7 @@ def _heading(evidence: Evidence) -> Figure:
     write(0.0, 0.28, f"{scene.robot.title} carries {names}", size=7.5, color=INK)
     box = Rectangle((0.0, 1 - 0.98 / _HEADING), 1.0, 0.5 / _HEADING, facecolor="none", edgecolor=color, linewidth=1.5)
     figure.add_artist(box)
-    write(0.12, 0.54, verdict_word(certificate.ok).upper(), size=11, weight="bold", color=color)
+    write(0.12, 0.54, certificate.word.upper(), size=11, weight="bold", color=color)
     write(0.12, 0.78, verdict_line(certificate).partition(": ")[2], size=7.5)
     if evidence.held_back:
         write(2.3, 0.53, "What holds it back", size=7, color=INK)

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nospill.core.short_names import cut
-from nospill.judge.wording import verdict_word
 from nospill.plots.evidence import Evidence
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
@@ -170,7 +169,7 @@ def time_panels(
 
 def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, y: float) -> None:
     """What is shown, and below it the plan's name, end time and verdict; `left` and `y` in fractions of the figure."""
-    verdict = verdict_word(evidence.judgement.certificate.ok)
+    verdict = evidence.judgement.certificate.word
     name = plain(evidence.plan.scene.name, 32)
     below = y - _TITLE_ROW / figure.get_size_inches()[1]
     figure.text(left, y, title, ha="left", va="top", weight="bold")

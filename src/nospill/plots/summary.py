@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.core.short_names import cut_apart, short_names
-from nospill.judge.wording import describe, verdict_word
+from nospill.judge.wording import describe
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.contact_use import draw_use
@@ -77,7 +77,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     else:
         failed = [row for row in rows if not row.ok]
         counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED
-    verdict = f"{verdict_word(certificate.ok).upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
+    verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
     figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
     shown = tiles(evidence)

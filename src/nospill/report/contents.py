@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, integrity_line, row_text, verdict_word
+from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
@@ -92,7 +92,6 @@ def make_report(
     certificate = evidence.judgement.certificate
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
-    verdict = verdict_word(certificate.ok)
     if certificate.ok:
         detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
     else:
@@ -100,11 +99,12 @@ def make_report(
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
     digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+    note = full_model_note(certificate)
     return Report(
         evidence=evidence,
         ok=certificate.ok,
-        verdict=verdict,
-        detail=detail,
+        verdict=certificate.word,
+        detail=detail + (f" Judged by the published equations; {note}." if note else ""),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,

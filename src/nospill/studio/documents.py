@@ -17,7 +17,6 @@ from typing import Any
 
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
-from nospill.judge.wording import verdict_word
 from nospill.plans.handover import exporter_named, hand_over
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scenario_text, scene_from_table, write_scenario
@@ -139,7 +138,7 @@ def export_plan(plan: Plan, choice: str, *, rate: float | None = None) -> Downlo
         exporter = exporter_named(choice)
         target = Path(work) / f"{name}{exporter.suffixes[0]}"
         done = hand_over(plan, exporter, target, rate=rate)
-        verdict = f"{verdict_word(done.certificate.ok)} as its receiver plays it"
+        verdict = f"{done.certificate.word} as its receiver plays it"
         message = f"{target.name}: {done.samples} samples at {done.rate:.6g} Hz, {verdict}"
         if target.is_dir():
             return Download(f"{target.name}.zip", _zipped(target), message)

@@ -8,7 +8,7 @@ from html import escape
 from nospill.core.short_names import short_names
 from nospill.film.colours import use_colours
 from nospill.judge.verdict import Row
-from nospill.judge.wording import integrity_line, row_text, verdict_word
+from nospill.judge.wording import integrity_line, row_text
 from nospill.plans.plan import Plan
 from nospill.studio.checks import Fault
 from nospill.studio.planning import PlanningState
@@ -94,7 +94,7 @@ def verdict(plan: Plan, *, before: float | None, stale: bool) -> str:
         change = f" <span style='font-size:13px;color:#555'>({plan.duration - before:+.3f} s)</span>"
     badge = (
         f"<span id='nospill-status' style='font-size:13px;font-weight:600;padding:2px 8px;border-radius:9px;color:#fff;"
-        f"background:{'#00684D' if good else '#A63C00'}'>{verdict_word(good)}</span>"
+        f"background:{'#00684D' if good else '#A63C00'}'>{plan.certificate.word}</span>"
     )
     note = "<div style='color:#9A4300'>The scenario was changed since.</div>" if stale else ""
     report = plan.report

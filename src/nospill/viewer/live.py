@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, arrangement
-from nospill.judge.wording import verdict_word
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
@@ -42,7 +41,7 @@ def title_of(film: Film) -> str:
     """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
     scene = film.plan.scene
     kind = "tilting" if scene.motion.tilt_free else "level"
-    verdict = verdict_word(film.judgement.certificate.ok)
+    verdict = film.judgement.certificate.word
     return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 
 

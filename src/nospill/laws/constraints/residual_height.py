@@ -6,7 +6,9 @@ import casadi as ca
 
 from nospill.core.frames import SX
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role, liquid_names
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure
 from nospill.laws.sample import ObjectSample, Sample
+from nospill.laws.slosh.motion import OscillatorState
 from nospill.laws.slosh.residual import residual_bound
 from nospill.scene.scene import Scene
 
@@ -22,7 +24,8 @@ _SMOOTHING = 0.02
 class ResidualHeight(Constraint):
     """Height for all t >= t_e below residual_fraction * max_slosh_height.
 
-    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height.
+    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height; of
+    many modes the judge plays the free motion on where that is above the limit (`judge.after_end`).
     """
 
     name = "residual height"
@@ -45,18 +48,33 @@ class ResidualHeight(Constraint):
             if not item.structure.oscillators:
                 continue
             limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
-            height = SX(0)
-            for oscillator, state in zip(item.numbers.oscillators, item.states, strict=True):
-                gain = ca.fabs(oscillator.surface_gain)
-                height += gain * residual_bound(
-                    state.displacement,
-                    state.velocity,
-                    frequency=oscillator.frequency,
-                    damping=oscillator.damping,
-                    smoothing=_SMOOTHING * limit / (gain * item.structure.modes),
-                )
+            height = height_bound(item.structure, item.numbers, item.states, limit)
             budgets.append((Range(height, -limit, limit, limit),))
         return tuple(budgets)
+
+
+def height_bound(
+    structure: ObjectStructure, numbers: ObjectNumbers, states: tuple[OscillatorState, ...], limit: SX
+) -> SX:
+    """Sum of the modes' bounds, which the height never exceeds once the tray stands level, scalar, m.
+
+    Args:
+        structure: of the object.
+        numbers: of the object.
+        states: of its modes.
+        limit: m, of which the smoothing is a part.
+    """
+    height = SX(0)
+    for oscillator, state in zip(numbers.oscillators, states, strict=True):
+        gain = ca.fabs(oscillator.surface_gain)
+        height += gain * residual_bound(
+            state.displacement,
+            state.velocity,
+            frequency=oscillator.frequency,
+            damping=oscillator.damping,
+            smoothing=_SMOOTHING * limit / (gain * structure.modes),
+        )
+    return height
 
 
 class EndDisplacement(Constraint):

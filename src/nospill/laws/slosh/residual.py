@@ -49,28 +49,29 @@ def residual_bound(
 
 
 def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Slosh coordinates after the end of the motion, the tray at rest: the first part of `free_states`."""
-    return free_states(scene, displacement, velocity, t)[0]
+    """Slosh coordinates of a scene after the end of the motion, the tray at rest: the first part of `free_states`."""
+    modes = [
+        (mode.frequency, mode.damping) for cargo in scene.cargo for mode in cargo.oscillators for _ in mode.directions
+    ]
+    frequency, damping = np.array(modes).reshape(-1, 2).T
+    return free_states(frequency, damping, displacement, velocity, t)[0]
 
 
 def free_states(
-    scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray
+    frequency: np.ndarray, damping: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Slosh coordinates and their rates after the end of the motion, the tray at rest.
 
     Args:
-        scene: with the liquids.
-        displacement: (k,) of all slosh coordinates at the end, m.
+        frequency: (k,) omega of every coordinate, rad/s.
+        damping: (k,) zeta, below 1.
+        displacement: (k,) at the end, m.
         velocity: (k,) likewise, m/s.
         t: (m,) since the end, s.
 
     Returns:
         (m, k), m and m/s.
     """
-    modes = [
-        (mode.frequency, mode.damping) for cargo in scene.cargo for mode in cargo.oscillators for _ in mode.directions
-    ]
-    frequency, damping = np.array(modes).reshape(-1, 2).T
     decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)
     quadrature = (velocity + decay * displacement) / damped
     later = t[:, None]

@@ -56,13 +56,14 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     }
     if warm is not None:
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
-    failed: list[str] = []
+    tried: list[str] = []
+    result: dict[str, Any] = {}
+    stats: dict[str, Any] = {"return_status": UNSOLVED[0]}
     for name, own in candidates(problem.scene.planning.linear_solver):
         result, stats = _attempt(problem, settings | own, arguments, options)
-        linear_solver = " after ".join([name, *failed])
+        tried.insert(0, name)
         if stats["return_status"] not in UNSOLVED:
             break
-        failed.insert(0, name)
     variables = np.asarray(result["x"]).ravel()
     values = np.asarray(result["g"]).ravel()
     return Solution(
@@ -77,7 +78,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         status=_sentence(stats),
         iterations=int(stats["iter_count"]),
         solve_time_s=time.perf_counter() - began,
-        linear_solver=linear_solver,
+        linear_solver=" after ".join(tried),
     )
 
 
