@@ -17,7 +17,13 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
 from nospill.laws.constraints.residual_height import height_bound
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, flatten, object_parameter_count, symbolic_object
+from nospill.laws.parameters import (
+    ObjectNumbers,
+    ObjectStructure,
+    flatten,
+    object_parameter_count,
+    symbolic_object_numbers,
+)
 from nospill.laws.sample import object_states
 from nospill.laws.slosh.residual import free_states
 
@@ -72,5 +78,5 @@ def _bound(item: ObjectStructure) -> Any:
     count, size = item.coordinates, object_parameter_count(item)
     q, qd, p = SX.sym("q", count), SX.sym("qd", count), SX.sym("p", size + 1)
     states = object_states(item, q, qd, SX.zeros(count))
-    height = height_bound(item, symbolic_object(item, p[:size]), states, p[size])
+    height = height_bound(item, symbolic_object_numbers(item, p[:size]), states, p[size])
     return ca.Function("bound", [q, qd, p], [height], {"cse": True})
