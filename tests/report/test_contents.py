@@ -65,6 +65,14 @@ def test_figures_of_the_motion(slow_report: Report, slow_plan: Plan) -> None:
     assert tiles["liquid of cup rises, 12 mm allowed"] == f"{1e3 * height.worst_value:.2f} mm"
 
 
+def test_warnings_are_those_of_the_judged_motion(slow_report: Report, slow_plan: Plan) -> None:
+    assert slow_report.warnings.rows == (("none", "", ""),)
+    tightened = replace(slow_plan, report=replace(slow_plan.report, backoff={"slip | cup": 0.2}))
+    (row,) = make_report(tightened).warnings.rows
+    assert row[:2] == ("back-off", "slip | cup")
+    assert slow_report.warnings in pdf_tables(slow_report)
+
+
 def test_joints_used_of_their_limits(slow_report: Report, slow_plan: Plan) -> None:
     rows = slow_report.joints.rows
     assert [row[0] for row in rows] == list(slow_plan.scene.robot.joints)
