@@ -139,7 +139,8 @@ def test_an_approach_changed_behind_the_source_is_saved_as_it_is(whole, tmp_path
     assert rules is not None
     altered = replace(whole.scene, approach=replace(rules, max_jerk=rules.max_jerk * 2.0))
     replace(whole, scene=altered).save(tmp_path / "out")
-    assert np.allclose(load_plan(tmp_path / "out").scene.approach.max_jerk, 2.0 * rules.max_jerk)
+    kept = load_plan(tmp_path / "out").scene.approach
+    assert kept is not None and np.allclose(kept.max_jerk, 2.0 * rules.max_jerk)
     replace(whole, scene=replace(whole.scene, approach=None), approach=None).save(tmp_path / "out")
     assert load_plan(tmp_path / "out").scene.approach is None
     beyond = replace(whole.scene, approach=replace(rules, max_speed=2.0 * rules.max_speed))

@@ -80,6 +80,14 @@ def test_figures_turn_red_where_their_limit_fails(slow_report: Report, fast_repo
     assert page.count("<li class='fails'>") == sum(not tile.ok for tile in fast_report.tiles)
 
 
+def test_warnings_are_those_of_the_judged_motion(slow_report: Report, slow_plan: Plan) -> None:
+    assert slow_report.warnings.rows == (("none", "", ""),)
+    tightened = replace(slow_plan, report=replace(slow_plan.report, backoff={"slip | cup": 0.2}))
+    (row,) = make_report(tightened).warnings.rows
+    assert row[:2] == ("back-off", "slip | cup")
+    assert slow_report.warnings in pdf_tables(slow_report)
+
+
 def test_joints_used_of_their_limits(slow_report: Report, slow_plan: Plan) -> None:
     rows = slow_report.joints.rows
     assert [row[0] for row in rows] == list(slow_plan.scene.robot.joints)

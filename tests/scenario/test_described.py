@@ -90,6 +90,9 @@ def test_what_a_scenario_can_say_is_said(change: Callable[[Scene], Scene]) -> No
         (lambda scene: replace(scene, gravity=1.62), r"gravity of the scene was changed .* ns\.load\("),
         (lambda scene: replace(scene, start_near=np.zeros(6)), r"start_near of the scene was changed"),
         (lambda scene: replace(scene, cargo=()), r"cargo has no entries"),
+        (lambda scene: replace(scene, motion=None), r"motion of the scene is of type NoneType"),  # type: ignore[arg-type]
+        (lambda scene: replace(scene, cargo=("cup",)), r"cargo of the scene is of type str"),  # type: ignore[arg-type]
+        (lambda scene: replace(scene, approach="home"), r"approach of the scene is of type str"),  # type: ignore[arg-type]
         (on("robot", max_acceleration=np.full(6, 5.0)), r"limits.acceleration is given, but limits_applied"),
     ],
 )

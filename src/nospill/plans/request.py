@@ -40,8 +40,8 @@ def ignored_constraints(ignore: Collection[str] | str) -> frozenset[str]:
     unknown = sorted(set(names) - set(BY_NAME))
     if unknown:
         near = nearest(unknown[0], BY_NAME)
-        hint = f'did you mean "{near}"?' if near else f"there are: {', '.join(BY_NAME)}"
-        raise ScenarioError(f'ignore: "{unknown[0]}" is no constraint; {hint}')
+        hint = f'; did you mean "{near}"?' if near else ""
+        raise ScenarioError(f'ignore: "{unknown[0]}" is no constraint; there are: {", ".join(BY_NAME)}{hint}')
     return frozenset(names)
 
 

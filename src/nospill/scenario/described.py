@@ -24,6 +24,8 @@ _COMPARED_ELSEWHERE = frozenset({"source", "start_near"})
 _IN_WORDS = frozenset({"sources", "not_known", "notes", "title"})
 """Attributes of a robot that follow from where its figures come from."""
 
+_PARTS = ("robot", "tray", "cargo", "path", "motion", "planning")
+
 _MOTION = {
     "max_tilt": "angle",
     "path_jerk_limit": "path_jerk",
@@ -57,6 +59,7 @@ def described(scene: Scene) -> Scene:
             path, masses that contradict the sizes); names what.
     """
     original = scene_from_table(scene.source, name=scene.name)
+    _require_kinds(scene, original)
     if difference(original, scene) is None and _same(original.start_near, scene.start_near):
         return scene
     read = scene_from_table(_table(scene, original), name=scene.name)
@@ -69,6 +72,19 @@ def described(scene: Scene) -> Scene:
             "what contradicts the rest; change the scenario instead, as in ns.load({**scene.source, ...})"
         )
     return read
+
+
+def _require_kinds(scene: Scene, original: Scene) -> None:
+    """Refuse a part of another kind, which has none of the attributes that are read below."""
+    parts = [(name, getattr(scene, name), type(getattr(original, name))) for name in _PARTS]
+    parts += [("cargo", item, Cargo) for item in scene.cargo]
+    parts += [("approach", scene.approach, ApproachRules)] if scene.approach is not None else []
+    wrong = [(name, part) for name, part, wanted in parts if not isinstance(part, wanted)]
+    if wrong:
+        name, part = wrong[0]
+        raise ScenarioError(
+            f"{original.name}: {name} of the scene is of type {type(part).__name__}, no part of a scene"
+        )
 
 
 def difference(first: Any, second: Any, place: str = "") -> str | None:
