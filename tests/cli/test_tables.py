@@ -38,7 +38,10 @@ def test_names_are_whole_and_lines_fit(width: int, monkeypatch: pytest.MonkeyPat
 
 
 def test_no_row_takes_two_lines_and_numbers_end_below_each_other(width: int, capsys) -> None:
-    rows = [("recorded acceleration", "shoulder_lift", "99.9 %", 12.3456, None), ("tip", "c1", "5.0 %", 1.0, 2.0)]
+    rows = [
+        ("approach recorded acceleration", "shoulder_lift", "99.9 %", 12.3456, None),
+        ("tip", "c1", "5.0 %", 1.0, 2.0),
+    ]
     print_table(("constraint", "of", "use", "value", "more"), rows, right=("use",), drop=("more",))
     head, rule, first, second = lines_of(capsys.readouterr().out)
     assert set(rule) == {"\u2500"}

@@ -34,7 +34,7 @@ def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
 def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
     """The part of a judgement that an active set reads."""
     replay: Any = SimpleNamespace(joint_position=Q)
-    return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, corners)
+    return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, 1.0, corners)
 
 
 def grid_of_cups(**tolerance: Any) -> Scene:

@@ -222,7 +222,7 @@ def _print_certificate(certificate: Certificate, joints: Sequence[str], *, every
     columns += ["with"] if varied else []
     print_verdict(verdict_line(certificate), certificate.ok)
     print()
-    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=("at", "value"), failing=failing)
+    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=("at", "value", "limit"), failing=failing)
     if not everything:
         print(integrity_line(certificate))
     note = full_model_note(certificate)

@@ -13,7 +13,8 @@ if TYPE_CHECKING:  # heavy to import, and half of all calls print no table
 
 _USUAL_WIDTH = 120
 """Letters of a line that no terminal shows."""
-_GAP = 2
+_GAP = 1
+"""Letters between columns besides the one of the rule."""
 _LEAST_NUMBER = 1e-3
 """Smaller positive numbers are not told apart."""
 _LEAST_TEXT = 24

@@ -160,7 +160,7 @@ def _limits(film: Film, before: str) -> list[tuple[int, Lanes]]:
         Lane(name, item.share, item.t[::_EVERY], item.use[::_EVERY], item.at_limit[::_EVERY])
         for name, item in zip(names, rows, strict=True)
     ]
-    return [(0, Lanes(f"{before}what holds it back: use, hatched at the limit", tuple(lanes)))] if lanes else []
+    return [(0, Lanes(f"{before}what holds it back (/// at limit)", tuple(lanes)))] if lanes else []
 
 
 def _draw_lanes(panel: Lanes, top: float, length: float) -> str:
