@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from importlib.metadata import version
@@ -92,6 +93,20 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     process.stderr.close()
     wait_until(lambda: process.poll() is not None, "a command without a reader ends")
     assert process.returncode == 141
+
+
+def test_a_sign_that_the_encoding_lacks_ends_no_command(tmp_path: Path) -> None:
+    command = "import sys; sys.argv = ['nospill', 'plan', 'tea\u2265.toml']; from nospill.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", command],
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith("tea?.toml")
 
 
 def test_help_loads_nothing_heavy() -> None:

@@ -6,6 +6,8 @@ Exit codes: 0 certified (or done), 1 solved but not certified, 2 bad input, 3 no
 
 from __future__ import annotations
 
+import io
+import sys
 from collections.abc import Callable
 from typing import Annotated
 
@@ -54,6 +56,9 @@ app = typer.Typer(
 
 def main() -> None:
     """Entry point of the command `nospill`."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a sign that the encoding lacks must not end a command
     app()
 
 

@@ -220,9 +220,10 @@ def _print_certificate(certificate: Certificate, joints: Sequence[str], *, every
         cells = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
         lines.append([*cells, f"{row.at_s:.3f} s", *([row.variant] if varied else [])])
     columns += ["with"] if varied else []
+    drop = [*(["with"] if varied else []), "at", "value", "limit"]
     print_verdict(verdict_line(certificate), certificate.ok)
     print()
-    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=("at", "value", "limit"), failing=failing)
+    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
     if not everything:
         print(integrity_line(certificate))
     note = full_model_note(certificate)

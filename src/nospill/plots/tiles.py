@@ -79,13 +79,15 @@ def _height(row: Row) -> Tile:
 
 
 def _rim(evidence: Evidence) -> list[Tile]:
-    """How far below its rim the liquid stays that comes nearest to it; rounded down."""
-    heights = evidence.maxima.slosh_height
-    left = {
-        cargo.name: 1e3 * (cargo.container.height - cargo.filling.liquid_height - heights[cargo.name])
-        for cargo in evidence.plan.scene.cargo
-        if cargo.filling is not None and cargo.name in heights
-    }
+    """How far below its rim the liquid stays that comes nearest to it, with its tolerances; rounded down."""
+    rows = evidence.judgement.certificate.rows
+    heights = {row.subject: row.worst_value for row in rows if row.constraint == SloshHeight.name}
+    left = {}
+    for cargo in evidence.plan.scene.cargo:
+        if cargo.filling is not None and cargo.name in heights:
+            more = cargo.tolerance.liquid_height if cargo.tolerance is not None else 0.0
+            highest = cargo.filling.liquid_height + more + heights[cargo.name]
+            left[cargo.name] = 1e3 * (cargo.container.height - highest)
     if not left:
         return []
     nearest = min(left, key=left.__getitem__)
