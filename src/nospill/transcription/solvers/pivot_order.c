@@ -17,7 +17,7 @@ long long amd_l_order(long long n, const long long *start, const long long *row,
                       double *info);
 
 /* Least entry that makes a pair, as part of the largest in its dual row: first this, then this. */
-static const double LEAST_ENTRY[2] = {0.5, 1e-3};
+static const double LEAST_ENTRY[2] = {0.1, 1e-3};
 
 static int lesser(int a, int b) { return a < b ? a : b; }
 static int greater(int a, int b) { return a < b ? b : a; }
@@ -111,7 +111,8 @@ static int primal_rows(int entries, const int *row, const int *column) {
 static int order_pivots(int n, int entries, const int *row, const int *column, const double *value, int *position,
                         int *width) {
     size_t rows = (size_t)n + 1, all = (size_t)entries + 1;
-    int *whole = malloc((8 * rows + 3 * all) * sizeof *whole), *key = whole, *other = key + all, *part = other + 2 * all;
+    int *whole = malloc((8 * rows + 3 * all) * sizeof *whole);
+    int *key = whole, *other = key + all, *part = other + 2 * all;
     double *size = malloc((all + rows) * sizeof *size), *largest = size + all;
     long long *start = malloc((2 * rows + all) * sizeof *start), *pattern = start + rows, *sequence = pattern + all;
     int primal = primal_rows(entries, row, column), nodes = 0, last = 0, end = n, found = 0;
@@ -154,7 +155,10 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
             if (two >= 0) width[last] = 0, position[primal + two] = last++;
         }
         for (int i = 0; found && i < primal; i++)
-            if (p.row_of[i] >= 0 && p.degree[i] == 1) position[i] = --end, width[end] = -1 - position[primal + p.row_of[i]];
+            if (p.row_of[i] >= 0 && p.degree[i] == 1) {
+                position[i] = --end;
+                width[end] = -1 - position[primal + p.row_of[i]];
+            }
     }
     free(whole);
     free(size);

@@ -8,6 +8,9 @@
    matrix. */
 static const double REGULARISATION = 1e-12;
 
+/* Least pivot, of a pair its eigenvalue; a smaller one is moved by so much, up in primal rows and down in dual ones. */
+static const double LEAST_PIVOT = 1e-9;
+
 enum { NOT_ORDERED, ORDERED, ANALYSED };
 enum { LIW_TOO_SMALL = -3, LA_TOO_SMALL = -4, SINGULAR = -5, NO_MEMORY = -20 };
 
@@ -92,13 +95,20 @@ static void eliminate(const View *v, int c, int rows, double one, double two) {
         }
 }
 
-/* Invert pivot k. Returns the number of its negative eigenvalues, -1 where it is singular. */
+/* Invert pivot k, of the diagonal d and e with c between. Returns the number of its negative eigenvalues, -1 where it
+   is singular. Of a pair nothing may be left, though the matrix is regular: dividing by it would lose all digits. It is
+   moved by an amount that IPOPT's iterative refinement makes good. */
 static int invert(const View *v, int k, int second, double d, double c, double e) {
-    double determinant = d * e - c * c;
     if (second < 0) {
+        if (fabs(d) < LEAST_PIVOT) d += v->pivot[k] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
         v->pivot[k] = 1.0 / d;
         return isfinite(v->pivot[k]) ? d < 0.0 : -1;
     }
+    if (fabs(d * e - c * c) < LEAST_PIVOT * fmax(fmax(fabs(d), fabs(e)), fabs(c))) {
+        d += v->pivot[k] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
+        e += v->pivot[second] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
+    }
+    double determinant = d * e - c * c;
     v->pivot[k] = e / determinant, v->pivot[second] = d / determinant, v->coupling[k] = -c / determinant;
     if (!isfinite(v->pivot[k] + v->pivot[second] + v->coupling[k])) return -1;
     return determinant < 0.0 ? 1 : d < 0.0 ? 2 : 0;
