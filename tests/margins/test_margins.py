@@ -106,7 +106,7 @@ def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: 
     poured = cargo.filling.liquid.density * cargo.container.volume(1.0) * rise
     assert changed.total.mass == pytest.approx(cargo.total.mass + added + poured, rel=1e-9)
     level = cargo.filling.liquid_height + rise
-    fresh = cargo.container.slosh_modes(cargo.filling.liquid, level, scene.slosh_modes)
+    fresh = cargo.container.slosh_modes(cargo.filling.liquid, level, cargo.filling.modes.count)
     for mine, formula, before in zip(
         changed.filling.modes.oscillators, fresh.oscillators, cargo.filling.modes.oscillators, strict=True
     ):

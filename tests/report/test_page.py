@@ -127,7 +127,7 @@ def test_every_figure_and_row_has_its_words(hostile_page: str) -> None:
 
 def test_verdict_in_words_and_sign(fast_page: str, slow_report: Report) -> None:
     good = html_page(slow_report, {})
-    assert "<strong>CERTIFIED</strong>" in good and "class='verdict yes'" in good
+    assert "<strong>CERTIFIED AS PUBLISHED</strong>" in good and "class='verdict yes'" in good
     assert "NOT CERTIFIED" not in good and "FAILS" not in good
     assert "<strong>NOT CERTIFIED</strong>" in fast_page and "class='verdict no'" in fast_page
     assert "<strong>CERTIFIED</strong>" not in fast_page
