@@ -85,15 +85,20 @@ def _overlap(first: Cargo, second: Cargo, own: float, other: float) -> float:
 def _sections(first: Container, second: Container) -> tuple[np.ndarray, np.ndarray]:
     """Heights (n,), m, at which two outsides may come nearest, and how large they are there, (n, 2).
 
-    Between the corners of both outsides everything is linear; of equal sections only the lowest is kept.
+    Between the corners of both outsides everything is linear. Two sections are left out where at some height both are
+    at least as large.
     """
     outsides = (first.outside, second.outside)
     top = min(outside[-1, 1] for outside in outsides)
     corners = np.unique(np.concatenate([outside[:, 1] for outside in outsides]))
     heights = np.minimum(corners[corners <= top], top)
     shares = np.array([[_share(outside, height) for outside in outsides] for height in heights])
-    _, kept = np.unique(shares, axis=0, return_index=True)
-    kept = np.sort(kept)
+    kept, widest = [], -1.0
+    for index in np.lexsort((heights, -shares[:, 1], -shares[:, 0])):
+        if shares[index, 1] > widest:
+            kept.append(index)
+            widest = shares[index, 1]
+    kept = sorted(kept)
     return heights[kept], shares[kept]
 
 

@@ -93,9 +93,8 @@ def _shape(draft: Draft, key: Key, shape: str) -> dict[Key, Any]:
     radius = _length(entry.get("bottom_radius"), _SOME_LENGTH / 2)
     width = _length(entry.get("length"), 2 * _length(entry.get("radius"), radius))
     height = _length(entry.get("height"), 2 * _SOME_LENGTH)
-    values: dict[Key, Any] = {
-        (*own, side): None for side in ("yaw", *size_keys(entry.get("shape"))) if side != "height"
-    }
+    gone = {"yaw", *size_keys(entry.get("shape"))}
+    values: dict[Key, Any] = {(*own, side): None for side in gone}
     # Where there is a flat bottom, it is the base.
     flat = bool({"bottom_radius", "profile"} & set(size_keys(shape)))
     for side in size_keys(shape):

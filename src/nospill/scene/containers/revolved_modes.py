@@ -49,7 +49,8 @@ class RevolvedModes:
         surface_gain: (n,) height at the wall per displacement of the modal mass.
         layer_ratio: (n,) integral of |grad phi|^2 over the wetted wall over that in the volume, 1/m.
         wave_number: (n,) square root of the integral of |grad_xy phi|^2 over that of phi^2 on the surface, 1/m.
-        inertia: of the liquid closed off at its surface about the bottom's x axis, over density, m^5.
+        inertia: of the liquid closed off at its surface about a line across the middle of the surface, over density,
+            m^5.
     """
 
     curvature: np.ndarray
@@ -71,17 +72,19 @@ def revolved_modes(meridian: Meridian, level: float, count: int) -> RevolvedMode
 
 
 @lru_cache(maxsize=512)
-def solve_modes(meridian: Meridian, level: float, surface_elements: int, refinement: float = 1.0) -> RevolvedModes:
-    """The modes that so many elements along the surface's radius can carry, a quarter as many modes.
+def solve_modes(
+    meridian: Meridian, level: float, surface_elements: int, refinement: float = 1.0, modes: int | None = None
+) -> RevolvedModes:
+    """The modes that so many elements along the surface's radius can carry: a quarter as many, or `modes`.
 
     Steklov's problem is reduced to the surface: with G the surface's part of the inverse of a, G s has the eigenvalues
-    1/kappa. Zhukovsky's potential W of a turn about y solves a(W, v) = integral of z v_x - x v_z.
+    1/kappa. Zhukovsky's potential W of a turn about y solves a(W, v) = integral of z (x v)_x - x (x v)_z.
 
     Raises:
         ModelError: the region is too intricate.
     """
     mesh = mesh_liquid(meridian, level, surface_elements, refinement=refinement)
-    stiffness, turning = _volume_terms(mesh)
+    stiffness, turning = _volume_terms(mesh, level)
     own = np.unique(mesh.surface)
     surface_mass, surface_stiffness = _surface_terms(mesh, own)
     solve = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
@@ -92,7 +95,7 @@ def solve_modes(meridian: Meridian, level: float, surface_elements: int, refinem
     factor = np.linalg.cholesky(surface_mass)
     flexibility = influence[own]
     inverse, vectors = eigh(factor.T @ (flexibility + flexibility.T) / 2 @ factor)
-    count = surface_elements // 4
+    count = surface_elements // 4 if modes is None else modes
     kappa = 1.0 / inverse[::-1][:count]
     shapes = np.linalg.solve(factor.T, vectors[:, ::-1][:, :count])
     surge = shapes.T @ surface_mass @ np.ones(len(own))
@@ -102,7 +105,7 @@ def solve_modes(meridian: Meridian, level: float, surface_elements: int, refinem
     return RevolvedModes(
         curvature=read_only(kappa),
         volume=read_only(kappa * surge**2),
-        height=read_only(lean / surge),
+        height=read_only(level + lean / surge),
         surface_gain=read_only(mesh.nodes[own[wall], 0] * shapes[wall] * kappa * surge),
         layer_ratio=read_only(_wall_dissipation(mesh, whole) / kappa),
         wave_number=read_only(np.sqrt(np.einsum("in,ij,jn->n", shapes, surface_stiffness, shapes))),
@@ -121,8 +124,8 @@ def _shape(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return value, np.stack([by_x, by_y], axis=2)
 
 
-def _volume_terms(mesh: MeridianMesh) -> tuple[sp.csc_array, np.ndarray]:
-    """The matrix of a and the right side of Zhukovsky's problem."""
+def _volume_terms(mesh: MeridianMesh, level: float) -> tuple[sp.csc_array, np.ndarray]:
+    """The matrix of a and the right side of Zhukovsky's problem, z from the level."""
     value, derivative = _shape(_QUADRATURE)
     corners = mesh.nodes[mesh.triangles]
     place = np.einsum("qi,tix->tqx", value, corners)
@@ -130,7 +133,7 @@ def _volume_terms(mesh: MeridianMesh) -> tuple[sp.csc_array, np.ndarray]:
     area = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
     inverse = np.linalg.inv(jacobian)
     slope = np.einsum("qiy,tqyx->tqix", derivative, inverse)
-    r, z = place[..., 0], place[..., 1]
+    r, z = place[..., 0], place[..., 1] - level
     weight = np.pi * r * area * _AREA_WEIGHTS
     radial = value + r[..., None] * slope[..., 0]
     upward = r[..., None] * slope[..., 1]

@@ -191,7 +191,7 @@ class Vessel(ABC):
         frozen = FrozenLiquid(
             mass=mass,
             centre_height=centre,
-            enclosed_inertia=np.full(2, liquid.density * found.inertia - mass * centre**2),
+            enclosed_inertia=np.full(2, liquid.density * found.inertia - mass * (liquid_height - centre) ** 2),
             quasi_static_gain=np.full(2, self.meridian.radius(liquid_height)),
         )
         layers = modes[0].layer_damping(liquid, liquid_height)
