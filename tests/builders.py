@@ -12,9 +12,22 @@ import pytest
 from benchmarks.slosh.validate import data_folder
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.scene.containers.vessel import Vessel
+from nospill.scene.containers.vessels import Bowl, ConicalFlask, Profile, RoundFlask, Tapered, TestTube, WineGlass
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.starting_motions import Start, smooth_start
+
+VESSELS: dict[str, Vessel] = {
+    "tapered": Tapered(bottom_radius=0.03, top_radius=0.045, height=0.11),
+    "bowl": Bowl(radius=0.07, bottom_radius=0.03, height=0.06),
+    "wine-glass": WineGlass(radius=0.045, rim_radius=0.035, bowl_height=0.1, height=0.2, base_radius=0.035),
+    "conical-flask": ConicalFlask(bottom_radius=0.045, neck_radius=0.0175, shoulder_height=0.1, height=0.13),
+    "round-flask": RoundFlask(radius=0.05, bottom_radius=0.02, neck_radius=0.015, height=0.15),
+    "test-tube": TestTube(radius=0.009, height=0.1, base_radius=0.02),
+    "profile": Profile(profile=((0.0, 0.0), (0.02, 0.0), (0.02, 0.02), (0.05, 0.02), (0.045, 0.09)), wall=0.002),
+}
+"""A vessel of every shape that is a body of revolution."""
 
 
 def changed_table(table: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:

@@ -53,7 +53,7 @@ def test_distributions_name_what_there_is() -> None:
     assert set(DISTRIBUTIONS.path.values) == set(PATH_TABLES) == set(campaign_paths.PATHS)
     random = np.random.default_rng(0)
     drawn = {campaign_scenes._object(random, DISTRIBUTIONS)[0]["shape"] for _ in range(50)}
-    assert drawn == set(CARGO_TABLES)
+    assert drawn == {"cylinder", "box"} < set(CARGO_TABLES)
     assert len(DISTRIBUTIONS.rows()) == len(Distributions.__slots__)  # pyright: ignore[reportArgumentType]
 
 

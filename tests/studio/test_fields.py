@@ -182,12 +182,22 @@ def test_solids_become_cups_and_back(draft_of: DraftOf, liquid: str) -> None:
 
 def test_shapes_keep_their_width(draft_of: DraftOf) -> None:
     draft = draft_of("pp-two-cups")
-    assert set(CONTAINERS) == {"cylinder", "box"}
     boxed = check(chosen(draft, ("cargo", 0, "shape"), "box").table).scene
     assert boxed is not None
     assert (draft.cargo[0]["length"], draft.cargo[0]["width"]) == ("70 mm", "70 mm")
     again = chosen(draft, ("cargo", 0, "shape"), "cylinder")
     assert again.cargo[0]["radius"] == "35 mm" and "length" not in again.cargo[0]
+
+
+@pytest.mark.parametrize("shape", CONTAINERS)
+def test_every_shape_can_be_chosen(draft_of: DraftOf, shape: str) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.change({("cargo", 1, "at"): ["60 mm", "-60 mm"], ("cargo", 0, "at"): ["-60 mm", "60 mm"]})
+    draft.change({("cargo", 0, "mass"): None, ("cargo", 0, "centre_of_mass_height"): None})
+    draft.change({("cargo", 0, "max_slosh_height"): None, ("cargo", 0, "liquid_height"): "60 mm"})
+    found = check(chosen(draft, ("cargo", 0, "shape"), shape).table)
+    assert found.scene is not None, found.faults
+    assert found.scene.cargo[0].shape == shape
 
 
 def test_keys_without_a_field_survive(draft_of: DraftOf) -> None:

@@ -35,12 +35,22 @@ _MILLI = Decimal("1e-3")
 _MICRO = Decimal("1e-6")
 
 _LENGTH = {"m": _ONE, "cm": Decimal("1e-2"), "mm": _MILLI, "um": _MICRO, "in": Decimal("0.0254")}
+_VOLUME = {
+    "m^3": _ONE,
+    "l": _MILLI,
+    "dl": Decimal("1e-4"),
+    "cl": Decimal("1e-5"),
+    "ml": _MICRO,
+    "cm^3": _MICRO,
+    "mm^3": Decimal("1e-9"),
+}
 _SPEED = {"m/s": _ONE, "mm/s": _MILLI}
 _ACCELERATION = {"m/s^2": _ONE, "mm/s^2": _MILLI}
 _VISCOSITY = {"m^2/s": _ONE, "mm^2/s": _MICRO, "cSt": _MICRO}
 
 DIMENSIONS: dict[str, Dimension] = {
     "length": Dimension("a length", dict(_LENGTH), "mm", "35 mm"),
+    "volume": Dimension("a volume", dict(_VOLUME), "ml", "250 ml"),
     "angle": Dimension("an angle", {"rad": _ONE, "deg": _DEGREE, "mrad": _MILLI}, "deg", "30 deg"),
     "time": Dimension("a time", {"s": _ONE, "ms": _MILLI, "min": Decimal(60)}, "s", "1.5 s"),
     "speed": Dimension("a speed", dict(_SPEED), "m/s", "0.5 m/s"),

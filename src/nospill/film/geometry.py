@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -42,27 +43,13 @@ def prism(outline: np.ndarray, bottom: float, top: float) -> Mesh:
     return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
 
 
-def open_shell(outline: np.ndarray, height: float, *, wall: float, floor: float) -> Mesh:
-    """A container without lid: outer and inner wall, rim, floor inside and bottom outside.
+def bands(outlines: Sequence[np.ndarray], heights: Sequence[float] | np.ndarray) -> Mesh:
+    """Bands from each outline (n, 2), counter-clockwise, m, at its height in m to the next; open at both ends.
 
-    Args:
-        outline: (n, 2) outer outline of the bottom, counter-clockwise, m.
-        height: of the rim, m.
-        wall: thickness, m.
-        floor: height of the floor inside, m.
+    Their outside is seen where the heights rise.
     """
-    inner = shrunk(outline, wall)
-    low, high = _at_height(outline, 0.0), _at_height(outline, height)
-    inside_high, inside_low = _at_height(inner, height), _at_height(inner, floor)
-    return joined(
-        [
-            _strip(low, high),
-            _strip(high, inside_high),
-            _strip(inside_high, inside_low),
-            _cap(inside_low),
-            _cap(low, downwards=True),
-        ]
-    )
+    rings = [_at_height(outline, float(height)) for outline, height in zip(outlines, heights, strict=True)]
+    return joined([_strip(low, high) for low, high in pairwise(rings)])
 
 
 def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, sides: int = TUBE_SIDES) -> Mesh:
@@ -87,19 +74,49 @@ def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, side
 
 
 def container_body(container: Container, *, hollow: bool) -> Mesh:
-    """A container as it is seen, container frame: a cup or box with its wall, or a solid.
+    """A container as it is seen, container frame: a vessel with its wall, or a solid.
 
-    The wall stands inside the outline; real walls are thin, so its thickness is only for the eye.
+    The wall stands inside the outside; real walls are thin, so its thickness is only for the eye.
     """
-    if not hollow:
-        return prism(container.outline, 0.0, container.height)
-    wall = wall_thickness(container)
-    return open_shell(container.outline, container.height, wall=wall, floor=wall)
+    outlines = [size * container.outline for size in container.outside[:, 0]]
+    heights = list(container.outside[:, 1])
+    end = outlines[-1], heights[-1]
+    if hollow:
+        inside, levels = drawn_inside(container, wall_thickness(container))
+        outlines, heights = [*outlines, *inside[::-1]], [*heights, *levels[::-1]]
+        end = inside[0], levels[0]
+    bottom = _at_height(outlines[0], heights[0])
+    return joined([bands(outlines, heights), _cap(_at_height(*end)), _cap(bottom, downwards=True)])
+
+
+def drawn_inside(container: Container, wall: float) -> tuple[list[np.ndarray], list[float]]:
+    """Outlines (n, 2) of the inside as it is drawn, from the floor to the rim, and their heights, m.
+
+    `wall`: m, by which they stand inside; the same on every side, and below.
+    """
+    floor = float(container.inside[0, 1]) + wall
+    wide = [(size, float(z)) for size, z in container.inside if size * _half_width(container) > 1.5 * wall]
+    outlines = [shrunk(size * container.outline, wall) for size, _ in wide]
+    return outlines, [floor, *(max(z, floor) for _, z in wide[1:-1]), wide[-1][1]]
 
 
 def wall_thickness(container: Container) -> float:
     """Thickness a container's wall is drawn with, m: a twenty-fifth of its narrower half width."""
-    return 0.04 * float(np.min(np.max(np.abs(container.outline), axis=0)))
+    return 0.04 * _half_width(container)
+
+
+def widest_outline(container: Container) -> np.ndarray:
+    """Outline seen from above, (n, 2), m: that of the widest section."""
+    return float(np.max(container.outside[:, 0])) * container.outline
+
+
+def outline_at(container: Container, height: float) -> np.ndarray:
+    """Outline of the outside at a height in m, (n, 2), m."""
+    return float(np.interp(height, container.outside[:, 1], container.outside[:, 0])) * container.outline
+
+
+def _half_width(container: Container) -> float:
+    return float(np.min(np.max(np.abs(container.outline), axis=0)))
 
 
 def contact_collar(container: Container, *, height: float = 0.006, overhang: float = 0.003) -> Mesh:

@@ -12,10 +12,11 @@ import numpy as np
 from nospill.film.colours import GREEN, GREY, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import (
     Mesh,
+    bands,
     board,
     contact_collar,
     container_body,
-    prism,
+    outline_at,
     ribbon,
     shrunk,
     tube,
@@ -150,7 +151,7 @@ class Stagehand:
         limit = limit_ring(cargo)
         if limit is not None:
             found.append((limit, np.array(rgb(RED), dtype=float), Kind.MARK))
-        rim = cargo.container.outline
+        rim = outline_at(cargo.container, cargo.container.height)
         found.append((ribbon(_at(rim, cargo.container.height), _RING), np.array(rgb(GREY), dtype=float), Kind.MARK))
         return found
 
@@ -161,7 +162,7 @@ def limit_ring(cargo: Cargo) -> Mesh | None:
     height = cargo.filling.liquid_height + cargo.filling.max_slosh_height
     if height > cargo.container.height:
         return None
-    return ribbon(_at(shrunk(cargo.container.outline, -0.0006), height), _RING)
+    return ribbon(_at(shrunk(outline_at(cargo.container, height), -0.0006), height), _RING)
 
 
 def _liquid(surface: LiquidSurface, coordinates: np.ndarray, colour: np.ndarray) -> list[tuple[Mesh, np.ndarray, Kind]]:
@@ -180,11 +181,8 @@ def _liquid(surface: LiquidSurface, coordinates: np.ndarray, colour: np.ndarray)
 
 def _glass(cargo: Cargo) -> Mesh:
     """The wall alone, without a lid: what is seen of thin glass."""
-    outline = cargo.container.outline
-    sides = 2 * len(outline)
-    return Mesh(
-        (wall := prism(outline, wall_thickness(cargo.container), cargo.container.height)).vertices, wall.faces[:sides]
-    )
+    outside, low = cargo.container.outside, wall_thickness(cargo.container)
+    return bands([size * cargo.container.outline for size in outside[:, 0]], np.maximum(outside[:, 1], low))
 
 
 def _path_bodies(points: np.ndarray) -> list[Body]:

@@ -1,10 +1,10 @@
 """The free surface of a liquid as a mesh that follows the slosh coordinates.
 
 A mode raises the surface by C_n q at the wall and by C_n q times its shape elsewhere; for a circular wall the shape is
-J1(k_n r)/J1(k_n R) along the mode's direction, for a box sin(k_n x)/sin(k_n a/2) along its side. With the quasi-static
-correction of `slosh.height` all modes that are not carried follow the apparent gravity at once, so together they are
-the plane that leans with it less the carried modes' own share: -(a_x/a_z) (x - sum C_n g/omega_n^2 shape_n(x)), which
-at the wall is `static_correction` times the lean.
+J1(k_n r)/J1(k_n R) along the mode's direction (nearly so where the wall is not upright), for a box
+sin(k_n x)/sin(k_n a/2) along its side. With the quasi-static correction of `slosh.height` all modes that are not
+carried follow the apparent gravity at once, so together they are the plane that leans with it less the carried modes'
+own share: -(a_x/a_z) (x - sum C_n g/omega_n^2 shape_n(x)), which at the wall is `static_correction` times the lean.
 """
 
 from __future__ import annotations
@@ -34,8 +34,10 @@ class LiquidSurface:
         basis: (u, k + 2): rise in m of every upper vertex per slosh coordinate (k, in the order of the trajectory) and
             per lean of the apparent gravity along x and y.
         wall: (2, k + 2): the same at the wall on the positive side of x and of y.
-        footprint: of the container, whose edge the wall follows.
+        section: of the container at rest level, whose edge the wall follows.
         floor: height of the floor inside, m, below which no surface is drawn.
+        around: number of points round the wall.
+        widths: (k, 2) height in m and size of the inside, as a part of that at rest level.
     """
 
     rest: Mesh
@@ -43,19 +45,20 @@ class LiquidSurface:
     points: np.ndarray
     basis: np.ndarray
     wall: np.ndarray
-    footprint: Footprint
+    section: Footprint
     floor: float
+    around: int
+    widths: np.ndarray
 
     @property
     def upper_faces(self) -> int:
         """How many of the first faces are the free surface; the others are the side."""
-        return len(self.rest.faces) - 2 * len(self.edge)
+        return (2 * _RINGS - 1) * self.around
 
     @property
     def edge(self) -> np.ndarray:
         """Indices of the vertices (n,) along the line where the free surface meets the wall, counter-clockwise."""
-        count = len(self.rest.vertices) - len(self.upper)
-        return self.upper[-count:]
+        return self.upper[-self.around :]
 
     def rise(self, coordinates: np.ndarray) -> np.ndarray:
         """Height above rest of every upper vertex, (u,) m, from (k + 2,) coordinates and leans."""
@@ -63,13 +66,21 @@ class LiquidSurface:
 
     def crest(self, coordinates: np.ndarray) -> np.ndarray:
         """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2)."""
-        vectors = self.footprint.crest_vectors((coordinates @ self.wall.T).T)
+        vectors = self.section.crest_vectors((coordinates @ self.wall.T).T)
         return np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
 
     def vertices(self, coordinates: np.ndarray) -> np.ndarray:
-        """All vertices (n, 3), m, for (k + 2,) coordinates and leans."""
+        """All vertices (n, 3), m, for (k + 2,) coordinates and leans.
+
+        The surface is as wide as the inside where it meets the wall, and what is below the surface stays below it.
+        """
         moved = self.rest.vertices.copy()
         moved[self.upper, 2] = np.maximum(moved[self.upper, 2] + self.rise(coordinates), self.floor)
+        edge = moved[self.edge, 2]
+        rings = len(self.upper) // self.around
+        moved[self.upper[1:], :2] *= np.tile(np.interp(edge, *self.widths.T), rings)[:, None]
+        below = moved[len(self.upper) :].reshape(-1, self.around, 3)
+        below[..., 2] = np.minimum(below[..., 2], edge)
         return moved
 
 
@@ -81,31 +92,40 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
     """
     if cargo.filling is None:
         raise ValueError(f"{cargo.name} holds no liquid")
-    outline = _ring(cargo)
-    wall = wall_thickness(cargo.container)
+    container, level = cargo.container, cargo.filling.liquid_height
+    section = container.section(level)
+    size = float(section.half_lengths[0] / container.footprint.half_lengths[0])
     # Slightly inside the wall, or both surfaces flicker where they meet.
-    drawn = shrunk(outline, 1.02 * wall)
-    level, floor = cargo.filling.liquid_height, min(1.02 * wall, 0.5 * cargo.filling.liquid_height)
+    gap = 1.02 * wall_thickness(container)
+    picked = _ring(container.outline)
+    outline = size * picked
+    drawn = shrunk(outline, gap)
+    floor = container.inside[0, 1] + min(gap, 0.5 * cargo.filling.depth)
+    below = [(part * picked, height) for part, height in container.inside if floor < height < level]
+    bottom = [part for part, height in container.inside if height <= floor]
+    sides = [(shrunk(ring, gap), height) for ring, height in below[::-1]]
+    sides.append((shrunk(max(bottom[-1], 1e-3) * picked, gap), floor))
     count = len(outline)
     radii = np.arange(1, _RINGS + 1) / _RINGS
     true = np.concatenate([np.zeros((1, 2)), *[radius * outline for radius in radii], outline])
     flat = np.concatenate([np.zeros((1, 2)), *[radius * drawn for radius in radii], drawn])
     upper = np.column_stack([flat, np.full(len(flat), level)])
-    vertices = np.concatenate([upper, np.column_stack([drawn, np.full(count, floor)])])
+    lower = [np.column_stack([ring, np.full(count, height)]) for ring, height in sides]
     return LiquidSurface(
-        rest=Mesh(vertices, _faces(count)),
+        rest=Mesh(np.concatenate([upper, *lower]), _faces(count, len(sides))),
         upper=np.arange(len(flat)),
         points=true,
-        basis=_basis(cargo, true),
-        wall=_basis(cargo, np.diag(np.max(np.abs(outline), axis=0))),
-        footprint=cargo.container.footprint,
+        basis=_basis(cargo, section, true),
+        wall=_basis(cargo, section, np.diag(section.half_lengths)),
+        section=section,
         floor=floor,
+        around=count,
+        widths=np.column_stack([container.inside[:, 1], container.inside[:, 0] / size]),
     )
 
 
-def _ring(cargo: Cargo) -> np.ndarray:
-    """The container's outline with points between its corners, (n, 2), m."""
-    outline = cargo.container.outline
+def _ring(outline: np.ndarray) -> np.ndarray:
+    """An outline with points between its corners, (n, 2), m."""
     if len(outline) >= _RING_POINTS:
         return outline[:: len(outline) // _RING_POINTS]
     parts = -(-_RING_POINTS // len(outline))
@@ -114,7 +134,7 @@ def _ring(cargo: Cargo) -> np.ndarray:
     return np.concatenate([(1 - fractions) * start + fractions * end for start, end in pairs])
 
 
-def _faces(count: int) -> np.ndarray:
+def _faces(count: int, bands_below: int) -> np.ndarray:
     """Fan round the centre, bands between the rings, and the side down to the floor."""
     here = np.arange(count)
     after = (here + 1) % count
@@ -122,22 +142,22 @@ def _faces(count: int) -> np.ndarray:
     starts = [1 + ring * count for ring in range(_RINGS)]
     bands = list(zip(starts[1:], starts[:-1], strict=True))
     side = 1 + _RINGS * count
-    # The side has its own copy of the rim, so that light breaks there; its lower ring comes last.
-    bands.append((side + count, side))
+    # The side has its own copy of the rim, so that light breaks there; its lower rings come last.
+    bands += [(side + (number + 1) * count, side + number * count) for number in range(bands_below)]
     for outer, inner in bands:
         faces.append(np.column_stack([inner + here, outer + here, outer + after]))
         faces.append(np.column_stack([inner + here, outer + after, inner + after]))
     return np.concatenate(faces)
 
 
-def _basis(cargo: Cargo, points: np.ndarray) -> np.ndarray:
+def _basis(cargo: Cargo, section: Footprint, points: np.ndarray) -> np.ndarray:
     """Rise of the surface at points (u, 2) per slosh coordinate and per lean, (u, k + 2)."""
     assert cargo.filling is not None
     columns, leans = [], points.copy()
     for mode in cargo.filling.modes.oscillators:
         for direction in mode.directions:
             axis = _AXES[direction]
-            shape = mode.surface_gain * cargo.container.footprint.mode_shape(mode.wave_number, points, axis)
+            shape = mode.surface_gain * section.mode_shape(mode.wave_number, points, axis)
             columns.append(shape)
             leans[:, axis] -= shape / mode.stiffness
     return np.column_stack([*columns, -leans])

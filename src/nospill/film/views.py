@@ -14,6 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
+from nospill.film.geometry import widest_outline
 from nospill.film.robot_model import read_chain
 from nospill.film.stage import Camera, axes_facing, camera, framed, occupied, side_by_side
 from nospill.film.timeline import Film
@@ -141,7 +142,7 @@ def load_outline(film: Film, view: View) -> np.ndarray:
     half = np.asarray(scene.tray.size) / 2
     corners = [np.array([[sx * half[0], sy * half[1], 0.0] for sx in (-1, 1) for sy in (-1, 1)])]
     for cargo in scene.cargo:
-        outline = cargo.container.outline
+        outline = widest_outline(cargo.container)
         turned = outline @ np.array([[np.cos(cargo.yaw), np.sin(cargo.yaw)], [-np.sin(cargo.yaw), np.cos(cargo.yaw)]])
         foot = turned + cargo.position
         corners.append(np.column_stack([foot, np.full(len(foot), cargo.container.height)]))
@@ -181,7 +182,7 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
         right, up, _ = axes_facing(back).T
         boxes = []
         for item in load:
-            reach = float(np.max(np.linalg.norm(item.container.outline, axis=1)))
+            reach = float(np.max(np.linalg.norm(widest_outline(item.container), axis=1)))
             middle = np.array([*item.position, item.container.height / 2])
             tall = item.container.height / 2 * up[2] + reach * back[2]
             boxes.append((middle @ right, middle @ up, reach, tall))

@@ -56,7 +56,8 @@ class ObjectNumbers:
         footprint_reserve: part of them that the plan keeps from tipping.
         twist_radius: of the footprint, m, see `Footprint`.
         grip_radius: likewise.
-        liquid_height: m, zero for a solid.
+        liquid_height: of the surface at rest above the bottom, m, zero for a solid.
+        liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid.
         static_correction: (2,) m, see `slosh.height`.
         oscillators: the modal masses.
@@ -75,6 +76,7 @@ class ObjectNumbers:
     twist_radius: Number
     grip_radius: Number
     liquid_height: Number
+    liquid_depth: Number
     max_slosh_height: Number
     static_correction: Number
     oscillators: tuple[OscillatorNumbers, ...]
@@ -338,6 +340,7 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         twist_radius=scalar,
         grip_radius=scalar,
         liquid_height=scalar,
+        liquid_depth=scalar,
         max_slosh_height=scalar,
         static_correction=np.zeros(2),
         oscillators=(oscillator,) * len(item.oscillators),

@@ -153,6 +153,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         twist_radius=footprint.twist_radius,
         grip_radius=footprint.grip_radius,
         liquid_height=filling.liquid_height if filling else 0.0,
+        liquid_depth=filling.depth if filling else 0.0,
         max_slosh_height=filling.max_slosh_height if filling else 0.0,
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
         oscillators=tuple(

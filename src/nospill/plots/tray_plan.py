@@ -16,7 +16,7 @@ _TALLEST = 4.4
 
 
 def tray_plan_figure(evidence: Evidence) -> Figure:
-    """The tray's outline, every footprint with its name and fill height, x and y in mm in the tray's frame."""
+    """The tray's outline, every footprint and widest section with name and fill height, x and y in mm, tray frame."""
     scene = evidence.plan.scene
     sides = 1.08e3 * scene.tray.size
     width = min(WIDTH - _LEFT - _RIGHT, _TALLEST * float(sides[0] / sides[1]))
@@ -34,6 +34,8 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
         outline = 1e3 * footprint_outline(cargo)
         fill, edge, dashes = ("#CFE3F2", BLUE, "-") if cargo.filling else ("#ECECEC", GREY, (0, (4, 1.5)))
         axes.add_patch(Polygon(outline, facecolor=fill, edgecolor=edge, linestyle=dashes, linewidth=1.2))
+        widest = 1e3 * footprint_outline(cargo, part=float(np.max(cargo.container.outside[:, 0])))
+        axes.add_patch(Polygon(widest, fill=False, edgecolor=edge, linestyle=dashes, linewidth=0.7))
         middle = 1e3 * cargo.position
         room = float(np.ptp(outline[:, 0])) / sides[0] * width
         lines = [plain(cargo.name, max(int(room / 0.075), 5))]
@@ -50,12 +52,12 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
     axes.set_ylim(-sides[1] / 2, sides[1] / 2)
     axes.set_xlabel("x of the tray [mm]")
     axes.set_ylabel("y of the tray [mm]")
-    key = "full line: liquid, fill of rim height in mm; dashed: solid; arrow: x axis"
+    key = "full line: liquid, fill of rim height in mm; dashed: solid; thin line: widest section; arrow: x axis"
     figure.text(0.5, 0.08 / total, key, size=SMALL, ha="center", va="bottom", color=INK)
     return figure
 
 
-def footprint_outline(cargo: Cargo) -> np.ndarray:
-    """Outline of an object's bottom in the tray frame, (n, 2) m."""
+def footprint_outline(cargo: Cargo, *, part: float = 1.0) -> np.ndarray:
+    """Outline of an object's bottom in the tray frame, (n, 2) m; with `part`, of a section so many times as large."""
     c, s = np.cos(cargo.yaw), np.sin(cargo.yaw)
-    return cargo.position + cargo.container.outline @ np.array([[c, s], [-s, c]])
+    return cargo.position + part * cargo.container.outline @ np.array([[c, s], [-s, c]])

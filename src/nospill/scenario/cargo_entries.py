@@ -6,10 +6,12 @@ A shape's own keys are the fields of its container class, under the same names.
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
+from nospill.errors import ScenarioError
 from nospill.scenario.fields import (
     Angle,
     Friction,
@@ -21,11 +23,16 @@ from nospill.scenario.fields import (
     Reserve,
     Size,
     Table,
+    Vector,
 )
+from nospill.scenario.profile_files import MOST_POINTS, read_profile
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
+from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
+
+_PLACE = Measured(dimension="length", at_least=-10.0, at_most=10.0)
 
 
 class LiquidTable(Table):
@@ -65,6 +72,11 @@ class CargoTable(Table):
     shape: Any  # each class below narrows it to its own literal
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
+    liquid_volume: Annotated[
+        float | None,
+        Measured(dimension="volume", above=0.0, at_most=1.0),
+        Field(description="volume of the liquid, instead of its height"),
+    ] = None
     max_slosh_height: Annotated[
         float | None,
         Measured(dimension="length", kind="size", above=0.0, at_most=10.0),
@@ -110,6 +122,14 @@ class CargoTable(Table):
         Field(description="the table [cargo.tolerance]: how far this object's numbers may be off"),
     ] = None
 
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """Keys to replace so that the entry needs no other file (None: to remove); files are looked up in `folder`.
+
+        Raises:
+            ScenarioError: a file it names cannot be read; the message starts with the key.
+        """
+        return {}
+
     def container(self) -> Container:
         """The geometry."""
         shape = CONTAINERS[self.shape]
@@ -133,8 +153,142 @@ class BoxTable(CargoTable):
     height: Annotated[Size, Field(description="height of the rim above the bottom")]
 
 
-CARGO_TABLES: dict[str, type[CargoTable]] = {"cylinder": CylinderTable, "box": BoxTable}
+class VesselTable(CargoTable):
+    """The keys of every body of revolution; all radii are those of the inside but the base's."""
+
+    wall: Annotated[
+        float,
+        Measured(dimension="length", at_least=0.0, at_most=0.1),
+        Field(description="thickness of the wall, by which the outside is wider than the inside"),
+    ] = 0.0
+    base_radius: Annotated[
+        Size | None,
+        Field(description="radius of the base; that of the flat bottom and the wall when not given"),
+    ] = None
+    base_inner_radius: Annotated[
+        float,
+        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Field(description="inner radius of the base where it is a ring"),
+    ] = 0.0
+
+
+class TaperedTable(VesselTable):
+    """`[[cargo]]` with shape = "tapered": a flat bottom and a straight wall."""
+
+    shape: Literal["tapered"]
+    bottom_radius: Annotated[Size, Field(description="radius at the bottom")]
+    top_radius: Annotated[Size, Field(description="radius at the rim")]
+    height: Annotated[Size, Field(description="height of the rim above the bottom")]
+
+
+class BowlTable(VesselTable):
+    """`[[cargo]]` with shape = "bowl": part of a sphere on a flat bottom."""
+
+    shape: Literal["bowl"]
+    radius: Annotated[Size, Field(description="radius at the rim")]
+    bottom_radius: Annotated[Size, Field(description="radius of the flat bottom")]
+    height: Annotated[Size, Field(description="height of the rim above the bottom")]
+
+
+class WineGlassTable(VesselTable):
+    """`[[cargo]]` with shape = "wine-glass": an egg-shaped bowl on a stem; base_radius is that of its foot."""
+
+    shape: Literal["wine-glass"]
+    radius: Annotated[Size, Field(description="radius of the bowl where it is widest")]
+    rim_radius: Annotated[Size, Field(description="radius at the rim")]
+    bowl_height: Annotated[Size, Field(description="height of the rim above the lowest point of the inside")]
+    height: Annotated[Size, Field(description="height of the rim above the tray")]
+
+
+class ConicalFlaskTable(VesselTable):
+    """`[[cargo]]` with shape = "conical-flask": a flat bottom and a straight wall towards a cylindrical neck."""
+
+    shape: Literal["conical-flask"]
+    bottom_radius: Annotated[Size, Field(description="radius at the bottom")]
+    neck_radius: Annotated[Size, Field(description="radius of the neck")]
+    shoulder_height: Annotated[Size, Field(description="height at which the neck begins")]
+    height: Annotated[Size, Field(description="height of the rim above the bottom")]
+
+
+class RoundFlaskTable(VesselTable):
+    """`[[cargo]]` with shape = "round-flask": a ball on a flat bottom, with a cylindrical neck."""
+
+    shape: Literal["round-flask"]
+    radius: Annotated[Size, Field(description="radius of the ball")]
+    bottom_radius: Annotated[Size, Field(description="radius of the flat bottom")]
+    neck_radius: Annotated[Size, Field(description="radius of the neck")]
+    height: Annotated[Size, Field(description="height of the rim above the bottom")]
+
+
+class TestTubeTable(VesselTable):
+    """`[[cargo]]` with shape = "test-tube": a tube with a hemispherical bottom; base_radius is that of its holder."""
+
+    __test__ = False
+
+    shape: Literal["test-tube"]
+    radius: Annotated[Size, Field(description="radius of the tube")]
+    height: Annotated[Size, Field(description="height of the rim above the lowest point of the inside")]
+
+
+class ProfileTable(VesselTable):
+    """`[[cargo]]` with shape = "profile": the vessel of any profile of its inside."""
+
+    shape: Literal["profile"]
+    profile: Annotated[
+        list[Annotated[tuple[float, ...], Vector(entry=_PLACE, axes=("r", "z"))]] | None,
+        Field(
+            min_length=2,
+            max_length=MOST_POINTS,
+            description="points of the inside from the bottom's centre to the rim: radius and height above the tray",
+        ),
+    ] = None
+    profile_file: Annotated[
+        str | None,
+        Field(strict=True, description="CSV file of the points beside the scenario file: r, z in m, or r_mm, z_mm"),
+    ] = None
+    profile_spline: Annotated[
+        bool,
+        Field(strict=True, description="whether a smooth curve joins the points; a point given twice is a corner"),
+    ] = False
+
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """See `CargoTable`: the points of the file take the place of its name."""
+        if (self.profile_file is None) == (self.profile is None):
+            given = "neither is given" if self.profile is None else "both are given"
+            raise ScenarioError(f"profile and profile_file: {given}; a profile needs exactly one of them")
+        if self.profile_file is None:
+            return {}
+        return {"profile_file": None, "profile": [list(point) for point in read_profile(folder / self.profile_file)]}
+
+    def container(self) -> Container:
+        """See `CargoTable`; the points are at hand, `standalone` comes first."""
+        sizes = {field.name: getattr(self, field.name) for field in dataclasses.fields(Profile) if field.init}
+        return Profile(**sizes | {"profile": tuple((point[0], point[1]) for point in self.profile or [])})
+
+
+CARGO_TABLES: dict[str, type[CargoTable]] = {
+    "cylinder": CylinderTable,
+    "box": BoxTable,
+    "tapered": TaperedTable,
+    "bowl": BowlTable,
+    "wine-glass": WineGlassTable,
+    "conical-flask": ConicalFlaskTable,
+    "round-flask": RoundFlaskTable,
+    "test-tube": TestTubeTable,
+    "profile": ProfileTable,
+}
 """Shape -> the keys of its entry."""
 
-CargoEntry = Annotated[CylinderTable | BoxTable, Field(discriminator="shape")]
+CargoEntry = Annotated[
+    CylinderTable
+    | BoxTable
+    | TaperedTable
+    | BowlTable
+    | WineGlassTable
+    | ConicalFlaskTable
+    | RoundFlaskTable
+    | TestTubeTable
+    | ProfileTable,
+    Field(discriminator="shape"),
+]
 """Any of them, distinguished by `shape`."""

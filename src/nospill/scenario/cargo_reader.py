@@ -88,7 +88,14 @@ def _check_keys(entry: CargoTable) -> None:
     if entry.liquid is None:
         stray = [
             key
-            for key in ("liquid_height", "max_slosh_height", "freeboard_reserve", "damping", "empty_mass")
+            for key in (
+                "liquid_height",
+                "liquid_volume",
+                "max_slosh_height",
+                "freeboard_reserve",
+                "damping",
+                "empty_mass",
+            )
             if getattr(entry, key) is not None
         ]
         if stray:
@@ -98,8 +105,12 @@ def _check_keys(entry: CargoTable) -> None:
         if entry.centre_of_mass is not None and entry.centre_of_mass_height is not None:
             raise ScenarioError("centre_of_mass and centre_of_mass_height are both given; keep one of them")
         return
-    if entry.liquid_height is None:
-        raise ScenarioError('liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm"')
+    if entry.liquid_height is None and entry.liquid_volume is None:
+        raise ScenarioError(
+            'liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm", or liquid_volume'
+        )
+    if entry.liquid_height is not None and entry.liquid_volume is not None:
+        raise ScenarioError("liquid_height and liquid_volume are both given; keep one of them")
     if entry.centre_of_mass is not None:
         raise ScenarioError("centre_of_mass is for solid objects; give centre_of_mass_height for a filled container")
     if entry.mass is not None and entry.empty_mass is not None:
@@ -122,16 +133,26 @@ def _liquid(value: str | LiquidTable) -> Liquid:
 
 
 def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filling:
-    assert entry.liquid is not None and entry.liquid_height is not None  # _check_keys
-    liquid, level, rim = _liquid(entry.liquid), entry.liquid_height, container.height
+    assert entry.liquid is not None  # _check_keys
+    liquid, rim = _liquid(entry.liquid), container.height
+    level = _level(entry, container)
+    heaviest = _heaviest_fill(entry, container, liquid)
+    reason = fill_reason(
+        entry.name,
+        rim,
+        level,
+        entry.max_slosh_height,
+        heaviest=heaviest,
+        volume=None if entry.liquid_volume is None else container.volume,
+    )
+    stated = f"liquid_height {_mm(level)}"
+    if entry.liquid_volume is not None:
+        stated = f"liquid_volume {_ml(entry.liquid_volume)} (height {_mm(level)})"
     room = rim - level
     if room <= 0.0:
         where = "above" if room < 0.0 else "at"
         raise ScenarioError(
-            f"liquid_height {_mm(level)} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup",
-            fill_reason(
-                entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
-            ),
+            f"{stated} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup", reason
         )
     reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
     limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
@@ -139,12 +160,32 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
             f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
-            fill_reason(
-                entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
-            ),
+            reason,
         )
     modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
-    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes, freeboard_reserve=reserve)
+    floor = float(container.inside[0, 1])
+    return Filling(
+        liquid=liquid,
+        liquid_height=level,
+        max_slosh_height=limit,
+        modes=modes,
+        freeboard_reserve=reserve,
+        floor=floor,
+    )
+
+
+def _level(entry: CargoTable, container: Container) -> float:
+    """Height of the liquid, stated or of its volume."""
+    if entry.liquid_volume is None:
+        assert entry.liquid_height is not None  # _check_keys
+        return entry.liquid_height
+    holds = container.volume(container.height)
+    if entry.liquid_volume > holds:
+        raise ScenarioError(
+            f"liquid_volume {_ml(entry.liquid_volume)} is more than the {_ml(holds)} that fit up to the rim "
+            f"(height {_mm(container.height)}); pour in less or use a larger cup"
+        )
+    return container.level(entry.liquid_volume)
 
 
 def _heaviest_fill(entry: CargoTable, container: Container, liquid: Liquid) -> float:
@@ -228,3 +269,7 @@ def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
 
 def _mm(length: float) -> str:
     return format_quantity(length, "length", digits=4)
+
+
+def _ml(volume: float) -> str:
+    return format_quantity(volume, "volume", digits=4)

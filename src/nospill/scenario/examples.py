@@ -17,6 +17,7 @@ EXAMPLES: dict[str, str] = {
     "matrix-liquid-tilt-all-limits": "four cups on a tilting tray, with the laboratory's limits of joint acceleration",
     "pp-two-cups": "two cups of water along the published path pp, level tray",
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
+    "coffee-to-go": "three tapered cups of coffee, filled by volume, on a UR5e that tilts its tray",
 }
 """Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""
 

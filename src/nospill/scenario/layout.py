@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from nospill.core.units import as_written, format_quantity
 from nospill.scenario.messages import Fault
 from nospill.scene.cargo import Cargo
+from nospill.scene.containers.base import Container
 from nospill.scene.tray import Tray
 
 _TOUCHING = 1e-9
@@ -42,12 +44,13 @@ def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
                 )
             )
     for first, second in combinations(cargo, 2):
-        depth = overlap(first, second)
+        depth, height = _deepest(first, second)
         if depth > _TOUCHING:
+            where = f" at a height of {_shown(height)}" if height > 0.0 else ""
             faults.append(
                 (
                     f"cargo {as_written(second.name)}",
-                    f"overlaps {as_written(first.name)} by {_shown(depth)}; move them apart",
+                    f"overlaps {as_written(first.name)} by {_shown(depth)}{where}; move them apart",
                 )
             )
     return faults
@@ -60,15 +63,58 @@ def overhang(item: Cargo, tray: Tray) -> float:
 
 
 def overlap(first: Cargo, second: Cargo) -> float:
-    """How far two footprints reach into each other, m (the shortest move that parts them); negative or zero: apart."""
-    radii = first.container.footprint.rounding + second.container.footprint.rounding
-    return radii - _distance(footprint_core(first), footprint_core(second))
+    """How far two objects reach into each other, m (the shortest move that parts them); negative or zero: apart."""
+    return _deepest(first, second)[0]
 
 
-def footprint_core(item: Cargo) -> np.ndarray:
-    """Corners (n, 2) of an object's footprint on the tray, without its rounding, m; of a disc the middle alone."""
+def _deepest(first: Cargo, second: Cargo) -> tuple[float, float]:
+    """The largest overlap over all heights, m, and the lowest height, m, at which it is found."""
+    heights, shares = _sections(first.container, second.container)
+    depth = np.array([_overlap(first, second, own, other) for own, other in shares])
+    at = int(np.argmax(depth))
+    return float(depth[at]), float(heights[at])
+
+
+def _overlap(first: Cargo, second: Cargo, own: float, other: float) -> float:
+    """How far two horizontal sections overlap that are so large beside their footprints, m."""
+    rounding = own * first.container.footprint.rounding + other * second.container.footprint.rounding
+    return rounding - _distance(footprint_core(first, own), footprint_core(second, other))
+
+
+@lru_cache(maxsize=4096)
+def _sections(first: Container, second: Container) -> tuple[np.ndarray, np.ndarray]:
+    """Heights (n,), m, at which two outsides may come nearest, and how large they are there, (n, 2).
+
+    Between the corners of both outsides everything is linear. Two sections are left out where at some height both are
+    at least as large.
+    """
+    outsides = (first.outside, second.outside)
+    top = min(outside[-1, 1] for outside in outsides)
+    corners = np.unique(np.concatenate([outside[:, 1] for outside in outsides]))
+    heights = np.minimum(corners[corners <= top], top)
+    shares = np.array([[_share(outside, height) for outside in outsides] for height in heights])
+    kept, widest = [], -1.0
+    for index in np.lexsort((heights, -shares[:, 1], -shares[:, 0])):
+        if shares[index, 1] > widest:
+            kept.append(index)
+            widest = shares[index, 1]
+    kept = sorted(kept)
+    return heights[kept], shares[kept]
+
+
+def _share(outside: np.ndarray, height: float) -> float:
+    """Size of a section, as a part of the outline, the larger one where the outside steps."""
+    here = outside[outside[:, 1] == height, 0]
+    return float(np.max(here)) if len(here) else float(np.interp(height, outside[:, 1], outside[:, 0]))
+
+
+def footprint_core(item: Cargo, share: float = 1.0) -> np.ndarray:
+    """Corners (n, 2) of an object's footprint on the tray, without its rounding, m; of a disc the middle alone.
+
+    `share`: size of the section in question as a part of the footprint.
+    """
     cosine, sine = math.cos(item.yaw), math.sin(item.yaw)
-    return item.position + item.container.footprint.core @ np.array([[cosine, sine], [-sine, cosine]])
+    return item.position + share * item.container.footprint.core @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def _distance(first: np.ndarray, second: np.ndarray) -> float:

@@ -103,6 +103,9 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
+    described_cargo = _standalone_cargo(scenario, folder, label)
+    entries = [entry.model_copy(update=update) for entry, update in zip(scenario.cargo, described_cargo, strict=True)]
+    scenario = scenario.model_copy(update={"cargo": entries})
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
@@ -116,6 +119,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         "name": scene_name,
         "robot": {**table["robot"], **described},
         "path": {**table["path"], **read_in},
+        "cargo": [{**entry, **update} for entry, update in zip(table["cargo"], described_cargo, strict=True)],
     }
     return Scene(
         name=scene_name,
@@ -153,6 +157,15 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         slosh_modes=mode_count(scenario.fidelity, scenario.planning.slosh_modes),
         tolerance=scenario.tolerance,
     )
+
+
+def _standalone_cargo(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:
+    """What each entry needs in place of the files that it names."""
+    found: list[dict[str, object]] = []
+    for index, entry in enumerate(scenario.cargo):
+        with _at(label, cargo_place(index, {"name": entry.name})):
+            found.append(entry.standalone(folder))
+    return found
 
 
 def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:

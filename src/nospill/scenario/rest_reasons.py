@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -70,18 +70,30 @@ def payload_reason(robot: Robot, tray: Tray, cargo: Sequence[Cargo], excess: flo
 
 
 def fill_reason(
-    name: str, rim: float, liquid_height: float, max_slosh_height: float | None, *, heaviest: float = math.inf
+    name: str,
+    rim: float,
+    liquid_height: float,
+    max_slosh_height: float | None,
+    *,
+    heaviest: float = math.inf,
+    volume: Callable[[float], float] | None = None,
 ) -> Reason:
     """The reason for a cup whose liquid, or its allowed rise, is above the rim (lengths in m).
 
-    `heaviest`: the highest level that the stated mass allows.
+    Args:
+        name: of the cup.
+        rim: its height.
+        liquid_height: at rest.
+        max_slosh_height: as stated.
+        heaviest: the highest level that the stated mass allows.
+        volume: m^3 up to a level; where the volume is stated instead of the level.
     """
     rise = 0.2 * rim if max_slosh_height is None else max_slosh_height
     room = rim - liquid_height
     changes: list[Change] = []
 
-    def offer(key: str, value: float, now: float) -> None:
-        new, old = (format_quantity(length, "length", digits=4) for length in (value, now))
+    def offer(key: str, value: float, now: float, dimension: str = "length") -> None:
+        new, old = (format_quantity(length, dimension, digits=4) for length in (value, now))
         changes.append(
             Change(f"fill of {name}", f"cargo.{name}.{key}", value, f"{key} {new} instead of {old} ({name})")
         )
@@ -89,6 +101,8 @@ def fill_reason(
     if room > 0.0 and max_slosh_height is not None:
         offer("max_slosh_height", room, max_slosh_height)
     level = min(rim - rise, heaviest)
-    if level > 0.0:
+    if level > 0.0 and volume is None:
         offer("liquid_height", level, liquid_height)
+    elif level > 0.0 and volume is not None:
+        offer("liquid_volume", volume(level), volume(liquid_height), "volume")
     return Reason(REST, "fill", name, excess=rise - room, unit="m", changes=tuple(changes))

@@ -18,9 +18,10 @@ class Filling:
 
     Attributes:
         liquid: which.
-        liquid_height: at rest above the bottom, m.
-        max_slosh_height: how far its surface may rise above rest, m.
-        modes: of the liquid at rest.
+        liquid_height: of its surface at rest above the container's bottom, m.
+        max_slosh_height: how far the surface may rise above that, m.
+        modes: its equivalent mechanical model.
+        floor: height of the lowest point of the inside above the container's bottom, m.
         freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
     """
 
@@ -29,11 +30,17 @@ class Filling:
     max_slosh_height: float
     modes: SloshModes
     freeboard_reserve: float = 0.1
+    floor: float = 0.0
+
+    @property
+    def depth(self) -> float:
+        """Depth of the liquid at rest, m."""
+        return self.liquid_height - self.floor
 
     @property
     def shallow(self) -> bool:
         """Whether the surface may rise on one side by more than the liquid is deep on the other."""
-        return self.max_slosh_height > self.liquid_height
+        return self.max_slosh_height > self.depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +116,8 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
 
 
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:
-    """The liquid at rest up to a height (m) as a solid; a container is a prism, cut off at the surface."""
-    # A shape is a dataclass whose fields are its sizes (docs/extending.md); `height` is one of them.
-    body: Container = replace(container, height=liquid_height)  # type: ignore[type-var]
-    return body.solid_properties(liquid.density * container.volume(liquid_height))
+    """The liquid at rest up to a height (m) as a solid."""
+    return container.frozen(liquid.density * container.volume(liquid_height), liquid_height)
 
 
 def mass_at_rest(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping
+from pathlib import Path as FilePath
 from typing import Any
 
 from pydantic import ValidationError
@@ -29,13 +30,16 @@ class _Cup(Table):
     cargo: list[CargoEntry]
 
 
-def cup_from_table(table: Mapping[str, Any], *, label: str = "cup", slosh_modes: int = 1) -> Cargo:
+def cup_from_table(
+    table: Mapping[str, Any], *, label: str = "cup", slosh_modes: int = 1, folder: str | os.PathLike[str] = "."
+) -> Cargo:
     """Build a container with its liquid from the keys of a cargo entry.
 
     Args:
         table: as in a `[[cargo]]` entry; `name` and `at` may be missing, `liquid` may not.
         label: what messages call it.
         slosh_modes: modes of the liquid in each direction.
+        folder: where files that the table names are looked up.
 
     Raises:
         ScenarioError: unknown, missing or impossible values. ModelError: the slosh model does not cover the filling.
@@ -49,6 +53,7 @@ def cup_from_table(table: Mapping[str, Any], *, label: str = "cup", slosh_modes:
     except ValidationError as error:
         raise report(label, [("", text) for _, text in faults_of(error, wrapped)]) from None
     try:
+        cup = cup.model_copy(update=cup.standalone(FilePath(folder)))
         # Friction and footprint are a cargo's, but no motion of the liquid asks for them.
         cargo = read_cargo(
             cup, friction=1.0, friction_reserve=0.0, footprint_reserve=0.0, fidelity="full", slosh_modes=slosh_modes
@@ -78,4 +83,4 @@ def read_cup(path: str | os.PathLike[str], *, slosh_modes: int = 1) -> Cargo:
         raise report(label, [("", "is not the description of a cup: it is nested too deeply")]) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise report(label, [("", f"cannot be read: {error}")]) from None
-    return cup_from_table(table, label=label, slosh_modes=slosh_modes)
+    return cup_from_table(table, label=label, slosh_modes=slosh_modes, folder=FilePath(path).parent)

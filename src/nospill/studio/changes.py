@@ -5,15 +5,14 @@ Each returns the values to put by their place (None removes a key), for `Draft.c
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 from nospill.core.paths import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
-from nospill.scene.containers import CONTAINERS
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, OWN_ROBOT, Field
+from nospill.studio.placing import size_keys
 
 NEW_CUP: dict[str, Any] = {
     "name": "cup",
@@ -34,7 +33,10 @@ NEW_SOLID: dict[str, Any] = {
     "height": "80 mm",
     "mass": "0.3 kg",
 }
-_ABOUT_LIQUID = ("liquid", "liquid_height", "max_slosh_height", "freeboard_reserve", "damping", "empty_mass")
+_ABOUT_LIQUID = (
+    *("liquid", "liquid_height", "liquid_volume", "max_slosh_height", "freeboard_reserve"),
+    *("damping", "empty_mass"),
+)
 _ABOUT_PATH = ("name", "offset", "start", "through", "end", "points", "file", "control_points", "degree", "knots")
 _SOME_LENGTH, _SOME_MASS = 0.07, "0.2 kg"
 
@@ -91,18 +93,38 @@ def _shape(draft: Draft, key: Key, shape: str) -> dict[Key, Any]:
     entry = draft.value(own)
     if shape == entry.get("shape"):
         return {}
-    width = _length(entry.get("length"), 2 * _length(entry.get("radius"), _SOME_LENGTH / 2))
-    values: dict[Key, Any] = {(*own, side): None for side in ("yaw", *_sides(entry.get("shape"))) if side != "height"}
-    for side in _sides(shape):
-        if side != "height":
-            values[(*own, side)] = millimetres(width / 2 if side == "radius" else width)
+    radius = _length(entry.get("bottom_radius"), _SOME_LENGTH / 2)
+    width = _length(entry.get("length"), 2 * _length(entry.get("radius"), radius))
+    height = _length(entry.get("height"), 2 * _SOME_LENGTH)
+    gone = {"yaw", *size_keys(entry.get("shape"))}
+    values: dict[Key, Any] = {(*own, side): None for side in gone}
+    # Where there is a flat bottom, it is the base.
+    flat = bool({"bottom_radius", "profile"} & set(size_keys(shape)))
+    for side in size_keys(shape):
+        if side == "base_radius" and flat:
+            continue
+        if side in _PARTS_OF_WIDTH:
+            values[(*own, side)] = millimetres(_PARTS_OF_WIDTH[side] * width)
+        elif side in _PARTS_OF_HEIGHT:
+            values[(*own, side)] = millimetres(_PARTS_OF_HEIGHT[side] * height)
+        elif side == "height":
+            values[(*own, side)] = entry.get("height", millimetres(height))
+        elif side == "profile":
+            values[(*own, side)] = [[0.0, 0.0], [width / 2, 0.0], [width / 2, height]]
     return values | {key: shape}
 
 
-def _sides(shape: object) -> list[str]:
-    """The keys of a shape's sizes."""
-    known = CONTAINERS.get(str(shape))
-    return [side.name for side in dataclasses.fields(known) if side.init] if known else []
+_PARTS_OF_WIDTH = {
+    "length": 1.0,
+    "width": 1.0,
+    "radius": 0.5,
+    "top_radius": 0.5,
+    "rim_radius": 0.4,
+    "bottom_radius": 0.35,
+    "base_radius": 0.35,
+    "neck_radius": 0.2,
+}
+_PARTS_OF_HEIGHT = {"bowl_height": 0.5, "shoulder_height": 0.7}
 
 
 def _liquid(draft: Draft, key: Key, liquid: str) -> dict[Key, Any]:
@@ -114,7 +136,7 @@ def _liquid(draft: Draft, key: Key, liquid: str) -> dict[Key, Any]:
         values: dict[Key, Any] = {(*own, gone): None for gone in _ABOUT_LIQUID}
         return values | ({(*own, "mass"): _SOME_MASS} if entry.get("mass") is None else {})
     values = {key: liquid}
-    if entry.get("liquid_height") is None:
+    if entry.get("liquid_height") is None and entry.get("liquid_volume") is None:
         half = millimetres(_length(entry.get("height"), 2 * _SOME_LENGTH) / 2)
         values |= {(*own, "liquid_height"): half, (*own, "centre_of_mass"): None, (*own, "centre_of_mass_height"): None}
         values |= {(*own, "mass"): None, (*own, "empty_mass"): "30 g"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault
 from nospill.studio.draft import Draft, Key
+from nospill.studio.placing import size_keys
 
 Kind = Literal["quantity", "whole", "list", "one or list", "points", "text", "choice"]
 """How a text is read: a list is several quantities with commas between them, points are one list a line."""
@@ -149,16 +149,25 @@ def _motion(draft: Draft) -> list[Field]:
     ]
 
 
+_SIZE_HINTS = {
+    "wall": "thickness of the wall; none when empty",
+    "base_radius": "of what it stands on; the flat bottom when empty",
+    "base_inner_radius": "of a ring on which it stands; a disc when empty",
+}
+
+
 def object_fields(draft: Draft, index: int) -> list[Field]:
     """The fields of one object; which ones depends on its shape and whether it holds a liquid."""
     entry = draft.cargo[index]
     shape = str(entry.get("shape"))
-    sides = [side.name for side in dataclasses.fields(CONTAINERS[shape]) if side.init] if shape in CONTAINERS else []
+    # A profile is drawn elsewhere; it comes from the file.
+    sides = [key for key in size_keys(shape) if not key.startswith("profile")]
     filled = entry.get("liquid") is not None
     own = isinstance(entry.get("liquid"), dict)
     liquids = (NO_LIQUID, *([OWN_LIQUID] if own else []), *LIQUIDS)
     inside = [
         ("liquid_height", "Fill", "height of the liquid at rest above the bottom, 49 mm"),
+        ("liquid_volume", "Volume", "of the liquid instead of its height, 250 ml"),
         ("max_slosh_height", "Slosh limit", "how far the surface may rise; to the rim when empty"),
         ("empty_mass", "Empty mass", "of the container; or give the mass instead"),
     ]
@@ -176,7 +185,10 @@ def object_fields(draft: Draft, index: int) -> list[Field]:
             if shape == "cylinder"
             else [Field(at("yaw"), "Turn", hint="about the tray's normal, for example 30 deg")]
         ),
-        *[Field(at(key), key.capitalize(), hint="for example 35 mm") for key in sides],
+        *[
+            Field(at(key), key.replace("_", " ").capitalize(), hint=_SIZE_HINTS.get(key, "for example 35 mm"))
+            for key in sides
+        ],
         Field(at("liquid"), "Liquid", "choice", liquids),
         *([Field(at(key), label, hint=hint) for key, label, hint in inside] if filled else []),
         Field(at("mass"), "Mass", hint="total, liquid included, for example 0.2 kg"),

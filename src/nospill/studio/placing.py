@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import footprint_core, overhang, overlap
 from nospill.scene.cargo import Cargo
+from nospill.scene.containers import CONTAINERS
 from nospill.scene.tray import Tray
 from nospill.studio.draft import label_of
 
@@ -26,7 +28,6 @@ GRID = 0.005
 
 _SEARCH, _MOST_STEPS = 2 * GRID, 60
 _TOUCHING = 1e-9
-_SIZES = ("radius", "length", "width", "height")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,7 @@ class Placed:
         label: its name.
         position: (2,) m on the tray.
         radius: of a disc, m, or None.
+        reach: how far it reaches beyond its footprint higher up, as a factor on it.
         corners: (4, 2) of a box, m, on the tray, or None.
         filled: whether it holds a liquid.
         off_tray: how far it stands over the edge, m; 0 where it does not.
@@ -48,6 +50,7 @@ class Placed:
     label: str
     position: np.ndarray
     radius: float | None
+    reach: float
     corners: np.ndarray | None
     filled: bool
     off_tray: float
@@ -96,6 +99,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
                 label=names[index],
                 position=body.position,
                 radius=radius or None,
+                reach=float(np.max(body.container.outside[:, 0])),
                 corners=None if radius else footprint_core(body),
                 filled=table["cargo"][index].get("liquid") is not None,
                 off_tray=out if out > _TOUCHING else 0.0,
@@ -130,13 +134,28 @@ def _body(entry: Mapping[str, Any]) -> Cargo | None:
     shape = entry.get("shape")
     if shape not in CARGO_TABLES:
         return None
-    sizes = {key: entry[key] for key in _SIZES if key in entry and key in CARGO_TABLES[shape].model_fields}
-    # A height that is being typed does not matter seen from above.
+    sizes = {key: entry[key] for key in size_keys(shape) if key in entry}
+    # A height that is being typed hardly matters seen from above.
+    if not _readable(sizes.get("height")):
+        sizes["height"] = 0.1
     sides = {"name": "body", "shape": shape, "at": entry.get("at"), "yaw": entry.get("yaw", 0.0), "mass": 1.0}
     try:
-        read = CARGO_TABLES[shape].model_validate(sides | sizes | {"height": 0.1})
+        read = CARGO_TABLES[shape].model_validate(sides | sizes)
         return read_cargo(
             read, friction=1.0, friction_reserve=0.0, footprint_reserve=0.0, fidelity="full", slosh_modes=1
         )
     except (ValidationError, ScenarioError):
         return None
+
+
+def _readable(height: object) -> bool:
+    try:
+        return quantity(height, "length") > 0.0
+    except ScenarioError:
+        return False
+
+
+def size_keys(shape: object) -> list[str]:
+    """The keys of a shape's sizes."""
+    known = CONTAINERS.get(str(shape))
+    return [side.name for side in dataclasses.fields(known) if side.init] if known else []

@@ -138,6 +138,8 @@ def _object(item: Placed, *, marked: bool) -> str:
     look += f" stroke-width='{2.4 if marked else 1.2}'"
     if item.radius is not None:
         body = f"<circle r='{1e3 * item.radius:g}' {look}/>"
+        if item.reach > 1.0:
+            body += f"<circle r='{1e3 * item.reach * item.radius:g}' fill='none' stroke='{colour}' stroke-width='0.6'/>"
     else:
         assert item.corners is not None
         points = " ".join(f"{1e3 * px:g},{-1e3 * py:g}" for px, py in item.corners - item.position)

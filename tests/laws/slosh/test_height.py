@@ -42,6 +42,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         twist_radius=0.0,
         grip_radius=0.0,
         liquid_height=DEPTH,
+        liquid_depth=DEPTH,
         max_slosh_height=0.02,
         static_correction=modes.static_correction,
         oscillators=tuple(

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from nospill.scene.containers import CONTAINERS, Box, Cylinder
 from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
+from tests.builders import VESSELS
 
 WATER = LIQUIDS["water"]
 
@@ -24,9 +25,12 @@ def test_stiffness_is_free_of_gravity():
 @settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(CONTAINERS)), st.floats(0.1, 3.0), st.integers(1, 8), st.floats(0.01, 0.5))
 def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):
-    """Lateral over axial gravity tan(angle): modes carried and correction make half the side times it."""
-    container = {"cylinder": Cylinder(0.04, 1.0), "box": Box(0.08, 0.06, 1.0)}[shape]
-    modes = container.slosh_modes(WATER, fill * 0.04, count)
+    """Lateral over axial gravity tan(angle): modes carried and correction make the reach times it."""
+    container = {"cylinder": Cylinder(0.04, 1.0), "box": Box(0.08, 0.06, 1.0), **VESSELS}[shape]
+    bottom = container.inside[0, 1]
+    level = bottom + fill / 3.1 * (container.height - bottom)
+    modes = container.slosh_modes(WATER, level, count)
+    reach = container.section(level).half_lengths
     lateral, axial = STANDARD_GRAVITY * np.sin(angle), STANDARD_GRAVITY * np.cos(angle)
     for index, axis in enumerate(("x", "y")):
         # Equilibrium of the linear law at rest: a_x + P a_z q = 0.
@@ -36,7 +40,7 @@ def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):
             if axis in mode.directions
         )
         height -= modes.static_correction[index] * lateral / axial
-        assert height == pytest.approx(-(0.04, 0.04 if shape == "cylinder" else 0.03)[index] * np.tan(angle), rel=1e-12)
+        assert height == pytest.approx(-reach[index] * np.tan(angle), rel=1e-12)
 
 
 def test_static_correction_of_one_mode_of_a_cup():

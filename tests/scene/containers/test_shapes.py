@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.scene.containers import CONTAINERS
+from nospill.scene.containers import CONTAINERS, vessels
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
@@ -34,7 +34,17 @@ def moments(points: np.ndarray, mass: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_table_names_the_shapes():
-    assert dict(CONTAINERS) == {"cylinder": Cylinder, "box": Box}
+    assert dict(CONTAINERS) == {
+        "cylinder": Cylinder,
+        "box": Box,
+        "tapered": vessels.Tapered,
+        "bowl": vessels.Bowl,
+        "wine-glass": vessels.WineGlass,
+        "conical-flask": vessels.ConicalFlask,
+        "round-flask": vessels.RoundFlask,
+        "test-tube": vessels.TestTube,
+        "profile": vessels.Profile,
+    }
 
 
 @pytest.mark.parametrize("container", SHAPES_AT_HAND)

@@ -35,7 +35,7 @@ class Trough(Constraint):
         """As for the slosh height: one cone for a circular wall, two bands for a box."""
         return tuple(
             tuple(
-                Cone(demand, item.numbers.liquid_height, item.numbers.liquid_height)
+                Cone(demand, item.numbers.liquid_depth, item.numbers.liquid_depth)
                 for demand in item.structure.footprint.crest_vectors(item.surface)
             )
             for item in sample.objects

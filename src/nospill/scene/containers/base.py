@@ -43,6 +43,24 @@ class Container(Protocol):
         """Corners of the footprint's convex hull in the container frame, shape (n, 2), m; a disc gives 64 points."""
         ...
 
+    @property
+    def inside(self) -> np.ndarray:
+        """Section of the inside by height, from the bottom to the rim, (n, 2): (part of the outline, height in m)."""
+        ...
+
+    @property
+    def outside(self) -> np.ndarray:
+        """The same of the outside, from the footprint at height 0 to the rim."""
+        ...
+
+    def section(self, liquid_height: float) -> Footprint:
+        """Horizontal section of the inside at a height in m: where the free surface lies."""
+        ...
+
+    def frozen(self, mass: float, liquid_height: float) -> MassProperties:
+        """Mass properties of liquid of `mass` kg at rest up to `liquid_height` m, as a solid."""
+        ...
+
     def volume(self, liquid_height: float) -> float:
         """Volume of liquid up to `liquid_height` m above the bottom, m^3."""
         ...

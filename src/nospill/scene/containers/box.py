@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from nospill.scene.containers.prism import (
     check_filling,
     check_size,
     inverse_sinh_ratio,
+    prism_inside,
+    prism_outside,
     slosh_model,
 )
 from nospill.scene.liquids import Liquid
@@ -53,6 +55,24 @@ class Box:
     def outline(self) -> np.ndarray:
         """The four corners of the bottom, counter-clockwise, shape (4, 2), m."""
         return self.footprint.core
+
+    @property
+    def inside(self) -> np.ndarray:
+        """Bottom and wall, (3, 2)."""
+        return prism_inside(self.height)
+
+    @property
+    def outside(self) -> np.ndarray:
+        """The wall, (2, 2)."""
+        return prism_outside(self.height)
+
+    def section(self, liquid_height: float) -> RectangleFootprint:
+        """The same at every height."""
+        return self.footprint
+
+    def frozen(self, mass: float, liquid_height: float) -> MassProperties:
+        """A solid that is as high as the liquid."""
+        return replace(self, height=liquid_height).solid_properties(mass)
 
     def volume(self, liquid_height: float) -> float:
         """Volume up to `liquid_height` (m), m^3."""
@@ -126,6 +146,7 @@ class Box:
         mass = liquid.density * self.volume(liquid_height)
         frozen = FrozenLiquid(
             mass=mass,
+            centre_height=liquid_height / 2,
             enclosed_inertia=mass
             * np.array([enclosed_liquid_inertia(side, liquid_height) for side in (self.width, self.length)]),
             quasi_static_gain=np.array((self.length, self.width)) / 2,

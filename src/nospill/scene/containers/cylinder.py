@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from nospill.scene.containers.prism import (
     check_filling,
     check_size,
     inverse_sinh_ratio,
+    prism_inside,
+    prism_outside,
     slosh_model,
 )
 from nospill.scene.liquids import Liquid
@@ -63,6 +65,24 @@ class Cylinder:
         """64 points on the rim of the bottom, shape (64, 2), m."""
         angle = 2 * np.pi * np.arange(_OUTLINE_POINTS) / _OUTLINE_POINTS
         return read_only(self.radius * np.column_stack((np.cos(angle), np.sin(angle))))
+
+    @property
+    def inside(self) -> np.ndarray:
+        """Bottom and wall, (3, 2)."""
+        return prism_inside(self.height)
+
+    @property
+    def outside(self) -> np.ndarray:
+        """The wall, (2, 2)."""
+        return prism_outside(self.height)
+
+    def section(self, liquid_height: float) -> DiscFootprint:
+        """The same at every height."""
+        return self.footprint
+
+    def frozen(self, mass: float, liquid_height: float) -> MassProperties:
+        """A solid that is as high as the liquid."""
+        return replace(self, height=liquid_height).solid_properties(mass)
 
     def volume(self, liquid_height: float) -> float:
         """Volume up to `liquid_height` (m), m^3."""
@@ -118,6 +138,7 @@ class Cylinder:
         modes = [self._mode(root, fill) for root in bessel_roots(count).tolist()]
         frozen = FrozenLiquid(
             mass=mass,
+            centre_height=liquid_height / 2,
             enclosed_inertia=np.full(2, mass * enclosed_liquid_inertia(self.radius, liquid_height)),
             quasi_static_gain=np.full(2, self.radius),
         )

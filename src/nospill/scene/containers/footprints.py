@@ -85,13 +85,15 @@ class Footprint(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DiscFootprint:
-    """A full disc.
+    """A disc, or the ring on which a vessel with a foot ring stands.
 
     Attributes:
         radius: m.
+        hole: inner radius of a ring, m; 0 for a full disc.
     """
 
     radius: float
+    hole: float = 0.0
 
     @property
     def half_lengths(self) -> np.ndarray:
@@ -110,13 +112,15 @@ class DiscFootprint:
 
     @property
     def twist_radius(self) -> float:
-        """2R/3."""
-        return 2.0 / 3.0 * self.radius
+        """2R/3; of a ring 2 (R^3 - r^3)/(3 (R^2 - r^2))."""
+        if not self.hole:
+            return 2.0 / 3.0 * self.radius
+        return 2.0 / 3.0 * (self.radius**3 - self.hole**3) / (self.radius**2 - self.hole**2)
 
     @property
     def grip_radius(self) -> float:
-        """R/2."""
-        return self.radius / 2.0
+        """R/2; of a ring sqrt(R^2 + r^2)/2."""
+        return math.hypot(self.radius, self.hole) / 2.0
 
     @property
     def sides(self) -> tuple[float, ...]:

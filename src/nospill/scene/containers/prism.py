@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -76,12 +77,14 @@ class FrozenLiquid:
 
     Attributes:
         mass: m_F, kg.
+        centre_height: of its centre of mass above the bottom, m.
         enclosed_inertia: (2,) inertia of the ideal liquid, closed off at its surface, about the horizontal axes x and
             y through its centre [Stokes-Joukowski], kg m^2.
         quasi_static_gain: (2,) height at the wall per lateral/axial apparent gravity, along x and y, m.
     """
 
     mass: float
+    centre_height: float
     enclosed_inertia: np.ndarray
     quasi_static_gain: np.ndarray
 
@@ -109,12 +112,31 @@ def check_filling(liquid: Liquid, liquid_height: float, count: int, *, rim: floa
         )
 
 
+class LiquidMode(Protocol):
+    """What the equivalent mechanical model asks of a mode, see `PrismMode`; all but the methods is geometry."""
+
+    @property
+    def wave_number(self) -> float: ...  # noqa: D102
+    @property
+    def mass_fraction(self) -> float: ...  # noqa: D102
+    @property
+    def surface_gain(self) -> float: ...  # noqa: D102
+    @property
+    def directions(self) -> tuple[str, ...]: ...  # noqa: D102
+
+    def frequency(self, liquid_height: float) -> float: ...  # noqa: D102
+
+    def mass_height(self, liquid_height: float) -> float: ...  # noqa: D102
+
+    def laminar_damping(self, liquid: Liquid, liquid_height: float) -> float: ...  # noqa: D102
+
+
 def slosh_model(
-    modes: Sequence[PrismMode], frozen: FrozenLiquid, *, liquid: Liquid, liquid_height: float, damping: float
+    modes: Sequence[LiquidMode], frozen: FrozenLiquid, *, liquid: Liquid, liquid_height: float, damping: float
 ) -> SloshModes:
     """Equivalent mechanical model: modal masses, and the fixed part that leaves mass, centre and inertia right.
 
-    m_0 = m_F - sum m_n; m_0 H_0 = m_F h/2 - sum m_n H_n; I_0 = J_C - m_0 h_0^2 - sum m_n h_n^2 with h_n from the
+    m_0 = m_F - sum m_n; m_0 H_0 = m_F H_C - sum m_n H_n; I_0 = J_C - m_0 h_0^2 - sum m_n h_n^2 with h_n from the
     liquid's centre.
 
     Args:
@@ -151,7 +173,7 @@ def slosh_model(
     if abs(fixed_mass) < _SMALLEST_FIXED_FRACTION * frozen.mass:
         # A box can have exactly all of its mass in its modes; its place would then be infinitely far away.
         fixed_mass = _SMALLEST_FIXED_FRACTION * frozen.mass
-    centre = liquid_height / 2
+    centre = frozen.centre_height
     fixed_offset = -sum(mode.mass * (mode.height - centre) for mode in oscillators) / fixed_mass
     moved = fixed_mass * fixed_offset**2 + sum(mode.mass * (mode.height - centre) ** 2 for mode in oscillators)
     return SloshModes(
@@ -163,6 +185,16 @@ def slosh_model(
         fixed_inertia=read_only(frozen.enclosed_inertia - moved),
         quasi_static_gain=read_only(frozen.quasi_static_gain),
     )
+
+
+def prism_inside(height: float) -> np.ndarray:
+    """Bottom and wall of a prism as `Container.inside` gives them, (3, 2)."""
+    return read_only(((0.0, 0.0), (1.0, 0.0), (1.0, height)))
+
+
+def prism_outside(height: float) -> np.ndarray:
+    """The wall of a prism as `Container.outside` gives it, (2, 2)."""
+    return read_only(((1.0, 0.0), (1.0, height)))
 
 
 def check_size(value: float, name: str) -> None:
