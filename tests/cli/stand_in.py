@@ -18,6 +18,7 @@ from nospill.judge.verdict import Certificate, Row
 from nospill.plans.names import is_plan_folder
 from nospill.plans.plan import SUMMARY_KEYS, failed_summary
 from nospill.plans.warnings.record import PlanWarning
+from nospill.plots import FIRST_FIGURES
 
 
 @dataclass
@@ -29,10 +30,14 @@ class StandIn:
     calls: list[str] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
 
+    figures: tuple[str, ...] | None = None
+
     duration = 1.8431
     message = "certified"
     motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
-    scene = SimpleNamespace(name="tea", robot=SimpleNamespace(name="arm", notes=()), motion=motion)
+    robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
+    scene = SimpleNamespace(name="tea", robot=robot, motion=motion)
+    held_back = "friction of c1 holds 31 % of the motion"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     approach = None
     warnings: tuple[PlanWarning, ...] = ()
@@ -73,17 +78,29 @@ class StandIn:
             if not (folder / "summary.json").exists():
                 raise PlanFolderError(f"{folder} is not a plan folder")
             report = SimpleNamespace(backoff={})
-            return SimpleNamespace(trajectory="trajectory", scene="scene", report=report)
+            return SimpleNamespace(trajectory="trajectory", scene=self.scene, report=report)
 
         def judge_whole(saved: SimpleNamespace) -> SimpleNamespace:
-            self.calls.append(f"judge {saved.trajectory} {saved.scene}")
+            self.calls.append(f"judge {saved.trajectory} {saved.scene.name}")
             return SimpleNamespace(certificate=self.certificate)
 
         def plan_warnings(scene: object, judgement: object, backoff: object) -> tuple[PlanWarning, ...]:
             return self.warnings
 
-        def save_figures(plan: object, folder: Path) -> None:
+        def save_figures(
+            plan: object,
+            folder: Path,
+            *,
+            names: tuple[str, ...] = (),
+            pdf: bool = False,
+            progress: Callable[[int, int], None] | None = None,
+        ) -> None:
+            self.figures = names
             folder.mkdir(exist_ok=True)
+            assert progress is not None
+            progress(0, 1)
+            if pdf:
+                (folder / "sheet.pdf").write_text("new")
             (folder / "sheet.png").write_text("new")
 
         functions = {
@@ -93,7 +110,7 @@ class StandIn:
             "plans.loading": {"load_plan": load_plan},
             "plans.approach": {"judge_whole": judge_whole, "settling_time": lambda _: 0.0},
             "plans.warnings": {"plan_warnings": plan_warnings},
-            "plots": {"save_figures": save_figures},
+            "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}
         for name, attributes in functions.items():

@@ -18,9 +18,9 @@ def test_check_judges_again_and_writes_nothing(stand_in: StandIn, plan_folder: P
     stand_in.rows[1] = row("slip", "c2", 0.1 if ok else -0.25, ok=ok)
     result = nospill("check", "tea")
     assert result.exit_code == (0 if ok else 1)
-    assert stand_in.calls == ["judge trajectory scene"]
+    assert stand_in.calls == ["judge trajectory tea"]
     assert ("certified: all 3 rows" if ok else "not certified: 1 of 3 rows fail") in result.stdout
-    message = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.00 % of it) at t = 0.500 s.\n"
+    message = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.0 % of it) at t = 0.500 s.\n"
     assert result.stderr == ("" if ok else message)
     assert os.listdir(plan_folder) == ["summary.json"]
 

@@ -120,7 +120,7 @@ def test_content_that_is_no_scenario(content: bytes, fragment: str, tmp_path: Pa
         ("x,y,z\n0.6,0,1.2\n0.6,oops,1.2\n", 'line 3: "oops" is not a number'),
         ("0.6,0,1.2\n0.6,nan,1.2\n", 'line 2: "nan" is not a finite number'),
         ("x,y,z\n0.6,0\n", "line 2: 2 columns"),
-        ("a,b,c\n0.6,0,1\n", "the columns must be x, y, z"),
+        ("a,b,c\n0.6,0,1\n", "is not known; columns are x, y, z"),
         ("", "0 waypoints"),
     ],
 )

@@ -44,7 +44,7 @@ def test_bounds_units_and_defaults_are_those_of_the_reader() -> None:
     assert "at least 0, below 1" in rows["`friction_reserve`"]
     assert "| `100` | at least 20, at most 1000 |" in rows["`intervals`"]
     assert "**required**" in rows["`size`"]
-    assert '`"ipopt"`, `"fatrop"`' in rows["`solver`"]
+    assert '`"auto"`, `"ldl"`, `"mumps"`' in rows["`linear_solver`"]
 
 
 def test_no_table_row_is_broken_by_a_bar() -> None:

@@ -123,7 +123,7 @@ def test_defaults() -> None:
     scene = scene_with()
     assert scene.fidelity == "full" and scene.slosh_modes == 1 and scene.output_rate == 500
     assert scene.motion.max_tilt == math.radians(30) and scene.motion.end == "residual" and not scene.motion.tilt_free
-    assert scene.planning.intervals == 100 and scene.planning.starts == 1 and scene.planning.solver == "ipopt"
+    assert scene.planning.intervals == 100 and scene.planning.starts == 1 and scene.planning.linear_solver == "auto"
     assert np.array_equal(scene.tray.tool.position, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
     assert scene.cargo[0].footprint_reserve == 0.05
@@ -237,7 +237,9 @@ def test_waypoint_file_goes_into_the_copy(tmp_path: Path) -> None:
     assert table["path"]["file"] == "way.csv"  # what came in is left alone
     assert scene.name == "with-spaces-more"
     write_scenario(scene, tmp_path / "scenario.toml")
-    assert "way.csv" not in (tmp_path / "scenario.toml").read_text(encoding="utf-8")
+    saved = tomllib.loads((tmp_path / "scenario.toml").read_text(encoding="utf-8"))["path"]
+    assert "file" not in saved
+    assert saved["origin"] == "way.csv, 3 points"
     assert same(read_scenario(tmp_path / "scenario.toml"), scene)
 
 

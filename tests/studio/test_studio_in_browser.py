@@ -19,6 +19,8 @@ pytestmark = [
     pytest.mark.slow,
     # Playwright's own loop leaves sockets to the garbage collector.
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
+    # The server ignores it, too; pytest sets the filters anew between a fixture and its test.
+    pytest.mark.filterwarnings(r"ignore:Queued a \w+ on a closed connection"),
 ]
 
 from nospill.scenario import scene_from_table, write_scenario  # noqa: E402

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path as FilePath
 
 import numpy as np
 
 from nospill.core.arrays import read_only
-from nospill.core.files import UnreadableError, bounded_text
+from nospill.core.path_checks import checked_knots, checked_numbers, checked_point, checked_points, point_text
 from nospill.core.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolating_pieces, refined, spline_of_curve
-from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 
-MAX_WAYPOINTS = 500
+MAX_INTERPOLATED = 500
 """More interpolated points than this make planning needlessly slow: every span costs time in each of its steps."""
 
 ARC_TOLERANCE = 1e-7
@@ -34,10 +31,12 @@ class Path:
         coefficients: (degree + 1, m, 4) for x, y, z (m) and yaw (rad); highest power of (s - breaks[i]) first.
             All are at least twice continuously differentiable inside (C2), so that jerk-limited s gives continuous
             acceleration; presets, lines, arcs, waypoints and yaw splines are C3 or better.
+        notes: what was assumed or left out when it was made from recorded points, one sentence each, for people.
     """
 
     breaks: np.ndarray
     coefficients: np.ndarray
+    notes: tuple[str, ...] = ()
 
     def at(self, s: np.ndarray | float) -> np.ndarray:
         """Position and yaw at path parameters `s`; outside [0, 1] the end pieces are continued.
@@ -86,7 +85,7 @@ def path_from_bspline(
     Raises:
         ScenarioError: numbers that do not make a B-spline, or one whose second derivative jumps.
     """
-    points = _checked_points(control_points, "control_points")
+    points = checked_points(control_points, "control_points")
     count = len(points)
     if isinstance(degree, bool) or not isinstance(degree, int | np.integer) or not 1 <= degree < count:
         raise ScenarioError(
@@ -96,8 +95,8 @@ def path_from_bspline(
     if knots is None:
         vector = np.concatenate((np.zeros(degree), np.linspace(0.0, 1.0, count - degree + 1), np.ones(degree)))
     else:
-        vector = _checked_knots(knots, count, degree)
-    return _assemble(bspline_pieces(points, int(degree), vector), yaw)
+        vector = checked_knots(knots, count, degree)
+    return assembled(bspline_pieces(points, int(degree), vector), yaw_pieces(yaw))
 
 
 def straight_line(
@@ -117,8 +116,8 @@ def straight_line(
     Raises:
         ScenarioError: numbers that are not finite, or a path that goes nowhere.
     """
-    first, last = _checked_point(start, "start"), _checked_point(end, "end")
-    return _assemble(Pieces(np.array([0.0, 1.0]), np.array([[last - first], [first]])), yaw)
+    first, last = checked_point(start, "start"), checked_point(end, "end")
+    return assembled(Pieces(np.array([0.0, 1.0]), np.array([[last - first], [first]])), yaw_pieces(yaw))
 
 
 def circular_arc(
@@ -143,15 +142,15 @@ def circular_arc(
         ScenarioError: points that coincide or lie on one line.
     """
     first, middle, last = (
-        _checked_point(point, name) for point, name in ((start, "start"), (through, "through"), (end, "end"))
+        checked_point(point, name) for point, name in ((start, "start"), (through, "through"), (end, "end"))
     )
     to_middle, to_last = middle - first, last - first
     normal = np.cross(to_middle, to_last)
     size = np.linalg.norm(to_middle) * np.linalg.norm(to_last) * np.linalg.norm(last - middle)
     if np.linalg.norm(normal) <= 1e-6 * max(np.linalg.norm(to_middle), np.linalg.norm(to_last)) ** 2 or size == 0.0:
         raise ScenarioError(
-            f"arc with start {_text(first)}, through {_text(middle)}, end {_text(last)}: the points coincide or lie on "
-            "one line; move `through` off the line, or use a line"
+            f"arc with start {point_text(first)}, through {point_text(middle)}, end {point_text(last)}: the points "
+            "coincide or lie on one line; move `through` off the line, or use a line"
         )
     # Circumcentre of the triangle, from the two perpendicular bisectors in its plane.
     to_centre = (
@@ -172,34 +171,7 @@ def circular_arc(
     pieces = spline_of_curve(circle, tolerance=ARC_TOLERANCE)
     if pieces is None:
         raise ScenarioError(f"arc: radius {radius:.6g} m is too large to follow within 1e-7 m; use a line or waypoints")
-    return _assemble(pieces, yaw)
-
-
-def path_through_waypoints(
-    points: np.ndarray | Sequence[Sequence[float]], *, yaw: np.ndarray | Sequence[float] = (0.0, 0.0)
-) -> Path:
-    """Smooth path through points: a C4 spline of degree 5 in the chord length; 2 to 5 points give one polynomial.
-
-    Args:
-        points: (n, 3), m; neighbours differ.
-        yaw: see `straight_line`.
-
-    Raises:
-        ScenarioError: too few or too many points, neighbours that coincide, numbers that are not finite.
-    """
-    places = _checked_points(points, "waypoints")
-    if len(places) > MAX_WAYPOINTS:
-        raise ScenarioError(
-            f"waypoints: {len(places)} points, at most {MAX_WAYPOINTS} are allowed; keep fewer, a spline joins them"
-        )
-    chords = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    nearest = int(np.argmin(chords))
-    if chords[nearest] <= SAME_KNOT * max(1.0, float(chords.sum())):
-        raise ScenarioError(
-            f"waypoints {nearest + 1} and {nearest + 2} are the same point {_text(places[nearest])}; remove one of them"
-        )
-    s = np.concatenate(([0.0], np.cumsum(chords)))
-    return _assemble(interpolating_pieces(s / s[-1], places), yaw)
+    return assembled(pieces, yaw_pieces(yaw))
 
 
 def _arc_control_points() -> np.ndarray:
@@ -252,134 +224,25 @@ def preset_path(
     """
     if name not in PRESETS:
         raise ScenarioError(f"path preset {name!r} is unknown; choose one of {', '.join(PRESETS)}")
-    points = PRESETS[name]() + _checked_point(offset, "offset")
+    points = PRESETS[name]() + checked_point(offset, "offset")
     knots = np.concatenate((np.full(4, -0.001), np.linspace(0.0, 1.0, 8), np.full(4, 1.001))) if name == "arc" else None
     return path_from_bspline(points, 4, knots=knots, yaw=yaw)
 
 
-_LARGEST_FILE = 100_000_000
-_HEADER_CELL = re.compile(r"^([xyz])\s*[_ \[(]*\s*(m)?\s*[\])]?$", re.IGNORECASE)
-
-
-def read_waypoints(csv_path: FilePath | str) -> np.ndarray:
-    """Waypoints from a CSV file: columns x, y, z in metres, separated by commas or semicolons.
-
-    A header line (`x,y,z`, or with the unit as in `x_m` or `x [m]`), blank lines and lines that start with # may be
-    present.
-
-    Returns:
-        (n, 3) points in m.
-
-    Raises:
-        ScenarioError: the file cannot be read, or a line is not three finite numbers; the message names file and line.
-    """
-    path = FilePath(csv_path)
-    try:
-        lines = bounded_text(path, _LARGEST_FILE).splitlines()
-    except UnreadableError as error:
-        raise ScenarioError(f"{path}: {error}; give a CSV file with columns x, y, z in m") from None
-    rows: list[tuple[float, ...]] = []
-    header_allowed = True
-    for number, line in enumerate(lines, start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        cells = [cell.strip() for cell in line.split(";" if ";" in line else ",")]
-        if header_allowed and cells[0][:1].isalpha() and cells[0].lower() not in {"nan", "inf", "infinity"}:
-            _check_header(cells, f"{path} line {number}")
-        else:
-            rows.append(_row(cells, f"{path} line {number}"))
-        header_allowed = False
-    if len(rows) < 2:
-        raise ScenarioError(f"{path}: {len(rows)} waypoints; a path needs at least 2 lines of x, y, z in m")
-    return np.array(rows)
-
-
-def _check_header(cells: list[str], place: str) -> None:
-    matches = [_HEADER_CELL.match(cell) for cell in cells]
-    if [match.group(1).lower() if match else "" for match in matches] != ["x", "y", "z"]:
-        raise ScenarioError(
-            f"{place}: header {as_written(', '.join(cells))}; the columns must be x, y, z in m, in this order"
-        )
-
-
-def _row(cells: list[str], place: str) -> tuple[float, ...]:
-    if len(cells) != 3:
-        raise ScenarioError(f"{place}: {len(cells)} columns; 3 are needed (x, y, z in m, separated by , or ;)")
-    values: list[float] = []
-    for cell in cells:
-        try:
-            value = float(cell)
-        except ValueError:
-            raise ScenarioError(
-                f"{place}: {as_written(cell)} is not a number; write metres with a decimal point"
-            ) from None
-        if not math.isfinite(value):
-            raise ScenarioError(
-                f"{place}: {as_written(cell)} is not a finite number; write metres with a decimal point"
-            )
-        values.append(value)
-    return tuple(values)
-
-
-def _checked_numbers(values: object, name: str) -> np.ndarray:
-    try:
-        array = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ScenarioError(f"{name}: not an array of numbers, or its rows differ in length") from None
-    if not np.all(np.isfinite(array)):
-        raise ScenarioError(f"{name}: contains a value that is not a finite number")
-    if array.size and np.max(np.abs(array)) > 1e6:
-        raise ScenarioError(
-            f"{name}: contains {array.flat[np.argmax(np.abs(array))]:g}; at most 1e6 in size is allowed (m, rad)"
-        )
-    return array
-
-
-def _checked_point(values: object, name: str) -> np.ndarray:
-    point = _checked_numbers(values, name)
-    if point.shape != (3,):
-        raise ScenarioError(f"{name}: shape {point.shape}; three numbers x, y, z in m are needed")
-    return point
-
-
-def _checked_points(values: object, name: str) -> np.ndarray:
-    points = _checked_numbers(values, name)
-    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
-        raise ScenarioError(f"{name}: shape {points.shape}; at least 2 points of three numbers x, y, z in m are needed")
-    return points
-
-
-def _checked_knots(values: object, count: int, degree: int) -> np.ndarray:
-    knots = _checked_numbers(values, "knots")
-    if knots.shape != (count + degree + 1,):
-        raise ScenarioError(
-            f"knots: {knots.size} given; {count} control points of degree {degree} need {count + degree + 1} knots"
-        )
-    falling = np.flatnonzero(np.diff(knots) < 0)
-    if falling.size:
-        raise ScenarioError(
-            f"knots: knot {falling[0] + 2} = {knots[falling[0] + 1]:g} is below the one before; sort them"
-        )
-    begin, end = knots[degree], knots[-degree - 1]
-    if end - begin <= SAME_KNOT:
-        raise ScenarioError(f"knots: the curve's interval from {begin:g} to {end:g} is empty; spread the inner knots")
-    return knots if begin <= SAME_KNOT and end >= 1 - SAME_KNOT else (knots - begin) / (end - begin)
-
-
-def _yaw_pieces(yaw: object) -> Pieces:
-    values = _checked_numbers(yaw, "yaw")
+def yaw_pieces(yaw: object) -> Pieces:
+    """Yaw over s from two or more angles, see `straight_line`."""
+    values = checked_numbers(yaw, "yaw")
     if values.ndim != 1 or values.size < 2:
         raise ScenarioError(f"yaw: shape {values.shape}; two or more angles are needed (start, ..., end)")
     if values.size == 2:
         return Pieces(np.array([0.0, 1.0]), np.array([[[values[1] - values[0]]], [[values[0]]]]))
-    if values.size > MAX_WAYPOINTS:
-        raise ScenarioError(f"yaw: {values.size} values, at most {MAX_WAYPOINTS} are allowed; keep fewer")
+    if values.size > MAX_INTERPOLATED:
+        raise ScenarioError(f"yaw: {values.size} values, at most {MAX_INTERPOLATED} are allowed; keep fewer")
     return interpolating_pieces(np.linspace(0.0, 1.0, values.size), values[:, None])
 
 
-def _assemble(position: Pieces, yaw: object) -> Path:
-    """Position and yaw on the union of their breaks and with the larger of their degrees."""
-    turning = _yaw_pieces(yaw)
+def assembled(position: Pieces, turning: Pieces, notes: tuple[str, ...] = ()) -> Path:
+    """The path of position (m) and yaw (rad): on the union of their breaks, with the larger of their degrees."""
     merged = np.union1d(position.breaks, turning.breaks)
     breaks = merged[np.append(True, np.diff(merged) > SAME_KNOT)]
     breaks[-1] = 1.0
@@ -389,8 +252,4 @@ def _assemble(position: Pieces, yaw: object) -> Path:
     )
     if np.max(np.abs(coefficients[:-1])) <= SAME_KNOT:
         raise ScenarioError("the path neither moves nor turns; give it points that differ or a yaw that changes")
-    return Path(read_only(breaks), read_only(coefficients))
-
-
-def _text(point: np.ndarray) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ")"
+    return Path(read_only(breaks), read_only(coefficients), notes)

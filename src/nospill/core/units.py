@@ -175,3 +175,8 @@ def _advice(kind: Dimension) -> str:
     if "" in kind.units:
         return f'give a plain number, for example {kind.example}, or text with {listed(units)}, for example "10 %"'
     return f'give a number in {units[0]} or text with {listed(units)}, for example "{kind.example}"'
+
+
+def superscript(unit: str) -> str:
+    """A unit as printed: m/s² for m/s^2."""
+    return unit.replace("^2", "²").replace("^3", "³")

@@ -9,9 +9,10 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Row, limit_row
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
-from nospill.laws.scene_parameters import structure_of
+from nospill.laws.scene_parameters import object_structure
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.scene import Scene
 
 POSITION_TOLERANCE = 1e-4
@@ -70,14 +71,18 @@ def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> Non
             f"trajectory: its joints {', '.join(trajectory.joints)} are not those of the robot "
             f"({', '.join(scene.robot.joints)})"
         )
-    items = zip(scene.cargo, structure_of(scene).objects, strict=True)
-    wanted = {cargo.name: item.coordinates for cargo, item in items if item.coordinates}
+    wanted = {cargo.name: recorded_coordinates(cargo, scene) for cargo in scene.cargo if cargo.oscillators}
     found = {name: track.displacement.shape[1] for name, track in trajectory.slosh.items()}
     if found != wanted:
         ours, theirs = (
             ", ".join(f"{name} ({count})" for name, count in names.items()) or "none" for names in (found, wanted)
         )
         raise PlanFolderError(f"trajectory: its liquids (slosh coordinates) are {ours}, those of the scene {theirs}")
+
+
+def recorded_coordinates(cargo: Cargo, scene: Scene) -> int:
+    """Number of slosh coordinates of an object that a record has, of the slowest modes."""
+    return object_structure(with_modes(cargo, scene.slosh_modes)).coordinates
 
 
 def require_motion(trajectory: Trajectory) -> None:

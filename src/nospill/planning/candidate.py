@@ -26,9 +26,7 @@ Options = Mapping[str, Any]
 
 BARRIERS = (1e-5, 1e-4, 0.1)
 """First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
-_NO_PUSH = 1e-6
-_NEAR_AT_START = 0.75
-_LEAST_TIME = 10.0
+_NO_PUSH, _NEAR_AT_START, _LEAST_TIME = 1e-6, 0.75, 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,8 +129,8 @@ def solved(
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
-        solution = solve(problem, start, solver=planning.solver, options=replace(usual, **options), warm=warm)
-    log.add(solution)
+        solution = solve(problem, start, options=replace(usual, **options), warm=warm)
+    log.solutions.append(solution)
     return Candidate(active, solution)
 
 

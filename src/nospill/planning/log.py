@@ -41,8 +41,7 @@ class Log:
         max_time: for the whole call, s.
         began: time of the clock at its start, s.
         phases: time by phase, s.
-        solve_time: of all solves, s.
-        iterations: of all solves.
+        solutions: of all solves.
         rounds: of tightening and constraint generation.
         starts: end time of the answer from each start, s; None where there was none.
     """
@@ -51,8 +50,7 @@ class Log:
     max_time: float
     began: float = field(default_factory=time.perf_counter)
     phases: dict[str, float] = field(default_factory=dict)
-    solve_time: float = 0.0
-    iterations: int = 0
+    solutions: list[Solution] = field(default_factory=list)
     rounds: int = 0
     starts: list[float | None] = field(default_factory=list)
 
@@ -81,8 +79,3 @@ class Log:
         """Pass an iteration of the solver on."""
         if self.progress is not None:
             self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
-
-    def add(self, solution: Solution) -> None:
-        """Count the effort of a solve."""
-        self.solve_time += solution.solve_time_s
-        self.iterations += solution.iterations

@@ -9,8 +9,9 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
+from nospill.judge.full_model import with_full_model
+from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -24,6 +25,7 @@ from nospill.robots.joint_paths.search import branch_in_words, joint_paths, pref
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
 
@@ -79,17 +81,21 @@ def _planned(
     judged = certified_by_refinement(candidate, log)
     report = PlanningReport(
         plan_time=time.perf_counter() - log.began,
-        solve_time=log.solve_time,
-        iterations=log.iterations,
+        solve_time=sum(solution.solve_time_s for solution in log.solutions),
+        iterations=sum(solution.iterations for solution in log.solutions),
         rounds=log.rounds,
         starts=Starts.of(log.starts),
         phases=log.phases,
         solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
+        linear_solvers=tuple(solution.linear_solver for solution in log.solutions),
         backoff=judged.candidate.active.increased(),
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    found = judged_plan(scene, judged.trajectory, judged.judgement, report)
+    with log.phase("certify"):
+        certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
+    record = with_recorded_modes(judged.trajectory, scene)
+    found = judged_plan(scene, record, replace(judged.judgement, certificate=certificate), report)
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(

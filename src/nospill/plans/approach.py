@@ -12,6 +12,7 @@ from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
 from nospill.judge.certificate import Judgement, judge
+from nospill.judge.full_model import with_full_model
 from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
@@ -53,6 +54,11 @@ def judged(plan: Plan) -> Judgement:
         ModelError: the liquids cannot be integrated.
     """
     judgement = plan.judgement or judge(plan.trajectory, plan.scene)
+    if judgement.certificate.published:
+        noted = (
+            plan.certificate if plan.judgement else with_full_model(judgement.certificate, plan.trajectory, plan.scene)
+        )
+        judgement = replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
     if plan.approach is None or plan.scene.approach is None:
         return judgement
     rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])

@@ -41,6 +41,8 @@ def load_plan(folder: str | Path) -> Plan:
                 ok=certificate["ok"],
                 grid_hz=certificate["grid_hz"],
                 rows=_rows(certificate["rows"]),
+                published=bool(certificate.get("published", False)),
+                full_model=tuple(Row(**row) for row in certificate.get("full_model", [])),
             ),
             maxima=maxima,
             report=report,

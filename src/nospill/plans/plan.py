@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from pathlib import Path
@@ -11,8 +12,9 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
+from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, remedy
+from nospill.judge.wording import describe, full_model_note, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
@@ -34,6 +36,7 @@ class MotionMaxima:
         joint_speed_use: largest joint speed as a fraction of its limit.
         slosh_height: m, by object with liquid.
         residual_height: m, by object with liquid.
+        time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
     """
 
     tray_acceleration: float
@@ -42,6 +45,7 @@ class MotionMaxima:
     joint_speed_use: float
     slosh_height: dict[str, float]
     residual_height: dict[str, float]
+    time_at_limit: dict[str, float] = field(default_factory=dict)
 
 
 _AGREED = 5e-3
@@ -86,6 +90,7 @@ class PlanningReport:
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
+        linear_solvers: of every solve; where one failed, the one after it and its own name.
     """
 
     plan_time: float
@@ -98,6 +103,7 @@ class PlanningReport:
     backoff: dict[str, float]
     branch: str = ""
     base_yaw: str | None = None
+    linear_solvers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,16 +138,23 @@ class Plan:
 
     @property
     def status(self) -> str:
-        """Either "certified" or "uncertified"."""
-        return "certified" if self.certificate.ok else "uncertified"
+        """One of "certified", "certified as published" (`fidelity = "deliverable"`) and "uncertified"."""
+        return self.certificate.word if self.certificate.ok else "uncertified"
 
     @property
     def message(self) -> str:
         """One sentence: the verdict and, if it is no, the row that says so."""
         worst = self.certificate.worst
         if self.certificate.ok:
-            return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            return (
+                f"{self.certificate.word.capitalize()}: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            )
         return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
+
+    @property
+    def held_back(self) -> str:
+        """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
+        return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -230,6 +243,7 @@ def _certificate_summary(plan: Plan) -> dict[str, Any]:
         "ok": plan.certificate.ok,
         "worst_constraint": f"{worst.constraint} | {worst.label}",
         "worst_margin": worst.worst_margin,
+        "full_model": full_model_note(plan.certificate),
     }
 
 
@@ -257,11 +271,14 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "held_back": _Computed(lambda plan: plan.held_back),
+    "time_at_limit": _Kept("maxima", "time_at_limit"),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
+    "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
     "approach": _Computed(_approach_summary),
@@ -282,7 +299,8 @@ def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, Planning
     Raises:
         KeyError: a key is missing.
     """
-    optional = {item.name for item in fields(PlanningReport) if item.default is not MISSING}
+    known = (*fields(MotionMaxima), *fields(PlanningReport))
+    optional = {item.name for item in known if item.default is not MISSING or item.default_factory is not MISSING}
     found: dict[str, dict[str, Any]] = {"maxima": {}, "report": {}}
     for key, entry in _SUMMARY.items():
         if isinstance(entry, _Kept) and (key in summary or entry.name not in optional):
@@ -304,6 +322,7 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         joint_speed_use=float(np.max(speeds)),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
+        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
     )
 
 

@@ -80,7 +80,7 @@ def read_cargo(
         footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
     )
-    allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity, slosh_modes=slosh_modes)
+    allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
     return dataclasses.replace(cargo, tolerance=allowed)
 
 

@@ -113,7 +113,10 @@ class PlanningTable(Table):
             description="fewest time intervals; long motions of liquids get more",
         ),
     ] = 100
-    solver: Annotated[Literal["ipopt", "fatrop"], Field(description="the nonlinear programming solver")] = "ipopt"
+    linear_solver: Annotated[
+        Literal["auto", "ldl", "mumps"],
+        Field(description="of IPOPT's steps; auto takes ldl where it can be compiled, and mumps otherwise"),
+    ] = "auto"
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=100_000, description="iterations of one solve")] = 1000
     max_solve_time: Annotated[
         float,
@@ -135,7 +138,16 @@ class PlanningTable(Table):
         ),
     ] = 1
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
-    slosh_modes: Annotated[int, Field(strict=True, ge=1, le=10, description="liquid modes in each direction")] = 1
+    slosh_modes: Annotated[
+        int,
+        Field(
+            strict=True,
+            ge=1,
+            le=10,
+            description="liquid modes in each direction that the last problem carries at least and the record has; "
+            "at full fidelity the judge has twenty",
+        ),
+    ] = 1
 
 
 class OutputTable(Table):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Literal
 
@@ -11,11 +12,11 @@ from nospill.core.paths import (
     Path,
     circular_arc,
     path_from_bspline,
-    path_through_waypoints,
     preset_path,
-    read_waypoints,
     straight_line,
 )
+from nospill.core.waypoint_files import read_waypoints
+from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import Angle, Measured, Point, Table
 
@@ -106,22 +107,51 @@ class WaypointsTable(PathTable):
 
     type: Literal["waypoints"]
     file: Annotated[
-        str | None, Field(strict=True, description="CSV file with columns x, y, z in m, beside the scenario file")
+        str | None,
+        Field(
+            strict=True,
+            description="CSV file beside the scenario file: x, y, z in m, or columns named by a header "
+            "(x_mm, yaw_deg, qx, qy, qz, qw, t)",
+        ),
     ] = None
     points: Annotated[list[Point] | None, Field(min_length=2, description="the points, each x, y and z")] = None
+    yaw_at_points: Annotated[
+        list[Angle] | None, Field(description="yaw of the tray at each point, in place of yaw")
+    ] = None
+    smoothing: Annotated[
+        Annotated[float, Measured(dimension="length", at_least=0.0, at_most=0.1)] | None,
+        Field(
+            description="largest distance of a point from the path; 0 passes through every point. When not given, "
+            f"{1e6 * SMOOTHING:g} um, and points that scatter by more are joined exactly or refused"
+        ),
+    ] = None
+    origin: Annotated[
+        str | None, Field(strict=True, max_length=300, description="where the points come from, in words")
+    ] = None
 
     def standalone(self, folder: FilePath) -> dict[str, object]:
         """See `PathTable`: the points of the file take the place of its name."""
         if (self.file is None) == (self.points is None):
             given = "neither is given" if self.file is None else "both are given"
             raise ScenarioError(f"file and points: {given}; a path through waypoints needs exactly one of them")
+        if self.yaw_at_points is not None and "yaw" in self.model_fields_set:
+            raise ScenarioError("yaw and yaw_at_points: both are given; keep one of them")
         if self.file is None:
             return {}
-        return {"file": None, "points": read_waypoints(folder / self.file).tolist()}
+        recorded = read_waypoints(folder / self.file)
+        found: dict[str, object] = {"file": None, "points": recorded.points.tolist(), "origin": recorded.origin}
+        if recorded.yaw is None:
+            return found
+        if "yaw" in self.model_fields_set or self.yaw_at_points is not None:
+            raise ScenarioError(f"yaw: {self.file} has the yaw of the tray at each point; leave yaw out")
+        return found | {"yaw_at_points": recorded.yaw.tolist()}
 
     def build(self) -> Path:
         """See `PathTable`; the points are at hand, `standalone` comes first."""
-        return path_through_waypoints(self.points or [], yaw=self.yaw)
+        path = path_through_waypoints(
+            self.points or [], yaw=self.yaw, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
+        )
+        return path if self.origin is None else replace(path, notes=(self.origin, *path.notes))
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {

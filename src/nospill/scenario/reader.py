@@ -28,7 +28,7 @@ from nospill.scenario.model import Scenario
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene
+from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene, mode_count
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
@@ -150,7 +150,7 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         friction_reserve=scenario.tray.friction_reserve,
         footprint_reserve=scenario.tray.footprint_reserve,
         fidelity=scenario.fidelity,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=mode_count(scenario.fidelity, scenario.planning.slosh_modes),
         tolerance=scenario.tolerance,
     )
 
@@ -180,9 +180,7 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
 
 
 def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario: Scenario, label: str) -> None:
-    load = sum(
-        greatest_mass(item, fidelity=scenario.fidelity, slosh_modes=scenario.planning.slosh_modes) for item in cargo
-    )
+    load = sum(greatest_mass(item, fidelity=scenario.fidelity) for item in cargo)
     at_most = "at most " if any(item.tolerance for item in cargo) else ""
     if robot.payload is not None and tray.mass + load > robot.payload * (1.0 + 1e-9):  # rounding of the sum
         raise report(
@@ -231,7 +229,7 @@ def _planning(scenario: Scenario) -> PlanningOptions:
         path_jerk_weight=options.path_jerk_weight,
         tilt_jerk_weight=options.tilt_jerk_weight,
         intervals=options.intervals,
-        solver=options.solver,
+        linear_solver=options.linear_solver,
         max_iterations=options.max_iterations,
         max_solve_time=options.max_solve_time,
         max_plan_time=options.max_plan_time,

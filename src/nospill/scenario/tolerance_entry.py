@@ -82,7 +82,6 @@ def tolerance_of(
     own: ToleranceTable | None,
     *,
     fidelity: Fidelity,
-    slosh_modes: int,
 ) -> Tolerance | None:
     """The tolerance of an object from the table for all and its own; None where all its numbers are certain.
 
@@ -109,5 +108,5 @@ def tolerance_of(
         return None
     require_valid_fill(cargo, tolerance.liquid_height, key="tolerance.liquid_height")
     # What the slosh model does not cover is refused here rather than in the middle of planning.
-    variants(replace(cargo, tolerance=tolerance), fidelity=fidelity, slosh_modes=slosh_modes)
+    variants(replace(cargo, tolerance=tolerance), fidelity=fidelity)
     return tolerance

@@ -98,6 +98,16 @@ class Cargo:
         return self.filling.modes.oscillators if self.filling else ()
 
 
+def with_modes(cargo: Cargo, count: int) -> Cargo:
+    """The object with this many modes of its liquid in each direction, the slowest damped as before; a solid as is."""
+    filling = cargo.filling
+    if filling is None or filling.modes.count == count:
+        return cargo
+    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    modes = cargo.container.slosh_modes(filling.liquid, filling.liquid_height, count, damping=slowest.damping)
+    return replace(cargo, filling=replace(filling, modes=modes))
+
+
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:
     """The liquid at rest up to a height (m) as a solid; a container is a prism, cut off at the surface."""
     # A shape is a dataclass whose fields are its sizes (docs/extending.md); `height` is one of them.

@@ -49,7 +49,7 @@ class Perturbation:
         return ", ".join(parts)
 
 
-def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
     """Cargo with other numbers, built like one from a scenario.
 
     The surface may rise as far as before, but never over the rim; where it may rise to the rim, or to the rim less the
@@ -59,7 +59,6 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes
         cargo: as in the scenario.
         by: the difference.
         fidelity: of the scene.
-        slosh_modes: of the scene.
 
     Raises:
         ModelError: the slosh model does not cover the filling.
@@ -75,7 +74,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes
     )
     if cargo.filling is None:
         return changed
-    filling = _refilled(cargo, cargo.filling, by, slosh_modes)
+    filling = _refilled(cargo, cargo.filling, by)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
@@ -89,14 +88,14 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
     return container.shell_properties(mass)
 
 
-def _refilled(cargo: Cargo, filling: Filling, by: Perturbation, slosh_modes: int) -> Filling:
+def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
     level = filling.liquid_height + by.liquid_height
     try:
         modes = cargo.container.slosh_modes(
             filling.liquid,
             level,
-            slosh_modes,
+            filling.modes.count,
             damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
         )
     except ScenarioError as error:

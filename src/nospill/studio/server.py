@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import threading
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,9 +44,7 @@ def studio(
     """
     _require_own(host)
     seats, opened, lock = Seats(), {} if sessions is None else sessions, threading.Lock()
-    with warnings.catch_warnings(), running_server(port=port, host=host) as server:
-        # what still plays in a tab that is being closed goes nowhere, which is right
-        warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
+    with running_server(port=port, host=host) as server:
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         prepare(server.scene)
 

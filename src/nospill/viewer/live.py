@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import threading
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
@@ -40,7 +41,7 @@ def title_of(film: Film) -> str:
     """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
     scene = film.plan.scene
     kind = "tilting" if scene.motion.tilt_free else "level"
-    verdict = "certified" if film.judgement.certificate.ok else "NOT certified"
+    verdict = film.judgement.certificate.word
     return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 
 
@@ -106,7 +107,10 @@ def running_server(*, port: int, host: str = "127.0.0.1") -> Iterator[viser.Vise
         server = library.ViserServer(host=host, port=port, label="nospill", verbose=False)
     server.scene.world_axes.visible = False
     try:
-        yield server
+        with warnings.catch_warnings():
+            # what is still on its way to a tab that was closed goes nowhere, which is right
+            warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
+            yield server
     finally:
         with redirect_stdout(io.StringIO()):
             server.stop()

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from nospill.core.paths import read_waypoints
+from nospill.core.waypoint_files import read_waypoints
 from nospill.errors import NospillError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory

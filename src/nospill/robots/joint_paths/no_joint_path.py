@@ -21,17 +21,18 @@ _BISECTIONS = 20
 _PLACES = 9
 
 
-def explain(robot: Robot, path: Path, followed: Followed, *, tool: Tool) -> ScenarioError:
+def explain(robot: Robot, path: Path, followed: Followed, *, searched: str = "", tool: Tool) -> ScenarioError:
     """Return the error that says why none of the followed branches is a joint path.
 
     Args:
         robot: the arm.
         path: path of the tray.
         followed: what `follow` returned for all solutions at the start.
+        searched: where else a joint path was looked for, in words that end the message.
         tool: frame carried by the flange.
     """
     if followed.complete.any():
-        return _limit_in_the_way(robot, followed, path)
+        return _limit_in_the_way(robot, followed, path, searched)
     s = followed.s
     solved = np.array([is_reachable(robot, path, value, tool) for value in s])
     if not solved.all():
@@ -43,7 +44,7 @@ def explain(robot: Robot, path: Path, followed: Followed, *, tool: Tool) -> Scen
     return ScenarioError(
         f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
         f"singularity, the last near {place_in_words(path, lost)} at joints ({joints}) deg; "
-        "move the path or change its yaw there",
+        f"move the path or change its yaw there{searched}",
         Reason(ROBOT, "singularity", robot.name, lost),
     )
 
@@ -54,7 +55,7 @@ def place_in_words(path: Path, s: float) -> str:
     return f"s = {s:.3f} (x, y, z = {', '.join(f'{value:.0f}' for value in position)} mm)"
 
 
-def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioError:
+def _limit_in_the_way(robot: Robot, followed: Followed, path: Path, searched: str) -> ScenarioError:
     """Return the error for the branch that breaks its limits least, with the whole turns that suit it best."""
     best: tuple[float, int, int, np.ndarray] | None = None
     for q in followed.q[followed.complete]:
@@ -78,7 +79,7 @@ def _limit_in_the_way(robot: Robot, followed: Followed, path: Path) -> ScenarioE
         f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
         f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
         f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
-        f"{np.degrees(worst):.3g} deg, from {place_in_words(path, at_s)} on; move the path or change its yaw",
+        f"{np.degrees(worst):.3g} deg, from {place_in_words(path, at_s)} on; move the path or change its yaw{searched}",
         Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
     )
 

@@ -2,9 +2,10 @@
 
 Every branch of the inverse kinematics that exists at the start of the path is followed along all of it with a level
 tray, by Newton continuation with step control, so that a branch never jumps. Seven joints have a family of branches for
-every position of the redundant joint: a number of positions is tried, each kept along the path, and only where none
-leads through, the joints are left to move as little as they can. That gives the planner its start; it may move the
-redundant joint as it likes.
+every position of the redundant joint: a number of positions is tried, each kept along the path; where none leads
+through, the joints are left to move as little as they can; where that breaks a limit, too, the whole range of the
+redundant joint is searched on a grid (`redundancy_grid`). That gives the planner its start; it may move the redundant
+joint as it likes.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from nospill.core.paths import Path
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
 from nospill.robots.joint_paths.no_joint_path import explain
-from nospill.robots.kinematics.closed_form import TURN, solutions_anywhere, turn_choices
+from nospill.robots.joint_paths.redundancy_grid import PLACES, POSITIONS, paths_on_grid
+from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, turn_choices
 from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held, least_norm_step
@@ -130,11 +132,17 @@ def try_joint_paths(
     found: list[JointPath] = []
     for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
         followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held)
-        found = _within_limits(robot, path, followed, held, tool=tool)
+        motions = [(q, np.zeros(samples)) for q in followed.q[followed.complete]]
+        found = _within_limits(robot, path, s, motions, held, tool=tool)
         if found:
             break
     assert followed is not None  # there is one turn of the loop at least
-    why = partial(explain, robot, path, followed, tool=tool)
+    searched = ""
+    if not found and joint is not None and has_closed_form(kinematics(robot), joint):
+        held, motions = np.eye(len(robot.joints))[joint], paths_on_grid(robot, path, joint, s, tool=tool)
+        found = _within_limits(robot, path, s, motions, held, tool=tool)
+        searched = f"; searched: {POSITIONS} positions of {robot.joints[joint]} at {PLACES} places of the path"
+    why = partial(explain, robot, path, followed, searched=searched, tool=tool)
     return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
 
 
@@ -178,16 +186,22 @@ def _starts(robot: Robot, path: Path, tool: Tool) -> np.ndarray:
 
 
 def _within_limits(
-    robot: Robot, path: Path, followed: Followed, held: np.ndarray | None, *, tool: Tool
+    robot: Robot,
+    path: Path,
+    s: np.ndarray,
+    motions: Sequence[tuple[np.ndarray, np.ndarray]],
+    held: np.ndarray | None,
+    *,
+    tool: Tool,
 ) -> list[JointPath]:
-    """The joint paths among the followed branches, best first."""
-    arm, s = kinematics(robot), followed.s
+    """The joint paths among motions q (m, n), held . dq/ds (m,) given for each, best first."""
+    arm = kinematics(robot)
     found: list[tuple[tuple[float, ...], JointPath]] = []
     middle = 0.5 * (robot.lower + robot.upper)
-    for q in followed.q[followed.complete]:
+    for q, held_rate in motions:
         jacobian, rates = arm.jacobians(q, tool=tool), tray_rates(path, s)
         if held is not None:
-            jacobian, rates = Held(held, q @ held).added(jacobian, rates, q)
+            jacobian, rates = Held(held, q @ held + held_rate).added(jacobian, rates, q)
         dq_ds = least_norm_step(jacobian, rates)
         figure = float((np.abs(dq_ds) / robot.max_speed).max())
         for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):

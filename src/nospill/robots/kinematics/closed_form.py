@@ -99,11 +99,9 @@ def solutions_anywhere(
         raise ScenarioError(
             f"robot {robot.name!r} has {arm.n} moving joints; all inverse solutions are available for six, hold one"
         )
-    flange_rotation = np.asarray(rotation, dtype=float) @ tool.rotation.T
-    flange_position = np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool.position, dtype=float)
-    solver = None
-    if has_closed_form(arm, None if held is None else held[0]):
-        solver = _solver(arm, None if held is None else held[0], None if held is None else held[1])
+    flange_position, flange_rotation = _flange(position, rotation, tool)
+    index, value = (None, None) if held is None else held
+    solver = _solver(arm, index, value) if has_closed_form(arm, index) else None
     start = _random_starts(arm.n) if solver is None else solver.solutions(flange_position, flange_rotation)
     if held is not None:
         start[:, held[0]] = held[1]
@@ -119,6 +117,29 @@ def solutions_anywhere(
     if held is not None:
         found[:, held[0]] = held[1]
     return _distinct(found)
+
+
+def approximate_solutions(
+    robot: Robot,
+    position: np.ndarray,
+    rotation: np.ndarray,
+    *,
+    tool: Tool = FLANGE,
+    held: tuple[int, float] | None = None,
+) -> np.ndarray:
+    """Solutions (k, n) for one pose, rad, as the closed form finds them: to some six digits, limits ignored.
+
+    Empty where no closed form is known.
+    """
+    arm = kinematics(robot)
+    solver = _solver(arm, *((None, None) if held is None else held))
+    return np.zeros((0, arm.n)) if solver is None else solver.solutions(*_flange(position, rotation, tool))
+
+
+def _flange(position: np.ndarray, rotation: np.ndarray, tool: Tool) -> tuple[np.ndarray, np.ndarray]:
+    """Position (3,) and rotation (3, 3) of the flange that carries the tool at a pose."""
+    flange_rotation = np.asarray(rotation, dtype=float) @ tool.rotation.T
+    return np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool.position, dtype=float), flange_rotation
 
 
 @lru_cache(maxsize=64)

@@ -1,11 +1,10 @@
-"""Solvers of a problem: `solve`, its options and its answer."""
+"""Solution of a problem by IPOPT: `solve`, its options and its answer."""
 
 from nospill.transcription.solvers.options import SolveOptions as SolveOptions
 from nospill.transcription.solvers.solution import FEASIBLE as FEASIBLE
 from nospill.transcription.solvers.solution import Solution as Solution
 from nospill.transcription.solvers.solution import row_slack as row_slack
 from nospill.transcription.solvers.solution import usable as usable
-from nospill.transcription.solvers.solve import SOLVERS as SOLVERS
 from nospill.transcription.solvers.solve import solve as solve
 
-__all__ = ["FEASIBLE", "SOLVERS", "Solution", "SolveOptions", "row_slack", "solve", "usable"]
+__all__ = ["FEASIBLE", "Solution", "SolveOptions", "row_slack", "solve", "usable"]

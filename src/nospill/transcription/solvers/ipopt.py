@@ -1,4 +1,4 @@
-"""IPOPT: an interior point method for problems of any structure, with MUMPS for its linear systems."""
+"""IPOPT: an interior point method for problems of any structure; its linear solvers are in `linear_solvers`."""
 
 from __future__ import annotations
 
@@ -28,11 +28,6 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
         # The free barrier strategy needs a third of the iterations of the monotone one on these problems.
         "ipopt.mu_strategy": "adaptive",
         "ipopt.adaptive_mu_globalization": "kkt-error" if options.kkt_error_globalization else "obj-constr-filter",
-        # Quasi-dense minimum degree: of the orderings in MUMPS the quickest on these chains, most so with many cups.
-        "ipopt.mumps_pivot_order": 6,
-        # The problem is scaled; doing it again takes a tenth of each factorisation and changes no iteration.
-        "ipopt.mumps_permuting_scaling": 0,
-        "ipopt.mumps_scaling": 0,
     }
     if options.loose_tolerances:
         # the bound on complementarity keeps the barrier as low as otherwise

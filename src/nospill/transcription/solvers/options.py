@@ -11,7 +11,7 @@ IterationCallback = Callable[[int, float, float], None]
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:
-    """Limits and start of a solver; which of them a solver heeds, its module says.
+    """Limits and start of a solve.
 
     Attributes:
         max_iterations: after which the solver stops.

@@ -30,6 +30,7 @@ class Solution:
         status: a sentence.
         iterations: of the solver.
         solve_time_s: wall clock, s.
+        linear_solver: its name; of several, the last and those that failed before it.
     """
 
     stages: Stages
@@ -43,6 +44,7 @@ class Solution:
     status: str
     iterations: int
     solve_time_s: float
+    linear_solver: str
 
 
 def usable(solution: Solution) -> bool:

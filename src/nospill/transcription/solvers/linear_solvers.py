@@ -1,0 +1,101 @@
+"""Linear solvers of IPOPT's steps: LDL^T with pivots fixed beforehand, and MUMPS.
+
+`ldl` is pivot_order.c and sparse_ldl.c, compiled at its first use and kept with the compiled functions; IPOPT loads it
+as MA27. `auto` is `ldl` where that can be had, and `mumps` elsewhere (no compiler, NOSPILL_COMPILE=off); a solve that
+ends with linear systems which `ldl` could not solve is made again with `mumps`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+
+from nospill.errors import ScenarioError
+from nospill.laws.codegen import compiled_library
+
+Settings = dict[str, Any]
+"""Of IPOPT, as `casadi.nlpsol` takes them."""
+
+SOURCES = tuple(Path(__file__).with_name(name) for name in ("pivot_order.c", "sparse_ldl.c"))
+"""Of `ldl`, one after the other."""
+
+UNSOLVED = (
+    "Error_In_Step_Computation",
+    "Restoration_Failed",
+    "Internal_Error",
+    "Invalid_Number_Detected",
+    "Insufficient_Memory",
+)
+"""IPOPT's words for an end to which linear systems that were not solved, or not well enough, may have led."""
+
+
+def _ldl() -> Settings | None:
+    library = ldl_library()
+    if library is None:
+        return None
+    return {
+        "ipopt.linear_solver": "ma27",
+        "ipopt.hsllib": str(library),
+        # There is no tolerance of pivots to raise; MA27's would be raised in five vain factorisations.
+        "ipopt.ma27_pivtolmax": 1e-8,
+        # At rest some constraints depend on each other. MUMPS then estimates first multipliers that are too large, and
+        # IPOPT takes zero; the smaller ones of ldl would be taken, and led to a worse local optimum.
+        "ipopt.constr_mult_init_max": 0.0,
+    }
+
+
+def _mumps() -> Settings:
+    return {
+        "ipopt.linear_solver": "mumps",
+        # Quasi-dense minimum degree: of the orderings in MUMPS the quickest on these chains, most so with many cups.
+        "ipopt.mumps_pivot_order": 6,
+        # The problem is scaled; doing it again takes a tenth of each factorisation and changes no iteration.
+        "ipopt.mumps_permuting_scaling": 0,
+        "ipopt.mumps_scaling": 0,
+    }
+
+
+LINEAR_SOLVERS: dict[str, Callable[[], Settings | None]] = {"ldl": _ldl, "mumps": _mumps}
+"""Settings by name, None where a solver cannot be had; `auto` takes them in this order."""
+
+
+def candidates(name: str) -> list[tuple[str, Settings]]:
+    """The linear solvers for a solve, name and settings: each that follows is for when the one before fails.
+
+    Args:
+        name: key of `LINEAR_SOLVERS`, or "auto".
+
+    Raises:
+        ScenarioError: it is not known, or cannot be had here.
+    """
+    if name != "auto" and name not in LINEAR_SOLVERS:
+        known = ", ".join(["auto", *LINEAR_SOLVERS])
+        raise ScenarioError(f'planning.linear_solver "{name}" is not known; allowed: {known}')
+    wanted = list(LINEAR_SOLVERS) if name == "auto" else [name]
+    settings = ((item, LINEAR_SOLVERS[item]()) for item in wanted)
+    found = [(item, own) for item, own in settings if own is not None]
+    if not found:
+        raise ScenarioError(
+            f'planning.linear_solver "{name}" cannot be had here: it takes a C compiler, a private cache folder and '
+            'NOSPILL_COMPILE other than off; use "auto" or "mumps"'
+        )
+    return found
+
+
+def ldl_library() -> Path | None:
+    """The compiled `ldl`, checked to load; None where it cannot be had."""
+    casadi = Path(ca.__file__).parent
+    amd = next((file for file in (casadi / "libosqp.so", casadi / "libosqp.dylib") if file.is_file()), None)
+    if amd is None:
+        return None
+    library = compiled_library("ldl", SOURCES, (str(amd), "-Xlinker", "-rpath", "-Xlinker", str(casadi)))
+    if library is not None:
+        with suppress(OSError):  # a symbol is missing; found by IPOPT it would end the process
+            ctypes.CDLL(str(library))
+            return library
+    return None

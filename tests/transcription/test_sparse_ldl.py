@@ -1,0 +1,217 @@
+"""The sparse LDL^T through the entry points of MA27: inertia, solutions and reports, against dense linear algebra."""
+
+from __future__ import annotations
+
+import shutil
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nospill.transcription.solvers import linear_solvers
+from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+SEEDS = range(12)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NOSPILL_COMPILE", "wait")
+        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("cache")))
+        found = linear_solvers.ldl_library()
+    assert found is not None
+    return found
+
+
+def of_upper(matrix: np.ndarray) -> Entries:
+    """The nonzeros of the upper triangle of a symmetric matrix."""
+    row, column = np.nonzero(np.triu(matrix))
+    return Entries(len(matrix), row, column, matrix[row, column])
+
+
+def kkt(
+    seed: int, variables: int = 30, equalities: int = 12, inequalities: int = 9, *, curvature: float = 1.0
+) -> np.ndarray:
+    """Variables, slacks, multipliers of equalities and of inequalities, in IPOPT's order; sparse."""
+    random = np.random.default_rng(seed)
+    hessian = random.normal(size=(variables, variables)) * (random.random((variables, variables)) < 0.1)
+    hessian = hessian + hessian.T + curvature * np.diag(random.uniform(0.1, 3.0, variables))
+    rows = equalities + inequalities
+    jacobian = random.normal(size=(rows, variables)) * (random.random((rows, variables)) < 0.2)
+    jacobian[np.arange(rows), random.permutation(variables)[:rows]] = 1.0
+    primal = variables + inequalities
+    matrix = np.zeros((primal + rows, primal + rows))
+    matrix[:variables, :variables] = hessian
+    slacks = np.arange(inequalities)
+    matrix[variables + slacks, variables + slacks] = 10.0 ** random.uniform(-8, 6, inequalities)
+    matrix[primal:, :variables] = jacobian
+    matrix[primal + equalities + slacks, variables + slacks] = -1.0
+    matrix[:primal, primal:] = matrix[primal:, :primal].T
+    return matrix
+
+
+def refined(factor: Factor, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solution after two steps of iterative refinement; IPOPT makes one at least."""
+    x = factor.solve(right)
+    for _ in range(2):
+        x += factor.solve(right - matrix @ x)
+    return x
+
+
+def check(factor: Factor, matrix: np.ndarray, value: np.ndarray) -> None:
+    """Inertia and a solution, each against dense linear algebra."""
+    assert factor.factorise(value) == 0
+    eigenvalues = np.linalg.eigvalsh(matrix)
+    assert factor.negative == np.sum(eigenvalues < 0.0)
+    wanted = np.random.default_rng(len(matrix)).normal(size=len(matrix))
+    right = matrix @ wanted
+    assert np.max(np.abs(matrix @ refined(factor, matrix, right) - right)) <= 1e-12 * np.max(np.abs(right))
+    np.testing.assert_allclose(refined(factor, matrix, right), np.linalg.solve(matrix, right), rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_systems_of_an_interior_point_method(library: Path, seed: int) -> None:
+    """Convex and not: the pivots' signs count the negative eigenvalues of either."""
+    matrix = kkt(seed, curvature=4.0 if seed % 2 else 0.3)
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_quasi_definite_matrices(library: Path, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    matrix = kkt(seed, curvature=9.0)
+    matrix[39:, 39:] -= np.diag(random.uniform(0.1, 2.0, 21))
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
+def test_one_structure_serves_many_numbers(library: Path) -> None:
+    """Pivots are chosen from the first ones; later ones have other magnitudes, zeros and signs."""
+    entries = of_upper(kkt(3))
+    factor = Factor(library, entries)
+    for seed in range(6):
+        value = entries.value * np.random.default_rng(seed).uniform(-2.0, 2.0, len(entries.value))
+        matrix = Entries(entries.size, entries.row, entries.column, value).dense()
+        check(factor, matrix, value)
+
+
+def test_a_diagonal_of_zeros(library: Path) -> None:
+    """No pivot of one row exists at the start, yet the system is regular: pairs are needed."""
+    matrix = np.zeros((8, 8))
+    matrix[:4, 4:] = np.triu(np.full((4, 4), 0.5)) + np.eye(4)
+    matrix += matrix.T
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
+def test_entries_in_either_triangle_and_in_parts_add_up(library: Path) -> None:
+    whole = of_upper(kkt(5))
+    turned = np.arange(len(whole.value)) % 2 == 0
+    row, column = np.where(turned, whole.column, whole.row), np.where(turned, whole.row, whole.column)
+    parts = Entries(
+        whole.size,
+        np.concatenate([row, column]),
+        np.concatenate([column, row]),
+        np.concatenate([0.25 * whole.value, 0.75 * whole.value]),
+    )
+    np.testing.assert_allclose(parts.dense(), kkt(5), atol=1e-15)
+    check(Factor(library, parts), parts.dense(), parts.value)
+
+
+def test_a_diagonal_alone(library: Path) -> None:
+    matrix = np.diag([3.0, -2.0, 5.0, -7.0])
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
+def test_one_row(library: Path) -> None:
+    check(Factor(library, of_upper(np.array([[-4.0]]))), np.array([[-4.0]]), np.array([-4.0]))
+
+
+def test_a_row_without_entries_counts_by_its_kind(library: Path) -> None:
+    """A constraint that depends on nothing has the sign of a dual row, a free variable that of a primal one."""
+    matrix = kkt(1)
+    matrix[-1, :] = matrix[:, -1] = 0.0
+    matrix[4, :] = matrix[:, 4] = 0.0
+    factor = Factor(library, of_upper(matrix))
+    assert factor.factorise(of_upper(matrix).value) == 0
+    kept = [index for index in range(len(matrix)) if index not in (4, len(matrix) - 1)]
+    rest = matrix[np.ix_(kept, kept)]
+    assert factor.negative == np.sum(np.linalg.eigvalsh(rest) < 0.0) + 1
+
+
+def test_a_constraint_named_twice_counts_as_negative(library: Path) -> None:
+    matrix = kkt(2, equalities=6, inequalities=4, curvature=6.0)
+    matrix[35, :] = matrix[34, :]
+    matrix[:, 35] = matrix[:, 34]
+    entries = of_upper(matrix)
+    factor = Factor(library, entries)
+    assert factor.factorise(entries.value) == 0
+    assert factor.negative == 10
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_reported_as_singular(library: Path, value: float) -> None:
+    entries = of_upper(kkt(4))
+    factor = Factor(library, entries)
+    spoilt = entries.value.copy()
+    spoilt[3] = value
+    assert factor.factorise(spoilt) == SINGULAR
+    check(factor, kkt(4), entries.value)  # and leaves nothing behind
+
+
+def test_a_zero_pivot_is_reported_as_singular(library: Path) -> None:
+    """A diagonal matrix has dual rows only: what is taken off them leaves exactly zero."""
+    entries = of_upper(np.diag([1.0, 1e-12, 2.0]))
+    assert Factor(library, entries).factorise(entries.value) == SINGULAR
+
+
+def test_too_little_room_is_reported_with_what_is_needed(library: Path) -> None:
+    """As IPOPT does it: arrays of the size that the report names, then the same call again."""
+    entries = of_upper(kkt(6))
+    factor = Factor(library, entries)
+    factor.allocate(len(entries.value), 3)
+    seen = []
+    sizes = {LA_TOO_SMALL: len(entries.value), LIW_TOO_SMALL: 3}
+    while (flag := factor.factorise(entries.value)) != 0:
+        assert factor.info[1] > sizes[flag]
+        seen.append(flag)
+        sizes[flag] = int(factor.info[1])
+        factor.allocate(sizes[LA_TOO_SMALL], sizes[LIW_TOO_SMALL])
+    assert set(seen) == {LA_TOO_SMALL, LIW_TOO_SMALL} and len(seen) <= 3
+    check(factor, kkt(6), entries.value)
+
+
+def test_instances_side_by_side_do_not_meet(library: Path) -> None:
+    first, second = kkt(7), kkt(8, variables=50, equalities=20)
+    one, other = Factor(library, of_upper(first)), Factor(library, of_upper(second))
+    assert one.factorise(of_upper(first).value) == other.factorise(of_upper(second).value) == 0
+    for factor, matrix in ((one, first), (other, second), (one, first)):
+        right = np.ones(len(matrix))
+        np.testing.assert_allclose(matrix @ refined(factor, matrix, right), right, atol=1e-9)
+
+
+def test_threads_do_not_meet(library: Path) -> None:
+    failures: list[BaseException] = []
+
+    def work(seed: int) -> None:
+        try:
+            matrix = kkt(seed, variables=80, equalities=30)
+            entries = of_upper(matrix)
+            factor = Factor(library, entries)
+            for _ in range(20):
+                check(factor, matrix, entries.value)
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=work, args=(seed,)) for seed in (20, 21)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failures == []
