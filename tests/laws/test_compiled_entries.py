@@ -34,10 +34,12 @@ def test_entries_are_listed_with_their_size_and_whether_they_are_used(folder: Pa
     entry(folder, "tray")
     entry(folder, "figures-end", source="another")
     entry(folder, "old").with_suffix(".json").write_text("{")
+    entry(folder, "ldl").with_suffix(".json").unlink()
     (folder / f"half-{KEY}.json").write_text("{}")
     (folder / "notes.so").write_text("of the user")
     found = {item.kind: item for item in cache_entries()}
-    assert {kind: item.current for kind, item in found.items()} == {"tray": True, "figures-end": False, "old": False}
+    current = {kind: item.current for kind, item in found.items()}
+    assert current == {"tray": True, "figures-end": False, "old": False, "ldl": True}
     assert found["tray"].size == 10 + len(json.dumps({"source": source_digest()}))
 
 

@@ -39,7 +39,7 @@ def cache_entries() -> tuple[CacheEntry, ...]:
     for library in sorted(_files(".so")):
         files = [library.with_suffix(ending) for ending in _ENDINGS]
         size = sum(file.stat().st_size for file in files if file.is_file())
-        found.append(CacheEntry(_kind(library), size, _source(library.with_suffix(".json")) == source_digest()))
+        found.append(CacheEntry(_kind(library), size, _is_current(library)))
     return tuple(found)
 
 
@@ -75,10 +75,14 @@ def _kind(file: Path) -> str:
     return found["kind"]
 
 
-def _source(table: Path) -> object:
+def _is_current(library: Path) -> bool:
+    """Whether the source is the one it was made of; what has no table is named by its own source."""
+    table = library.with_suffix(".json")
+    if not table.exists():
+        return True
     with suppress(OSError, ValueError, AttributeError):
-        return json.loads(table.read_text(encoding="utf-8")).get("source")
-    return None
+        return bool(json.loads(table.read_text(encoding="utf-8")).get("source") == source_digest())
+    return False
 
 
 def _is_held(lock: Path) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, cast
@@ -11,19 +11,21 @@ from nospill.judge.replay import arm_motion, liquid_step
 from nospill.judge.traces import object_figures_function, tray_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import arm_kind, motion_kind, object_kind, tray_kind
-from nospill.laws.parameters import ObjectStructure, Structure
+from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.description.catalog import ROBOTS
 from nospill.scenario import scene_from_table
-from nospill.scene.scene import EndCondition
+from nospill.scene.cargo import with_modes
+from nospill.scene.scene import EndCondition, Scene
 from nospill.transcription.export_samples import crest_function, tray_function
 from nospill.transcription.object_block import end_block, object_block
 from nospill.transcription.path_expression import piece_degree
+from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.transcription.tray_block import tray_block
 
 _ENDS: tuple[EndCondition, ...] = ("residual", "published", "still")
-_MODES = (1, 2, 3)
-_FIDELITIES = ("deliverable", "full")
+_MODES = {"deliverable": (1,), "full": (1, 2, 3)}
+"""Modes that problems carry, by fidelity; the judge has all of them."""
 _TRAYS = ("level tray", "tilting tray")
 
 
@@ -41,23 +43,25 @@ class Part:
 
 
 def usual_parts() -> Iterator[Part]:
-    """The arms of the catalogue level and tilting, with the limits known of them; then the objects."""
-    solids = [_object("cylinder", liquid=False), _object("box", liquid=False)]
-    cups = [_object("cylinder", liquid=True), _object("box", liquid=True)]
+    """The linear solver; the arms of the catalogue level and tilting, with the limits known of them; the objects."""
+    solids = {"solid cylinder": _object("cylinder", liquid=False), "solid box": _object("box", liquid=False)}
+    cups = {"cylinder": _object("cylinder", liquid=True), "box": _object("box", liquid=True)}
+    yield Part("linear solver", ldl_library)
     for robot in ROBOTS:
-        trays = {tray: _structure(solids, robot=robot, tilting=tray == _TRAYS[1]) for tray in _TRAYS}
+        trays = {tray: structure_of(_scene(solids, tray, robot=robot)) for tray in _TRAYS}
         yield Part(f"{robot}: replay", partial(arm_motion, arm_kind(trays[_TRAYS[0]])))
         for tray, structure in trays.items():
             yield from _tray_parts(structure, f"{robot}, {tray}")
     for tray in _TRAYS:
-        way = motion_kind(_structure(solids, tilting=tray == _TRAYS[1]))
+        way = motion_kind(structure_of(_scene(solids, tray)))
         yield Part(f"{tray}: export", partial(tray_function, replace(way, degree=piece_degree(way))))
-    for fidelity in _FIDELITIES:
-        yield from _object_parts(solids, ("solid cylinder", "solid box"), fidelity=fidelity)
-        for modes in _MODES:
-            count = f"{modes} mode{'s' if modes > 1 else ''}"
-            names = (f"cylinder with {count}", f"box with {count}")
-            yield from _object_parts(cups, names, fidelity=fidelity, modes=modes)
+    for fidelity, counts in _MODES.items():
+        for cargo, modes in ((solids, ()), (cups, counts)):
+            scenes = {tray: _scene(cargo, tray, fidelity=fidelity) for tray in _TRAYS}
+            yield from _judged_parts(structure_of(scenes[_TRAYS[0]]), cargo, fidelity)
+            for count in modes or (0,):
+                own = {tray: structure_of(_with_modes(scene, count)) for tray, scene in scenes.items()}
+                yield from _planned_parts(own, cargo, f"{count} modes, {fidelity}" if count else fidelity)
 
 
 def _tray_parts(structure: Structure, label: str) -> Iterator[Part]:
@@ -66,49 +70,50 @@ def _tray_parts(structure: Structure, label: str) -> Iterator[Part]:
         yield Part(f"{label}: certificate", partial(tray_figures_function, tray_kind(structure), point))
 
 
-def _object_parts(
-    cargo: Sequence[dict[str, object]], names: Sequence[str], *, fidelity: str, modes: int = 1
-) -> Iterator[Part]:
-    trays = {tray: _structure(cargo, fidelity=fidelity, tilting=tray == _TRAYS[1], modes=modes) for tray in _TRAYS}
-    structure = trays[_TRAYS[0]]
-    for item, name in zip(structure.objects, names, strict=True):
-        label, kind = f"{name}, {fidelity}", object_kind(structure, item)
-        for tray, own in trays.items():
-            yield Part(f"{label}, {tray}: problem", partial(object_block, own, item))
-        yield Part(f"{label}: certificate", partial(object_figures_function, kind, EvaluationPoint.OBJECT))
+def _planned_parts(trays: Mapping[str, Structure], names: Iterable[str], label: str) -> Iterator[Part]:
+    """What the problems read of the objects, on trays of either kind."""
+    for index, name in enumerate(names):
+        for tray, structure in trays.items():
+            problem = partial(object_block, structure, structure.objects[index])
+            yield Part(f"{name}, {label}, {tray}: problem", problem)
+        structure = trays[_TRAYS[0]]
+        item = structure.objects[index]
         if item.coordinates:
-            yield Part(f"{label}: replay", partial(liquid_step, kind))
-            yield Part(f"{label}: export", partial(crest_function, kind))
+            yield Part(f"{name}, {label}: export", partial(crest_function, object_kind(structure, item)))
         for end in _ENDS:
-            yield from _end_parts(replace(structure, end=end), item, f"{label}, end {end}")
+            yield Part(f"{name}, {label}, end {end}: problem", partial(end_block, replace(structure, end=end), item))
 
 
-def _end_parts(structure: Structure, item: ObjectStructure, label: str) -> Iterator[Part]:
-    kind = object_kind(structure, item, end=structure.end)
-    yield Part(f"{label}: problem", partial(end_block, structure, item))
-    yield Part(f"{label}: certificate", partial(object_figures_function, kind, EvaluationPoint.END))
+def _judged_parts(structure: Structure, names: Iterable[str], label: str) -> Iterator[Part]:
+    """What the judge reads of the objects, all modes of their liquids."""
+    for item, name in zip(structure.objects, names, strict=True):
+        kind = object_kind(structure, item)
+        if item.coordinates:
+            yield Part(f"{name}, {label}: replay", partial(liquid_step, kind))
+        figures = partial(object_figures_function, kind, EvaluationPoint.OBJECT)
+        yield Part(f"{name}, {label}: certificate", figures)
+        for end in _ENDS:
+            figures = partial(object_figures_function, replace(kind, end=end), EvaluationPoint.END)
+            yield Part(f"{name}, {label}, end {end}: certificate", figures)
 
 
-def _structure(
-    cargo: Sequence[dict[str, object]],
-    *,
-    robot: str = "ur10e",
-    fidelity: str = "full",
-    tilting: bool = True,
-    modes: int = 1,
-) -> Structure:
-    """The structure of a small scene: what it carries stands side by side."""
-    placed = [item | {"name": f"o{index}", "at": [0.09 * index, 0.0]} for index, item in enumerate(cargo)]
+def _with_modes(scene: Scene, count: int) -> Scene:
+    """The scene with so many modes of each liquid, as the problems carry them."""
+    return replace(scene, cargo=tuple(with_modes(item, count) for item in scene.cargo))
+
+
+def _scene(cargo: Mapping[str, dict[str, object]], tray: str, *, robot: str = "ur10e", fidelity: str = "full") -> Scene:
+    """A small scene: what it carries stands side by side."""
+    placed = [item | {"name": f"o{index}", "at": [0.09 * index, 0.0]} for index, item in enumerate(cargo.values())]
     table = {
         "fidelity": fidelity,
         "robot": {"model": robot},
         "tray": {"size": [0.4, 0.4], "friction": 0.5, "offset": 0.1},
         "cargo": placed,
         "path": {"type": "line", "start": [0.5, -0.2, 0.4], "end": [0.5, 0.2, 0.4], "yaw": [0.0, 0.5]},
-        "motion": {"end": "residual", "tilt": "free" if tilting else "fixed"},
-        "planning": {"slosh_modes": modes},
+        "motion": {"end": "residual", "tilt": "free" if tray == _TRAYS[1] else "fixed"},
     }
-    return structure_of(scene_from_table(cast(dict[str, Any], table), name="usual"))
+    return scene_from_table(cast(dict[str, Any], table), name="usual")
 
 
 def _object(shape: str, *, liquid: bool) -> dict[str, object]:
