@@ -56,13 +56,13 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     }
     if warm is not None:
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
-    failed: list[str] = []
-    for name, own in candidates(problem.scene.planning.linear_solver):
-        result, stats = _attempt(problem, settings | own, arguments, options)
-        linear_solver = " after ".join([name, *failed])
+    (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
+    result, stats = _attempt(problem, settings | own, arguments, options)
+    for other, own in others:
         if stats["return_status"] not in UNSOLVED:
             break
-        failed.insert(0, name)
+        result, stats = _attempt(problem, settings | own, arguments, options)
+        linear_solver = f"{other} after {linear_solver}"
     variables = np.asarray(result["x"]).ravel()
     values = np.asarray(result["g"]).ravel()
     return Solution(
