@@ -2,8 +2,8 @@
 
     python -m benchmarks.planning.profile matrix-liquid matrix-rigid matrix-liquid-tilt
 
-IPOPT's own count of what its function calls took is asked for; the rest of a solve is the linear solver, the line search and
-CasADi's setting up of the solver.
+IPOPT's own count of what its function calls took is asked for; the rest of a solve is the linear solver, the line
+search and CasADi's setting up of the solver.
 """
 
 from __future__ import annotations
