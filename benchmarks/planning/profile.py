@@ -2,8 +2,8 @@
 
     python -m benchmarks.planning.profile matrix-liquid matrix-rigid matrix-liquid-tilt
 
-IPOPT's own count of what its function calls took is asked for; the rest of a solve is MUMPS, the line search and
-CasADi's setting up of the solver.
+IPOPT's own count of what its function calls took is asked for; the rest of a solve is the linear solver, the line
+search and CasADi's setting up of the solver.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def profile(name: str) -> None:
     parts |= {
         "solver set-up": recorder.setting_up,
         "problem functions": recorder.functions,
-        "IPOPT and MUMPS": algebra,
+        "IPOPT and its linear solver": algebra,
         "rest": whole - sum(parts.values()) - recorder.setting_up - recorder.running,
     }
     print(f"\n{name}: {whole:.3f} s. Solves:")

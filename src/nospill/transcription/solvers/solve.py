@@ -56,14 +56,13 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     }
     if warm is not None:
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
-    tried: list[str] = []
-    result: dict[str, Any] = {}
-    stats: dict[str, Any] = {"return_status": UNSOLVED[0]}
-    for name, own in candidates(problem.scene.planning.linear_solver):
-        result, stats = _attempt(problem, settings | own, arguments, options)
-        tried.insert(0, name)
+    (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
+    result, stats = _attempt(problem, settings | own, arguments, options)
+    for other, own in others:
         if stats["return_status"] not in UNSOLVED:
             break
+        result, stats = _attempt(problem, settings | own, arguments, options)
+        linear_solver = f"{other} after {linear_solver}"
     variables = np.asarray(result["x"]).ravel()
     values = np.asarray(result["g"]).ravel()
     return Solution(
@@ -78,7 +77,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         status=_sentence(stats),
         iterations=int(stats["iter_count"]),
         solve_time_s=time.perf_counter() - began,
-        linear_solver=" after ".join(tried),
+        linear_solver=linear_solver,
     )
 
 
