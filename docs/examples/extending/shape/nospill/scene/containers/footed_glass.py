@@ -52,6 +52,25 @@ class FootedGlass:
         """64 points on the edge of the foot, shape (64, 2), m."""
         return Cylinder(self.foot_radius, self.height).outline
 
+    @property
+    def inside(self) -> np.ndarray:
+        """Bottom and wall of the bowl, (3, 2)."""
+        return read_only(self._bowl.inside * (self.radius / self.foot_radius, 1.0))
+
+    @property
+    def outside(self) -> np.ndarray:
+        """The thin foot and the wall of the bowl, (3, 2)."""
+        bowl = self._bowl.outside * (self.radius / self.foot_radius, 1.0)
+        return read_only(np.vstack([(1.0, 0.0), bowl]))
+
+    def section(self, liquid_height: float) -> DiscFootprint:
+        """The bowl's, the same at every height."""
+        return self._bowl.footprint
+
+    def frozen(self, mass: float, liquid_height: float) -> MassProperties:
+        """Those of the bowl."""
+        return self._bowl.frozen(mass, liquid_height)
+
     def volume(self, liquid_height: float) -> float:
         """Volume in the bowl up to `liquid_height` (m), m^3."""
         return self._bowl.volume(liquid_height)
