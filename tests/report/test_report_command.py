@@ -53,7 +53,9 @@ def test_page_goes_beside_the_folder_and_nothing_into_it(folder: Path) -> None:
     page = folder.with_name("out.report.html")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     assert {path.name for path in folder.parent.iterdir()} == {"out", "out.report.html"}
-    assert result.stdout.split() == [*f"written to {page} ({page.stat().st_size / 1e6:.1f} MB), certified as published".split()]
+    assert result.stdout.split() == [
+        *f"written to {page} ({page.stat().st_size / 1e6:.1f} MB), certified as published".split()
+    ]
     text = page.read_text(encoding="utf-8")
     assert "holds the motion of trajectory.csv" in text  # robot.csv was compared
     assert 100_000 < len(text) < 3_000_000
