@@ -91,8 +91,7 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    with log.phase("certify"):
-        certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
+    certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
     maxima = motion_maxima(judged.judgement, scene)
     record = with_recorded_modes(judged.trajectory, scene)
     found = Plan(scene, record, certificate, maxima, report, judged.judgement)
