@@ -32,6 +32,7 @@ _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
 _MORE, _LEAST, _MOST = 1.5, 3e-4, 0.3
 
+Members = frozenset[VariantId]
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
 
@@ -60,11 +61,7 @@ class ActiveSet:
 
     @classmethod
     def of(
-        cls,
-        task: Task,
-        q: np.ndarray,
-        members: frozenset[VariantId] | None = None,
-        refined: frozenset[str] = frozenset(),
+        cls, task: Task, q: np.ndarray, members: Members | None = None, refined: frozenset[str] = frozenset()
     ) -> ActiveSet:
         """All rows of some members, each with its first back-off.
 
@@ -83,6 +80,11 @@ class ActiveSet:
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q)
         return cls(task, scene, members, refined, possible, possible, backoff)
+
+    @property
+    def names(self) -> dict[VariantId, str]:
+        """What the members are called in the problem."""
+        return {variant: name for variant, name in labels(self.task.variants).items() if variant in self.members}
 
     def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
@@ -160,15 +162,14 @@ class ActiveSet:
         What is not in the problem is attributed to the members of the same object, or to all members where there are
         none, unless only the members' own rows are wanted.
         """
-        names = labels(self.task.variants)
         for row in rows:
             if row.constraint not in _OF_OBJECTS:
                 yield row
             elif _variant(row) in self.members:
-                yield replace(row, subject=names[_variant(row)], variant="")
+                yield replace(row, subject=self.names[_variant(row)], variant="")
             elif not own:
                 for member in [item for item in self.members if item[0] == row.subject] or self.members:
-                    yield replace(row, subject=names[member], variant="")
+                    yield replace(row, subject=self.names[member], variant="")
 
 
 def _variant(row: Row) -> VariantId:

@@ -92,8 +92,7 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    with log.phase("certify"):
-        certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
+    certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
     record = with_recorded_modes(judged.trajectory, scene)
     found = judged_plan(scene, record, replace(judged.judgement, certificate=certificate), report)
     with log.phase("approach") if scene.approach is not None else nullcontext():

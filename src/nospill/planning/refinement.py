@@ -13,16 +13,16 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, solved
+from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, problem_about, solved
 from nospill.planning.log import Log
 from nospill.robots.kinematics.regularity import clearance
-from nospill.scene.variants import VariantId, labels
 from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.resampling import resample, resolving_intervals
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory, with_liquids
 
 REFINE_ITERATIONS = 100
@@ -32,6 +32,8 @@ _ROUNDS = 8
 """Of tightening, since members last joined."""
 _GROWTHS = 12
 _FINE_SWING = 0.7
+_SLOWEST = 4.0
+"""Times as slow as a motion is made at most, from which members or modes did not join."""
 
 
 def fine_intervals(active: ActiveSet, duration: float) -> int:
@@ -101,10 +103,15 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
                 break
         else:
             grown, tightened = grown + 1, 0
-            better = solved_from(active, _grown(active, judged, log), log)
+            start = _grown(active, judged, log)
+            better = solved_from(active, start, log, BARRIERS[:1])
+            if better is None:  # far from any answer: from a motion slow enough to keep the rows
+                slow = slow_enough(problem_about(active, start), start, _SLOWEST)
+                better = solved_from(active, slow, log, (None, *BARRIERS[1:]))
             if better is None:
-                worst = judged.judgement.certificate.worst
-                raise diagnosis.infeasible_with_more(worst, judged.trajectory.end_time)
+                if active.members == before.active.members:
+                    break
+                raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
         judged = _judged(better, log)
     return judged
 
@@ -139,7 +146,7 @@ def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
     """A judged motion with the liquids of a problem with more members or modes, on the grid that resolves them."""
     before, trajectory = judged.candidate, judged.trajectory
     with log.phase("corners"):
-        slosh = variant_tracks(trajectory, active.task.scene, _names(active))
+        slosh = variant_tracks(trajectory, active.task.scene, active.names)
         layout = layout_of(structure_of(before.active.scene))
         start = with_liquids(active.scene, before.stages, layout, trajectory.t, slosh)
         intervals = max(start.intervals, fine_intervals(active, start.duration))
@@ -149,23 +156,21 @@ def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
         return with_joints_solved(active.scene, start, active.task.passage.along)
 
 
-def _names(active: ActiveSet) -> dict[VariantId, str]:
-    return {variant: name for variant, name in labels(active.task.variants).items() if variant in active.members}
-
-
 def started_from(active: ActiveSet, trajectory: Trajectory) -> Stages:
     """A motion of the whole scene as a start for the members of a problem, on the fine grid."""
-    slosh = variant_tracks(trajectory, active.task.scene, _names(active))
+    slosh = variant_tracks(trajectory, active.task.scene, active.names)
     intervals = fine_intervals(active, trajectory.end_time)
     return from_trajectory(active.scene, replace(trajectory, slosh=slosh), intervals)
 
 
-def solved_from(active: ActiveSet, start: Stages, log: Log) -> Candidate | None:
-    """A motion solved on its grid with what is active; None where nothing converges.
+def solved_from(
+    active: ActiveSet, start: Stages, log: Log, barriers: Sequence[float | None] = (*BARRIERS, None)
+) -> Candidate | None:
+    """A motion solved on its grid with what is active; None where no first barrier leads anywhere.
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    found = _converged(active, start, (*BARRIERS, None), log)
+    found = _converged(active, start, barriers, log)
     if found is None or found.keeps_branch or active.task.passage.determinant is not None:
         return found
     passage = replace(active.task.passage, determinant=clearance(stage_determinants(active.scene, start)))

@@ -44,7 +44,7 @@ def is_broken(problem: Problem, motion: Stages) -> bool:
     return any(value < -(_BROKEN_HEIGHT if key[0] == SloshHeight.name else _BROKEN) for key, value in slack.items())
 
 
-def slow_enough(problem: Problem, motion: Stages) -> Stages:
+def slow_enough(problem: Problem, motion: Stages, slowest: float = _SLOWEST) -> Stages:
     """The motion slowed down as little as keeps the rows of the problem; itself if slowing down does not help.
 
     From a motion that breaks many rows, the first dozen steps of an interior point method each end at the next bound.
@@ -52,6 +52,7 @@ def slow_enough(problem: Problem, motion: Stages) -> Stages:
     Args:
         problem: whose rows; how it is scaled does not matter.
         motion: on its grid.
+        slowest: how many times as slowly at most.
     """
 
     def keeps(factor: float) -> bool:
@@ -59,7 +60,7 @@ def slow_enough(problem: Problem, motion: Stages) -> Stages:
         return min(row_slack(problem, slow).values(), default=0.0) >= 0.0
 
     layout = problem.transcription.layout
-    low, high = 1.0, _SLOWEST
+    low, high = 1.0, slowest
     if not keeps(high):
         return motion
     for _ in range(_BISECTIONS):

@@ -1,6 +1,7 @@
 """The equation of motion against other forms of it: vectors, the published one, and a Lagrangian differentiated."""
 
 import dataclasses
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from nospill.core.frames import FrameMotion, rotation_z, tray_rates, tray_rotation
 from nospill.laws.parameters import OscillatorNumbers
@@ -357,3 +359,56 @@ def test_the_mass_lies_on_its_paraboloid():
     state = OscillatorState(ca.SX([0.003, -0.004]), ca.SX.zeros(2), ca.SX.zeros(2))
     place = ca.evalf(modal_place(oscillator, directions, state)).full().ravel()
     np.testing.assert_allclose(place, (0.003, -0.004, oscillator.height + oscillator.curvature * 25e-6 / 2))
+
+
+def test_flat_modes_follow_the_linear_equation_in_six_dimensions():
+    """The published-theory form of a linear mode, written out; it is affine in displacement and velocity."""
+    random = np.random.default_rng(9)
+    for mode in CUP.oscillators[1:]:
+        oscillator, _ = numbers_of(mode)
+        assert oscillator.curvature == 0.0 and oscillator.stiffness == pytest.approx(mode.frequency**2 / 9.80665)
+        for _ in range(20):
+            w, al, a = random.normal(size=(3, 3)) * [[3], [20], [8]]
+            (x, y), (u, v) = random.normal(size=(2, 2)) * [[0.01], [0.3]]
+            height, friction = mode.height, 2 * mode.damping * mode.frequency
+            spring = mode.frequency**2 / STANDARD_GRAVITY * (a[2] - (w[0] ** 2 + w[1] ** 2) * height)
+            in_x = a[0] + al[1] * height - al[2] * y + w[0] * w[2] * height + w[0] * w[1] * y
+            in_x += -(w[1] ** 2 + w[2] ** 2) * x - 2 * w[2] * v
+            in_y = a[1] - al[0] * height + al[2] * x + w[1] * w[2] * height + w[0] * w[1] * x
+            in_y += -(w[0] ** 2 + w[2] ** 2) * y + 2 * w[2] * u
+            expected = (-in_x - spring * x - friction * u, -in_y - spring * y - friction * v)
+            ours = acceleration(DISC, oscillator, w, al, a, (x, y), (u, v))
+            np.testing.assert_allclose(ours, expected, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("index", [1, 2])
+def test_flat_mode_against_the_exact_first_order_hold(index):
+    """A level cup under an acceleration that is linear between 20 instants: the matrix exponential has the answer."""
+    mode = CUP.oscillators[index]
+    oscillator, _ = numbers_of(mode)
+    random, hold = np.random.default_rng(4), 0.02
+    samples = np.vstack([np.zeros(2), random.normal(size=(20, 2)) * 5])
+    knots = hold * np.arange(len(samples))
+
+    def slope(t: float, state: np.ndarray) -> np.ndarray:
+        felt = [np.interp(t, knots, column) for column in samples.T]
+        rest = np.zeros(3)
+        return np.append(
+            state[2:], acceleration(DISC, oscillator, rest, rest, (*felt, STANDARD_GRAVITY), state[:2], state[2:])
+        )
+
+    free = np.array([[0.0, 1.0], [-(mode.frequency**2), -2 * mode.damping * mode.frequency]])
+    augmented = np.zeros((4, 4))
+    augmented[:2, :2], augmented[1, 2], augmented[2, 3] = free, -1.0, 1.0
+    step = expm(augmented * hold)
+    exact, state = np.zeros((2, 2)), np.zeros(4)  # per direction: displacement and velocity
+    for before, after in pairwise(samples):
+        exact = np.array(
+            [
+                (step @ [*own, start, (end - start) / hold])[:2]
+                for own, start, end in zip(exact, before, after, strict=True)
+            ]
+        )
+    for start, end in pairwise(knots):
+        state = solve_ivp(slope, (start, end), state, "DOP853", rtol=1e-10, atol=1e-14).y[:, -1]
+    np.testing.assert_allclose(state, exact.T.ravel(), rtol=1e-7, atol=1e-12)
