@@ -10,8 +10,11 @@ from typing import Any
 import pytest
 
 from benchmarks.slosh.validate import data_folder
+from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scene.scene import Scene
+from nospill.transcription.export_samples import export_samples
+from nospill.transcription.starting_motions import Start, smooth_start
 
 
 def changed_table(table: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
@@ -34,6 +37,12 @@ def joint_paths_of(scene: Scene, *, samples: int = 101) -> list[JointPath]:
 def joint_path_of(scene: Scene, *, samples: int = 101) -> JointPath:
     """The first of them."""
     return joint_paths_of(scene, samples=samples)[0]
+
+
+def smooth_record(scene: Scene, path: JointPath, intervals: int, start: Start) -> Trajectory:
+    """A smooth motion of a scene as a plan records it: with one mode of each liquid."""
+    model = scene.with_one_mode()
+    return export_samples(model, smooth_start(model, path, intervals, start))
 
 
 def measured_data(name: str = "") -> Path:

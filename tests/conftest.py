@@ -63,9 +63,13 @@ def example_plan() -> Callable[[str], Plan]:
 
 @dataclass(frozen=True)
 class SmoothMotion:
-    """A scene with a quintic motion along its path, on the grid of the optimal control problem and as exported."""
+    """A scene with a quintic motion along its path, on the grid of the optimal control problem and as exported.
+
+    The model is the scene with one mode of each liquid, of which the grid is.
+    """
 
     scene: Scene
+    model: Scene
     stages: Stages
     trajectory: Trajectory
 
@@ -80,8 +84,9 @@ def _joint_path(name: str) -> JointPath:
 def _smooth_motion(name: str, cargo: int | None, intervals: int, start: Start) -> SmoothMotion:
     scene = read_scenario(name)
     scene = replace(scene, cargo=scene.cargo[:cargo])
-    stages = smooth_start(scene, _joint_path(name), intervals, start)
-    return SmoothMotion(scene, stages, export_samples(scene, stages))
+    model = scene.with_one_mode()
+    stages = smooth_start(model, _joint_path(name), intervals, start)
+    return SmoothMotion(scene, model, stages, export_samples(model, stages))
 
 
 @pytest.fixture(scope="session")

@@ -12,16 +12,15 @@ from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 
 
 def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:
     """A smooth motion along the path of a scene, judged and cut; its limits may or may not hold."""
     path = joint_path_of(scene)
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.15, 0.1) if scene.motion.tilt_free else (0.0, 0.0))
-    trajectory = export_samples(scene, smooth_start(scene, path, 200, start))
+    trajectory = smooth_record(scene, path, 200, start)
     judgement = judge(trajectory, scene)
     report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
     plan = Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report)

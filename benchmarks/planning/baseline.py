@@ -3,8 +3,9 @@
     python -m benchmarks.planning.baseline liquid | rigid
 
 Multiple shooting with RK4 on N = 150 intervals through `Function.map`, everything unscaled, free horizon T, IPOPT with
-MUMPS and CasADi's own derivatives [D3]. Nothing of the package's optimal control problem is used, only the data of a
-scene: path, numbers of the cups, limits of the arm and its kinematics.
+MUMPS and CasADi's own derivatives [D3]. The functions of one instant are written in SX, all but the splines, which
+CasADi has in MX only: in MX throughout an iteration takes 2.3 times as long. Nothing of the package's optimal control
+problem is used, only the data of a scene: path, numbers of the cups, limits of the arm and its kinematics.
 
 liquid (Eq. 6): level tray. s = 1 and no displacement of the liquid at 0.8 T, every later node again at rest at s = 1
     (redundant equalities, as published), a fifth of the height allowed there; cost T + 1e-2 mean(u^2) over the horizon.
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +30,7 @@ from nospill.scene.containers.modes import STANDARD_GRAVITY as G
 from nospill.scene.scene import Scene
 
 MX = ca.MX
+SX = ca.SX
 
 INTERVALS = 150
 ENDED = 0.8
@@ -37,9 +40,8 @@ RIGID_JERK_WEIGHT = 1e-5
 LIQUID_FIRST_HORIZON, RIGID_FIRST_HORIZON = 3.0, 2.0
 """s; of the straight-line guess. The unscaled problems are touchy: see docs/performance.md."""
 
-LIQUID_ITERATIONS = 290
-"""Where the liquid baseline is stopped: the number after which the plain form is known to have converged at best. Ours
-rarely converges at all; a baseline that is stopped has taken less time than it needs."""
+LIQUID_ITERATIONS = 1000
+"""Where the liquid baseline is stopped; from a first horizon of 3 s it converges in 500, from 5 s not in 700."""
 
 
 @dataclass(frozen=True)
@@ -67,14 +69,21 @@ def path_function(yaw_end: float = np.pi) -> Any:
     return ca.Function("path", [s], [ca.vertcat(spline(s), yaw_end * s)])
 
 
-def along_path(s: MX, speed: MX, acceleration: MX) -> tuple[MX, MX, MX]:
-    """Place, first and second time derivative of (x, y, z, yaw) from s(t), each (4, 1)."""
-    path = path_function()
-    symbol = MX.sym("s")
+Motion = tuple[SX, SX, SX]
+"""Place, first and second time derivative of (x, y, z, yaw), each (4, 1)."""
+
+
+def of_the_path(name: str, states: int, controls: int, write: Callable[[SX, SX, Motion], list[SX]]) -> Any:
+    """(x, u) -> what `write` makes of x, u and the motion along the path in SX; x = [s, s', s'', ...]."""
+    x, u, place, slope, bend = (SX.sym(*of) for of in (("x", states), ("u", controls), ("p", 4), ("d", 4), ("b", 4)))
+    motion = place, slope * x[1], bend * x[1] ** 2 + slope * x[2]
+    inner = ca.Function("inner", [x, u, place, slope, bend], write(x, u, motion), {"cse": True})
+    path, symbol = path_function(), MX.sym("s")
     first = ca.jacobian(path(symbol), symbol)
     derivatives = ca.Function("derivatives", [symbol], [path(symbol), first, ca.jacobian(first, symbol)])
-    place, slope, bend = derivatives(s)
-    return place, slope * speed, bend * speed**2 + slope * acceleration
+    state, control = MX.sym("x", states), MX.sym("u", controls)
+    values = inner(state, control, *derivatives(state[0]))
+    return ca.Function(name, [state, control], values if isinstance(values, tuple) else [values])
 
 
 def runge_kutta(rate: Any, states: int, controls: int) -> Any:
@@ -90,7 +99,7 @@ def runge_kutta(rate: Any, states: int, controls: int) -> Any:
 # The liquid on a level tray.
 
 
-def level_cup_acceleration(place: np.ndarray, position: MX, rate: MX, change: MX) -> MX:
+def level_cup_acceleration(place: np.ndarray, position: SX, rate: SX, change: SX) -> SX:
     """Acceleration (3, 1) of a point of the level tray, world axes; `place` (2,) on the tray."""
     c, s = ca.cos(position[3]), ca.sin(position[3])
     x, y = c * place[0] - s * place[1], s * place[0] + c * place[1]
@@ -98,7 +107,7 @@ def level_cup_acceleration(place: np.ndarray, position: MX, rate: MX, change: MX
     return change[:3] + ca.vertcat(-turn * y - spin**2 * x, turn * x - spin**2 * y, 0)
 
 
-def sloshing(mode: Any, q: MX, qd: MX, acceleration: MX) -> MX:
+def sloshing(mode: Any, q: SX, qd: SX, acceleration: SX) -> SX:
     """Second derivative (2, 1) of the modal displacement in world-parallel axes [D3; alpha = 0]."""
     p, omega, zeta = mode.frequency**2 / G, mode.frequency, mode.damping
     force = (
@@ -108,24 +117,25 @@ def sloshing(mode: Any, q: MX, qd: MX, acceleration: MX) -> MX:
         - p * acceleration[2] * q
         - acceleration[:2]
     )
-    return ca.solve(MX.eye(2) + p**2 * q @ q.T, force)
+    return ca.solve(SX.eye(2) + p**2 * q @ q.T, force)
 
 
 def level_rate(scene: Scene) -> Any:
     """(x, u) -> rate of x; x = [s, s', s'', then (q, q') of every cup], u = s'''."""
-    cups = len(scene.cargo)
-    x, u = MX.sym("x", 3 + 4 * cups), MX.sym("u")
-    motion = along_path(x[0], x[1], x[2])
-    rates = [x[1], x[2], u]
-    for index, cargo in enumerate(scene.cargo):
-        assert cargo.filling is not None
-        q, qd = x[3 + 4 * index : 5 + 4 * index], x[5 + 4 * index : 7 + 4 * index]
-        at_cup = level_cup_acceleration(cargo.position, *motion)
-        rates += [qd, sloshing(cargo.filling.modes.oscillators[0], q, qd, at_cup)]
-    return ca.Function("rate", [x, u], [ca.vertcat(*rates)])
+
+    def write(x: SX, u: SX, motion: Motion) -> list[SX]:
+        rates = [x[1], x[2], u]
+        for index, cargo in enumerate(scene.cargo):
+            assert cargo.filling is not None
+            q, qd = x[3 + 4 * index : 5 + 4 * index], x[5 + 4 * index : 7 + 4 * index]
+            at_cup = level_cup_acceleration(cargo.position, *motion)
+            rates += [qd, sloshing(cargo.filling.modes.oscillators[0], q, qd, at_cup)]
+        return [ca.vertcat(*rates)]
+
+    return of_the_path("rate", 3 + 4 * len(scene.cargo), 1, write)
 
 
-def waiter_rows(cargo: Any, acceleration: MX, spin_change: MX) -> MX:
+def waiter_rows(cargo: Any, acceleration: SX, spin_change: SX) -> SX:
     """Lift, slip, tip, twist of one object, (5, 1), each >= 0; acceleration less gravity in tray axes (3, 1)."""
     mass, friction = cargo.total.mass, cargo.planned_friction
     radius = cargo.container.footprint.radius
@@ -144,19 +154,22 @@ def waiter_rows(cargo: Any, acceleration: MX, spin_change: MX) -> MX:
 
 def level_rows(scene: Scene) -> Any:
     """(x) -> waiter rows (>= 0), squared heights (m^2), joint positions (rad), joint speeds (rad/s)."""
-    x = MX.sym("x", 3 + 4 * len(scene.cargo))
-    motion = along_path(x[0], x[1], x[2])
-    waiter, heights = [], []
-    for index, cargo in enumerate(scene.cargo):
-        assert cargo.filling is not None
-        mode, q = cargo.filling.modes.oscillators[0], x[3 + 4 * index : 5 + 4 * index]
-        at_cup = level_cup_acceleration(cargo.position, *motion)
-        waiter.append(waiter_rows(cargo, at_cup + ca.vertcat(0, 0, G), motion[2][3]))
-        heights.append(mode.surface_gain**2 * ca.dot(q, q))
-    table, s = joint_table(scene), MX.sym("s")
+
+    def write(x: SX, _: SX, motion: Motion) -> list[SX]:
+        waiter, heights = [], []
+        for index, cargo in enumerate(scene.cargo):
+            assert cargo.filling is not None
+            mode, q = cargo.filling.modes.oscillators[0], x[3 + 4 * index : 5 + 4 * index]
+            at_cup = level_cup_acceleration(cargo.position, *motion)
+            waiter.append(waiter_rows(cargo, at_cup + ca.vertcat(0, 0, G), motion[2][3]))
+            heights.append(mode.surface_gain**2 * ca.dot(q, q))
+        return [ca.vertcat(*waiter), ca.vertcat(*heights)]
+
+    states = 3 + 4 * len(scene.cargo)
+    of_cups = of_the_path("cups", states, 0, write)
+    x, table, s = MX.sym("x", states), joint_table(scene), MX.sym("s")
     slope = ca.Function("slope", [s], [ca.jacobian(table(s), s)])
-    joints, speeds = table(x[0]), slope(x[0]) * x[1]
-    return ca.Function("rows", [x], [ca.vertcat(*waiter), ca.vertcat(*heights), joints, speeds])
+    return ca.Function("rows", [x], [*of_cups(x, MX(0, 1)), table(x[0]), slope(x[0]) * x[1]])
 
 
 def joint_table(scene: Scene) -> Any:
@@ -210,14 +223,13 @@ def solve_liquid(scene: Scene | None = None, *, print_level: int = 0) -> Baselin
 # Rigid objects on a tilting tray.
 
 
-def tilting_tray() -> Any:
-    """(x) -> place and rate (4: x, y, z, yaw), R (3, 3), acceleration, omega, alpha of the tray, all in world axes.
+def tilting_tray(x: SX, motion: Motion) -> tuple[SX, SX, SX]:
+    """R (3, 3), omega and alpha (3, 1) of the tray, in world axes.
 
     x = [s, s', s'', theta_x, .., theta_y, ..]; R = Rz(yaw) Ry(theta_y) Rx(theta_x) [D3, Eq. 11]. omega and alpha follow
     from R' R^T.
     """
-    x = MX.sym("x", 9)
-    place, rate, change = along_path(x[0], x[1], x[2])
+    place, rate, change = motion
     yaw, tilt_x, tilt_y = place[3], x[3], x[6]
     axis_y = ca.vertcat(-ca.sin(yaw), ca.cos(yaw), 0)
     axis_x = ca.vertcat(ca.cos(yaw) * ca.cos(tilt_y), ca.sin(yaw) * ca.cos(tilt_y), -ca.sin(tilt_y))
@@ -229,8 +241,7 @@ def tilting_tray() -> Any:
         + ca.cross(ca.vertcat(0, 0, rate[3]), axis_y) * x[7]
         + ca.cross(ca.vertcat(0, 0, rate[3]) + axis_y * x[7], axis_x) * x[4]
     )
-    rotation = about_z(yaw) @ about_y(tilt_y) @ about_x(tilt_x)
-    return ca.Function("tray", [x], [place, rate, rotation, change[:3], omega, alpha])
+    return about_z(yaw) @ about_y(tilt_y) @ about_x(tilt_x), omega, alpha
 
 
 def closed_chain(scene: Scene) -> Any:
@@ -270,17 +281,22 @@ def _angle_near(middle: float, sine: ca.SX, cosine: ca.SX) -> ca.SX:
 
 def tilting_rows(scene: Scene) -> Any:
     """(x) -> waiter rows (>= 0), joint positions (rad), joint speeds (rad/s)."""
+    arm = closed_chain(scene)
+
+    def write(x: SX, _: SX, motion: Motion) -> list[SX]:
+        rotation, omega, alpha = tilting_tray(x, motion)
+        body_omega, body_alpha = rotation.T @ omega, rotation.T @ alpha
+        at_tray = rotation.T @ (motion[2][:3] + ca.vertcat(0, 0, G))
+        waiter = []
+        for cargo in scene.cargo:
+            lever = ca.DM(np.append(cargo.position, cargo.total.centre[2]))
+            at_object = at_tray + ca.cross(body_alpha, lever) + ca.cross(body_omega, ca.cross(body_omega, lever))
+            waiter.append(waiter_rows(cargo, at_object, body_alpha[2]))
+        joints, speeds = arm(motion[0], motion[1], ca.vertcat(x[3], x[6]), ca.vertcat(x[4], x[7]))
+        return [ca.vertcat(*waiter), joints, speeds]
+
     x = MX.sym("x", 9)
-    place, rate, rotation, acceleration, omega, alpha = tilting_tray()(x)
-    body_omega, body_alpha = rotation.T @ omega, rotation.T @ alpha
-    at_tray = rotation.T @ (acceleration + ca.vertcat(0, 0, G))
-    waiter = []
-    for cargo in scene.cargo:
-        lever = ca.DM(np.append(cargo.position, cargo.total.centre[2]))
-        at_object = at_tray + ca.cross(body_alpha, lever) + ca.cross(body_omega, ca.cross(body_omega, lever))
-        waiter.append(waiter_rows(cargo, at_object, body_alpha[2]))
-    joints, speeds = closed_chain(scene)(place, rate, ca.vertcat(x[3], x[6]), ca.vertcat(x[4], x[7]))
-    return ca.Function("rows", [x], [ca.vertcat(*waiter), joints, speeds])
+    return ca.Function("rows", [x], of_the_path("objects", 9, 0, write)(x, MX(0, 1)))
 
 
 def solve_rigid(scene: Scene | None = None, *, print_level: int = 0) -> Baseline:
@@ -288,7 +304,7 @@ def solve_rigid(scene: Scene | None = None, *, print_level: int = 0) -> Baseline
     scene = scene or ns.load("matrix-rigid")
     began = time.perf_counter()
     robot, path_limit, tilt_limit = scene.robot, scene.motion.path_jerk_limit, scene.motion.tilt_jerk_limit
-    state, control = MX.sym("x", 9), MX.sym("u", 3)
+    state, control = SX.sym("x", 9), SX.sym("u", 3)
     chains = [ca.vertcat(state[3 * k + 1], state[3 * k + 2], control[k]) for k in range(3)]
     rate = ca.Function("rate", [state, control], [ca.vertcat(*chains)])
     step = runge_kutta(rate, 9, 3).map(INTERVALS)

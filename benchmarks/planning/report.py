@@ -90,6 +90,9 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
     yield from faster("no compiler matrix-liquid", "baseline liquid", 25)
     yield from faster("no compiler matrix-rigid", "baseline rigid", 5)
     yield from share("no compiler matrix-liquid-tilt", "baseline rigid", 1.0)
+    for key in seconds:
+        if key.startswith("cold ") and "duration" in found[key]:
+            yield Line(key, seconds[key], seconds[key] / found[key]["duration"], "of the motion")
     limits = {"matrix-liquid": 0.1, "matrix-liquid-tilt": 1 / 3}
     for name in limits:
         run = found.get(f"warm {name}")
@@ -102,6 +105,10 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
         if key in seconds:
             target = 1.0 if key.endswith("second run") else None
             yield Line(key, seconds[key], seconds[key] / found[key]["duration"], "of the motion", target)
+    for key in seconds:
+        if key.startswith("first plan") and found[key].get("again"):
+            target = 3.0 if key.endswith("empty cache") else 1.5
+            yield Line(key, seconds[key], seconds[key] / found[key]["again"], "of the second", target)
     if "import nospill" in seconds:
         own = seconds["import nospill"] - seconds["python -c pass"]
         yield Line("import nospill", own, own, "s, interpreter taken off", 0.6)
@@ -110,6 +117,8 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
     for count in (1, 2, 4, 8, 16, 32):
         key = f"{count} cup{'s' if count > 1 else ''}"
         yield from share(key, "4 cups", 10 if count == 32 else None)
+    for count in (4, 16, 64):
+        yield from share(f"{count} different cups", "4 different cups", 20 if count == 64 else None)
     for intervals in (50, 100, 200, 400):
         yield from share(f"N = {intervals}", "N = 100", 5 if intervals == 400 else None)
     yield from share("toppra, rigid on a level tray", "cold matrix-rigid", None)

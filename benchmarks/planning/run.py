@@ -26,15 +26,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.planning import scenes
 from benchmarks.planning.report import machine, save_plot, table, write_page
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "benchmarks" / "results"
 PAGE = REPOSITORY / "docs" / "performance.md"
-EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt")
+EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
 CUPS = (1, 2, 4, 8, 16, 32)
+DIFFERENT = (4, 16, 64)
 INTERVALS = (50, 100, 200, 400)
-GROUPS = ("baseline", "baseline-rigid", "cold", "virtual", "warm", "process", "cups", "grid", "toppra")
+GROUPS = (
+    "baseline",
+    "baseline-rigid",
+    "cold",
+    "virtual",
+    "warm",
+    "process",
+    "first",
+    "cups",
+    "different",
+    "grid",
+    "toppra",
+)
 _LONGEST = 1800.0
 
 
@@ -73,11 +87,11 @@ class Bench:
             "NOSPILL_CACHE": str(cache or self.cache),
         }
 
-    def task(self, *arguments: str, mode: str = "background") -> dict[str, Any]:
+    def task(self, *arguments: str, mode: str = "background", cache: Path | None = None) -> dict[str, Any]:
         """Run `tasks.py`; its figures, or `failed` with its last line."""
         command = [sys.executable, "-m", "benchmarks.planning.tasks", *arguments]
         done = subprocess.run(
-            command, env=self.environment(mode), capture_output=True, text=True, timeout=_LONGEST, check=False
+            command, env=self.environment(mode, cache), capture_output=True, text=True, timeout=_LONGEST, check=False
         )
         if done.returncode:
             return {"failed": (done.stderr.strip().splitlines() or ["no message"])[-1]}
@@ -89,18 +103,37 @@ class Bench:
         figures = self.task(*arguments, mode="wait")
         return figures | {"seconds": time.perf_counter() - began}
 
+    def first_plan(self, name: str, *, empty: bool) -> dict[str, Any]:
+        """The first plan of a structure that no example has, with an empty cache or that of the examples.
+
+        `again` is the second, which finds everything compiled.
+        """
+        cache = self.folder / "first" / name / ("empty" if empty else "filled")
+        shutil.rmtree(cache, ignore_errors=True)
+        if empty:
+            cache.mkdir(parents=True, mode=0o700)
+        else:
+            shutil.copytree(self.cache, cache)
+        first = self.task("unseen", name, cache=cache)
+        self._await_compilers(cache)
+        second = self.task("unseen", name, cache=cache)
+        return first | {"again": second.get("seconds")}
+
     def whole_process(self, *, cold_cache: bool) -> dict[str, Any]:
         """`nospill plan matrix-liquid --no-figures -o DIR`, from start to exit."""
         cache = Path(tempfile.mkdtemp(dir=self.folder)) if cold_cache else self.cache
         command = [sys.executable, "-c", "from nospill.cli import main; main()", "plan", "matrix-liquid"]
         command += ["--no-figures", "-o", str(self.folder / "plan")]
         figures = self._timed(command, cache)
-        # The compiler that a cold cache has set off must not run beside the next measurement.
+        self._await_compilers(cache)
+        summary = json.loads((self.folder / "plan" / "summary.json").read_text())
+        return figures | {"duration": summary["duration_s"], "phases": summary["phases_s"]}
+
+    def _await_compilers(self, cache: Path) -> None:
+        """Compilers that a cold cache has set off must not run beside the next measurement."""
         began = time.perf_counter()
         while any(cache.glob("*.lock")) and time.perf_counter() - began < _LONGEST:
             time.sleep(0.2)
-        summary = json.loads((self.folder / "plan" / "summary.json").read_text())
-        return figures | {"duration": summary["duration_s"], "phases": summary["phases_s"]}
 
     def python(self, statement: str) -> dict[str, Any]:
         """A whole interpreter that runs one statement."""
@@ -139,11 +172,19 @@ def measurements(bench: Bench) -> list[Measurement]:
             "import nospill.planning.planner", "process", lambda: bench.python("import nospill.planning.planner")
         ),
     ]
+    for name in scenes.UNSEEN:
+        for empty in (False, True):
+            key = f"first plan, {name}, {'empty cache' if empty else 'blocks compiled'}"
+            run = lambda name=name, empty=empty: bench.first_plan(name, empty=empty)  # noqa: E731
+            found.append(Measurement(key, "first", run, once=empty))
     # On the virtual machine: compiling each of these trays first would take longer than the measurement.
     for count in CUPS:
         key = f"{count} cup{'s' if count > 1 else ''}"
         run = lambda count=count: task("cups", str(count), mode="off")  # noqa: E731
         found.append(Measurement(key, "cups", run, once=count > 8))
+    for count in DIFFERENT:
+        run = lambda count=count: task("different", str(count), mode="off")  # noqa: E731
+        found.append(Measurement(f"{count} different cups", "different", run, once=count > 16))
     for intervals in INTERVALS:
         run = lambda intervals=intervals: task("cold", "matrix-liquid", "--intervals", str(intervals))  # noqa: E731
         found.append(Measurement(f"N = {intervals}", "grid", run))
@@ -152,7 +193,7 @@ def measurements(bench: Bench) -> list[Measurement]:
 
 def fill_cache(bench: Bench, groups: set[str]) -> dict[str, float]:
     """Compile what the measurements need; seconds of each first run."""
-    needed = [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "grid"}]
+    needed = [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "first", "grid"}]
     seconds = {}
     for arguments in needed:
         label = " ".join(arguments)

@@ -78,5 +78,58 @@ def tray_of_cups(count: int) -> Scene:
     return scene_from_table(table, name=f"{count} cups")
 
 
+def different_cups(count: int) -> Scene:
+    """The level tray of the liquid example with `count` cups of water, at most 64, no two alike, middle ones first."""
+    table = _table("matrix-liquid")
+    table["tray"]["size"] = ["340 mm", "340 mm"]
+    places = sorted(((column - 3.5) * 40.0, (row - 3.5) * 40.0, column, row) for column in range(8) for row in range(8))
+    places.sort(key=lambda place: place[0] ** 2 + place[1] ** 2)
+    table["cargo"] = [
+        {
+            "name": f"c{index + 1}",
+            "at": [f"{x} mm", f"{y} mm"],
+            "shape": "cylinder",
+            "radius": f"{15.0 + 0.05 * index:.2f} mm",
+            "height": "45 mm",
+            "liquid": "water",
+            "liquid_height": f"{20.0 + 0.07 * ((5 * column + 3 * row) % 8) + 0.01 * index:.2f} mm",
+            "max_slosh_height": f"{7.0 + 0.1 * ((3 * column + row) % 8):.1f} mm",
+            "mass": f"{0.020 + 0.0001 * index:.4f} kg",
+            "centre_of_mass_height": "12 mm",
+        }
+        for index, (x, y, column, row) in enumerate(places[:count])
+    ]
+    table["motion"]["end"] = "residual"
+    return scene_from_table(table, name=f"{count} different cups")
+
+
+UNSEEN = ("three cups", "five cups and a bottle", "seven joints")
+"""Structures that no example has."""
+
+
+def unseen(name: str) -> Scene:
+    """A structure that no example has: other numbers of objects, another path, another arm.
+
+    Raises:
+        ValueError: none of `UNSEEN`.
+    """
+    table = _table("matrix-liquid-tilt")
+    if name == "three cups":
+        table["cargo"] = table["cargo"][:3]
+        table["path"] = _table("pp-two-cups")["path"]
+    elif name == "five cups and a bottle":
+        bottle = next(item for item in _table("mixed-tray")["cargo"] if "liquid" not in item)
+        places = [[x, y] for x in ("-130 mm", "-50 mm", "30 mm") for y in ("-60 mm", "60 mm")]
+        cups = [table["cargo"][0] | {"name": f"c{index + 1}", "at": place} for index, place in enumerate(places[:5])]
+        table["cargo"] = [*cups, bottle | {"at": ["120 mm", "0 mm"]}]
+        table["tray"]["size"] = ["400 mm", "250 mm"]
+    elif name == "seven joints":
+        table["robot"] = {"model": "franka-fr3", "base_position": ["0 m", "0 m", "0.6 m"]}
+        table["cargo"] = table["cargo"][:2]
+    else:
+        raise ValueError(f"structure {name!r}: one of {', '.join(UNSEEN)}")
+    return scene_from_table(table, name=name)
+
+
 def _table(name: str) -> dict[str, Any]:
     return copy.deepcopy(ns.load(name).source)

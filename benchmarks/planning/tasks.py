@@ -3,6 +3,8 @@
     python -m benchmarks.planning.tasks baseline liquid
     python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200]
     python -m benchmarks.planning.tasks cups 8
+    python -m benchmarks.planning.tasks different 64
+    python -m benchmarks.planning.tasks unseen "three cups"
     python -m benchmarks.planning.tasks warm matrix-liquid
     python -m benchmarks.planning.tasks toppra matrix-rigid
 
@@ -96,13 +98,17 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
         return level_toppra(what)
     if arguments.task == "cups":
         return cold(scenes.tray_of_cups(int(what)))
+    if arguments.task == "different":
+        return cold(scenes.different_cups(int(what)))
+    if arguments.task == "unseen":
+        return cold(scenes.unseen(what))
     return cold(scenes.example(what, intervals=arguments.intervals))
 
 
 def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("task", choices=("baseline", "cold", "cups", "warm", "toppra"))
+    parser.add_argument("task", choices=("baseline", "cold", "cups", "different", "unseen", "warm", "toppra"))
     parser.add_argument("what")
     parser.add_argument("--intervals", type=int)
     found = _measured(parser.parse_args())

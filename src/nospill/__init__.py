@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from nospill.planning.planner import plan as plan
     from nospill.plans.loading import load_plan as load_plan
     from nospill.plans.plan import Plan as Plan
-    from nospill.scenario import read_scenario as load
+    from nospill.scenario import load as load
     from nospill.scene.scene import Scene as Scene
     from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 
@@ -39,7 +39,7 @@ _PLACES = {
     "load_plan": ("nospill.plans.loading", "load_plan"),
     "Planner": ("nospill.planning.planner", "Planner"),
     "plan": ("nospill.planning.planner", "plan"),
-    "load": ("nospill.scenario", "read_scenario"),
+    "load": ("nospill.scenario", "load"),
     "Scene": ("nospill.scene.scene", "Scene"),
     "simulate_slosh": ("nospill.simulation.simulate", "simulate_slosh"),
     "Trajectory": ("nospill.motion.trajectory", "Trajectory"),

@@ -11,13 +11,16 @@ import pytest
 
 from benchmarks.planning import baseline, report, scenes
 from nospill.core.frames import SX
+from nospill.laws.like_objects import outer_objects
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_acceleration
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
+from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
+from nospill.transcription.path_expression import PathPiece, path_table, piece_degree, span_of
 from nospill.transcription.tray_state import TrayState, tray_state
 
 POINTS = [np.random.default_rng(seed).uniform(-1, 1, 32) for seed in range(4)]
@@ -42,7 +45,9 @@ def numbers(*expressions: SX) -> list[np.ndarray]:
 def tray(scene: Scene, *chains: np.ndarray) -> TrayState:
     """The package's tray at given s and tilt chains."""
     state = tuple((SX(float(chain[0])), SX(float(chain[1])), SX(float(chain[2]))) for chain in chains)
-    return tray_state(structure_of(scene), constants(numbers_of(scene)), state)
+    table = path_table(scene.path.breaks, scene.path.coefficients, degree=piece_degree(structure_of(scene)))
+    piece = PathPiece.of(SX(ca.DM(table[:, span_of(scene.path.breaks, chains[0][:1])])))
+    return tray_state(piece, state, tilt_free=scene.motion.tilt_free, gravity=SX(scene.gravity))
 
 
 def waiter_rows(scene: Scene, state: TrayState, slosh: Any) -> np.ndarray:
@@ -157,6 +162,17 @@ def test_changed_scenes_keep_the_structure_and_nothing_else(liquid: Scene, chang
 def test_trays_of_cups_fit_their_cups() -> None:
     for count in (1, 4, 32):
         assert len(scenes.tray_of_cups(count).cargo) == count
+
+
+def test_different_cups_are_all_in_the_problem() -> None:
+    scene = scenes.different_cups(64)
+    assert len(outer_objects(scene)) == 64
+
+
+def test_unseen_structures_are_none_of_the_examples() -> None:
+    known = {structure_of(scenes.example(name)) for name in EXAMPLES}
+    for name in scenes.UNSEEN:
+        assert structure_of(scenes.unseen(name)) not in known
 
 
 def test_grid_of_an_example_can_be_set() -> None:

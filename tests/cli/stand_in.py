@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -17,6 +17,8 @@ from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.plans.names import is_plan_folder
 from nospill.plans.plan import SUMMARY_KEYS, failed_summary
+from nospill.plans.warnings.record import PlanWarning
+from nospill.plots import FIRST_FIGURES
 
 
 @dataclass
@@ -28,12 +30,17 @@ class StandIn:
     calls: list[str] = field(default_factory=list)
     rows: list[Row] = field(default_factory=list)
 
+    figures: tuple[str, ...] | None = None
+
     duration = 1.8431
     message = "certified"
     motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
-    scene = SimpleNamespace(name="tea", robot=SimpleNamespace(name="arm", notes=()), motion=motion)
+    robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
+    scene = SimpleNamespace(name="tea", robot=robot, motion=motion)
+    held_back = "friction of c1 holds 31 % of the motion"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     approach = None
+    warnings: tuple[PlanWarning, ...] = ()
 
     def __post_init__(self) -> None:
         self.rows = [row("slip", "c1", 0.3), row("slip", "c2", 0.1, ok=self.ok), row("slosh height", "[c1]", 1e-5)]
@@ -56,8 +63,8 @@ class StandIn:
                 extra(partial)
 
     def modules(self) -> dict[str, ModuleType]:
-        def read_scenario(path: str) -> SimpleNamespace:
-            self.calls.append(f"read {path}")
+        def read_scenario(path: str, *, settings: Sequence[str] = ()) -> SimpleNamespace:
+            self.calls.append(" ".join([f"read {path}", *settings]))
             return self.scene
 
         def plan(scene: SimpleNamespace, *, progress: Callable[[Any], None]) -> StandIn:
@@ -70,14 +77,30 @@ class StandIn:
         def load_plan(folder: Path) -> SimpleNamespace:
             if not (folder / "summary.json").exists():
                 raise PlanFolderError(f"{folder} is not a plan folder")
-            return SimpleNamespace(trajectory="trajectory", scene="scene")
+            report = SimpleNamespace(backoff={})
+            return SimpleNamespace(trajectory="trajectory", scene=self.scene, report=report)
 
-        def certify_whole(saved: SimpleNamespace) -> Certificate:
-            self.calls.append(f"certify {saved.trajectory} {saved.scene}")
-            return self.certificate
+        def judge_whole(saved: SimpleNamespace) -> SimpleNamespace:
+            self.calls.append(f"judge {saved.trajectory} {saved.scene.name}")
+            return SimpleNamespace(certificate=self.certificate)
 
-        def save_figures(plan: object, folder: Path) -> None:
+        def plan_warnings(scene: object, judgement: object, backoff: object) -> tuple[PlanWarning, ...]:
+            return self.warnings
+
+        def save_figures(
+            plan: object,
+            folder: Path,
+            *,
+            names: tuple[str, ...] = (),
+            pdf: bool = False,
+            progress: Callable[[int, int], None] | None = None,
+        ) -> None:
+            self.figures = names
             folder.mkdir(exist_ok=True)
+            assert progress is not None
+            progress(0, 1)
+            if pdf:
+                (folder / "sheet.pdf").write_text("new")
             (folder / "sheet.png").write_text("new")
 
         functions = {
@@ -85,8 +108,9 @@ class StandIn:
             "planning.planner": {"plan": plan},
             "plans.plan": {"failed_summary": failed_summary},
             "plans.loading": {"load_plan": load_plan},
-            "plans.approach": {"certify_whole": certify_whole, "settling_time": lambda _: 0.0},
-            "plots": {"save_figures": save_figures},
+            "plans.approach": {"judge_whole": judge_whole, "settling_time": lambda _: 0.0},
+            "plans.warnings": {"plan_warnings": plan_warnings},
+            "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}
         for name, attributes in functions.items():

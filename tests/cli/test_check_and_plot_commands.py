@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from nospill.plans.warnings.record import PlanWarning
 from tests.cli.stand_in import StandIn, nospill, row
 from tests.waiting import run_python
 
@@ -17,11 +18,18 @@ def test_check_judges_again_and_writes_nothing(stand_in: StandIn, plan_folder: P
     stand_in.rows[1] = row("slip", "c2", 0.1 if ok else -0.25, ok=ok)
     result = nospill("check", "tea")
     assert result.exit_code == (0 if ok else 1)
-    assert stand_in.calls == ["certify trajectory scene"]
+    assert stand_in.calls == ["judge trajectory tea"]
     assert ("certified: all 3 rows" if ok else "not certified: 1 of 3 rows fail") in result.stdout
-    message = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.00 % of it) at t = 0.500 s.\n"
+    message = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.0 % of it) at t = 0.500 s.\n"
     assert result.stderr == ("" if ok else message)
     assert os.listdir(plan_folder) == ["summary.json"]
+
+
+def test_check_prints_warnings_and_leaves_the_verdict(stand_in: StandIn, plan_folder: Path) -> None:
+    stand_in.warnings = tuple(PlanWarning("crest", name, "it is high.") for name in ("c1", "c2"))
+    result = nospill("check", "tea")
+    assert result.exit_code == 0
+    assert result.stdout.endswith("warning: crest: c1: it is high. Likewise: c2.\n")
 
 
 def test_check_and_plot_do_not_load_the_optimiser(stand_in: StandIn, plan_folder: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.plans.plan import SUMMARY_KEYS
+from nospill.plots import FIRST_FIGURES
 from tests.cli.stand_in import StandIn, nospill, raising, row
 from tests.waiting import finished, wait_until
 
@@ -28,12 +29,15 @@ def test_certified_plan_is_written_with_its_figures(stand_in: StandIn, folder: P
     ]
     for expected in ("certified: all 3 rows hold on a grid of 2000 Hz", "duration: 1.843 s", "written to out/tea"):
         assert expected in result.stdout
+    assert result.stdout.splitlines()[0] == "certified: all 3 rows hold on a grid of 2000 Hz"
+    assert result.stdout.splitlines()[-1] == "certified: 1.843 s"
+    assert "look: nospill view out/tea" in result.stdout
+    assert "held back: friction of c1 holds 31 % of the motion" in result.stdout
     assert result.stderr.splitlines() == [
-        "load the optimiser ...",
-        "build ...",
-        "solve ...",
-        "certify ...",
-        "write ...",
+        "1 of 6: load the optimiser ...",
+        "4 of 6: solve on the fine grid ...",
+        "5 of 6: certificate ...",
+        "6 of 6: files and figures ...",
     ]
 
 
@@ -50,7 +54,7 @@ def test_report_of_a_plan_certified_or_not(
     stand_in.rows[1] = row("slip", "c2", 0.1, ok=ok)
     result = nospill("plan", "tea.toml", "-o", "out/tea", "--report")
     assert result.exit_code == (0 if ok else 1)
-    assert result.stdout.splitlines()[-1] == "written to out/tea.report.html"
+    assert "written to out/tea.report.html" in result.stdout.splitlines()
     assert nospill("plan", "tea.toml", "-o", "out/tea", "--report", "--json").stdout.startswith("{")
 
 
@@ -67,9 +71,22 @@ def test_table_shows_the_worst_row_of_each_constraint(stand_in: StandIn) -> None
     result = nospill("plan", "tea.toml")
     lines = result.stdout.splitlines()
     slip = [line.split() for line in lines if line.strip().startswith("slip")]
-    assert slip == [["slip", "c3", "0.8", "1", "0.2", "N", "0.5", "FAILS"]]
-    assert any("[c1]" in line and "1e-05" in line for line in lines)
-    assert "not certified: 1 of 5 rows fail" in result.stdout
+    # As it fails, though another uses more.
+    assert slip == [["slip", "c3", "100.1", "%", "FAILS", "0.8", "1", "N", "0.500", "s"]]
+    assert any("[c1]" in line and "99.9 %" in line for line in lines)
+    assert lines[0].startswith("not certified: 1 of 5 rows fail") and lines[-1] == "not certified: 1.843 s"
+
+
+def test_few_figures_unless_all_are_wanted(stand_in: StandIn, folder: Path) -> None:
+    nospill("plan", "tea.toml", "-o", "tea")
+    assert stand_in.figures == FIRST_FIGURES
+    nospill("plan", "tea.toml", "-o", "tea", "--all-figures")
+    assert stand_in.figures == ()
+
+
+def test_pdf_on_request(stand_in: StandIn, folder: Path) -> None:
+    assert nospill("plan", "tea.toml", "-o", "tea", "--pdf").exit_code == 0
+    assert sorted(os.listdir(folder / "tea" / "figures")) == ["sheet.pdf", "sheet.png"]
 
 
 def test_without_folder_nothing_is_written(stand_in: StandIn, folder: Path) -> None:
@@ -127,11 +144,16 @@ def test_no_solution_exits_3_and_writes_nothing(stand_in: StandIn, folder: Path,
         assert result.stdout == ""
 
 
+def test_settings_reach_the_reader(stand_in: StandIn) -> None:
+    assert nospill("plan", "tea.toml", "--set", "motion.tilt=free", "--set", "tray.mass=1").exit_code == 0
+    assert stand_in.calls[0] == "read tea.toml motion.tilt=free tray.mass=1"
+
+
 @pytest.mark.parametrize("as_json", [True, False])
 def test_bad_input_is_one_line_as_written(stand_in: StandIn, monkeypatch: pytest.MonkeyPatch, as_json: bool) -> None:
     message = 'tea.toml: [[cargo]] "c1": radius is "-35 mm"; [bold]give[/bold] a length above 0'
 
-    def fail(_: str) -> None:
+    def fail(_: str, *, settings: object) -> None:
         raise ScenarioError(message)
 
     monkeypatch.setattr(sys.modules["nospill.scenario"], "read_scenario", fail)

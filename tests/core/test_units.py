@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -23,8 +24,8 @@ from nospill.errors import ScenarioError
         ("250 µm", "length", 250e-6),
         ("2 in", "length", 0.0508),
         (" +1.5e-1 m ", "length", 0.15),
-        (".5", "length", 0.5),
-        ("5.", "length", 5.0),
+        (".5", "number", 0.5),
+        ("5.", "ratio", 5.0),
         ("180 deg", "angle", math.pi),
         ("30°", "angle", math.pi / 6),
         ("5 mrad", "angle", 0.005),
@@ -57,7 +58,20 @@ def test_text(text: str, dimension: str, value: float) -> None:
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(DIMENSIONS)))
 def test_numbers_are_si_and_pass_unchanged(value: float, dimension: str) -> None:
     assert quantity(value, dimension) == value
-    assert quantity(repr(value), dimension) == value
+    si = next(iter(DIMENSIONS[dimension].units))
+    assert quantity(f"{value!r} {si}", dimension) == value
+
+
+@pytest.mark.parametrize("dimension", [name for name, kind in DIMENSIONS.items() if "" not in kind.units])
+def test_text_without_a_unit_is_refused(dimension: str) -> None:
+    si = next(iter(DIMENSIONS[dimension].units))
+    told = (
+        rf'^"0\.35" has no unit; write "0\.35 {re.escape(si)}" or the bare number 0\.35, which is in {re.escape(si)}, '
+    )
+    with pytest.raises(ScenarioError, match=told):
+        quantity("0.35", dimension)
+    with pytest.raises(ScenarioError, match="has no unit; give a number in"):
+        quantity("0." + 30 * "3", dimension)
 
 
 def test_whole_numbers_become_floats() -> None:

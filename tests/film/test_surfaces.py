@@ -92,7 +92,7 @@ def test_steady_lean_is_a_plane(mixed_film: Film) -> None:
         surface = liquid_surface(cargo)
         for axis, lean in ((0, 0.2), (1, -0.1)):
             steady = [
-                -lean / mode.curvature if "xy".index(direction) == axis else 0.0
+                -lean / mode.stiffness if "xy".index(direction) == axis else 0.0
                 for mode in cargo.filling.modes.oscillators
                 for direction in mode.directions
             ]

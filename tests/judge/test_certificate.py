@@ -17,9 +17,8 @@ from nospill.laws.constraints import CONSTRAINTS
 from nospill.motion.trajectory import Trajectory
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 
 RECORD_ROWS = {
     "path position",
@@ -385,7 +384,7 @@ class TestSpoiledScene:
         """One millimetre of water under a limit of 15 mm: the bottom falls dry long before the crest is too high."""
         scene = changed_scene("matrix-liquid", {"fidelity": fidelity, "cargo.0.liquid_height": "1 mm"})
         scene = replace(scene, cargo=scene.cargo[:1])
-        trajectory = export_samples(scene, smooth_start(scene, joint_path_of(scene), 200, Start(stretch=1.3)))
+        trajectory = smooth_record(scene, joint_path_of(scene), 200, Start(stretch=1.3))
         certificate = certify(trajectory, scene)
         rows = {row.constraint: row for row in certificate.rows}
         assert not rows["trough"].ok and rows["trough"].limit == 1e-3
@@ -487,7 +486,7 @@ def test_too_fast_motion_names_what_gives_way():
     """A third of the duration: cups slide and spill, joints run too fast, all at once; the record itself is fine."""
     scene = read_scenario("matrix-liquid-soft-end")
     arm = joint_path_of(scene)
-    trajectory = export_samples(scene, smooth_start(scene, arm, 200, Start(stretch=0.35)))
+    trajectory = smooth_record(scene, arm, 200, Start(stretch=0.35))
     broken = failed(certify(trajectory, scene))
     assert {"slosh height", "residual height", "slip", "joint speed"} <= broken
     assert not broken & {"path position", "path attitude", "path covered", "even sampling", "rest at the ends"}

@@ -26,7 +26,10 @@ def played_joints(t: np.ndarray, q: np.ndarray, scene: Scene) -> Trajectory:
 
 
 def cup_acceleration(mode, motion, q: np.ndarray, qd: np.ndarray, *, spin_free: bool) -> np.ndarray:
-    """(J^T J) q'' = -J^T (b + [0, 0, P |q'|^2]) - damping, written in plain vectors; motion = (omega, alpha, force)."""
+    """(J^T J) q'' = -J^T (b + [0, 0, P |q'|^2]) - (kappa - P) b_z q - damping, in plain vectors.
+
+    The motion is (omega, alpha, force); b_z is the force along the axis where the mass is at rest.
+    """
     omega, alpha, force = motion
     curvature, columns = mode.curvature, ["xy".index(axis) for axis in mode.directions]
     flat = np.zeros((3, len(columns)))
@@ -37,7 +40,8 @@ def cup_acceleration(mode, motion, q: np.ndarray, qd: np.ndarray, *, spin_free: 
     apparent = apparent + curvature * (qd @ qd) * np.array((0, 0, 1))
     slip = qd + omega[2] * np.array((-q[1], q[0])) if spin_free and len(q) == 2 else qd
     mass = jacobian.T @ jacobian
-    return np.linalg.solve(mass, -jacobian.T @ apparent - 2 * mode.damping * mode.frequency * mass @ slip)
+    spring = (mode.stiffness - curvature) * (force[2] - (omega[0] ** 2 + omega[1] ** 2) * mode.height) * q
+    return np.linalg.solve(mass, -jacobian.T @ apparent - spring - 2 * mode.damping * mode.frequency * mass @ slip)
 
 
 def about_z(angle: float) -> np.ndarray:

@@ -21,16 +21,30 @@ import pytest
 
 from nospill.judge import replay, traces
 from nospill.laws import codegen as compiled
+from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.kinds import arm_kind, object_kind, tray_kind
+from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
-from nospill.transcription import stage_functions
+from nospill.transcription import export_samples, object_block, stage_functions, tray_block
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
 
-CACHES = (stage_functions.stage_functions, traces._figures, replay._functions)
+CACHES = (
+    stage_functions.stage_functions,
+    tray_block._block,
+    object_block._object_block,
+    object_block._end_block,
+    traces.object_figures_function,
+    traces.tray_figures_function,
+    replay.arm_motion,
+    replay.liquid_step,
+    export_samples.tray_function,
+    export_samples.crest_function,
+)
 """What a process keeps of functions once made."""
 
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
@@ -95,32 +109,38 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
 ) -> None:
     structure = structure_of(small)
     slow = plan(small)
-    plain = stage_functions.stage_functions(structure)
-    figures = traces._figures(structure) | replay._functions(structure)
-    assert not plain.compiled
+    plain = _functions(structure)
     for kept in CACHES:
         kept.cache_clear()
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    fast = stage_functions.stage_functions(structure)
-    assert fast.compiled
-    fast_figures = traces._figures(structure) | replay._functions(structure)
-    pairs = [
-        (getattr(fast, field.name), getattr(plain, field.name))
-        for field in dataclasses.fields(plain)
-        if isinstance(getattr(plain, field.name), ca.Function)
-    ]
-    assert len(pairs) == 7
-    assert set(fast_figures) == set(figures)
-    pairs += [(fast_figures[name], figures[name]) for name in figures]
-    for ours, theirs in pairs:
-        assert ours.name() == theirs.name()
-        _same(ours, theirs)
+    assert stage_functions.stage_functions(structure).compiled
+    fast = _functions(structure)
+    assert fast.keys() == plain.keys() and len(fast) == 17
+    for name, theirs in plain.items():
+        _same(fast[name], theirs)
     again = plan(small)
     assert (again.status, slow.status) == ("certified", "certified")
     assert again.duration == pytest.approx(slow.duration, rel=1e-6)
     assert again.report.iterations == slow.report.iterations
     assert set(endings(tmp_path)) == {".json", ".so", ".sum"}
+
+
+def _functions(structure: Structure) -> dict[str, ca.Function]:
+    """Every function of a structure of one object."""
+    stage = stage_functions.stage_functions(structure)
+    kind = object_kind(structure, structure.objects[0])
+    blocks = {"tray": stage.tray.block, "object": stage.objects[0].block, "end": stage.objects[0].end}
+    found = {
+        f"{block} {name}": value
+        for block, content in blocks.items()
+        for name, value in vars(content).items()
+        if isinstance(value, ca.Function)
+    }
+    for point in (EvaluationPoint.JOINT, EvaluationPoint.CONTROL):
+        found[point.value] = traces.tray_figures_function(tray_kind(structure), point)[0]
+    found["contact"] = traces.object_figures_function(kind, EvaluationPoint.OBJECT)[0]
+    return found | {"arm": replay.arm_motion(arm_kind(structure))}
 
 
 def _same(ours: ca.Function, theirs: ca.Function) -> None:

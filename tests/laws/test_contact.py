@@ -151,8 +151,9 @@ def test_displaced_liquid_shifts_its_weight():
     count = function.size_in(1)[0]
     q = np.random.default_rng(3).normal(size=count) * 0.005
     wrenches = function(np.append(np.zeros(6), -GRAVITY), q, np.zeros(count), np.zeros(count)).full()
-    mode = scene.cargo[0].filling.modes.oscillators[0]  # pyright: ignore[reportOptionalMemberAccess]
-    expected = mode.mass * 9.80665 * np.array((q[1], -q[0], 0))
+    masses = np.array([mode.mass for mode in scene.cargo[0].oscillators])
+    shift = masses @ q[: 2 * len(masses)].reshape(-1, 2)
+    expected = 9.80665 * np.array((shift[1], -shift[0], 0))
     np.testing.assert_allclose(wrenches[3:, 0], expected, atol=1e-14)
 
 

@@ -100,8 +100,10 @@ def test_structures_are_keys_and_say_what_differs():
         RectangleFootprint,
         DiscFootprint,
     ]
-    assert [item.coordinates for item in mixed.objects] == [2, 2, 2, 0]
-    assert mixed.objects[2].oscillators == ((0,), (1,))
+    assert [item.coordinates for item in mixed.objects] == [40, 40, 40, 0]
+    assert mixed.objects[2].oscillators == ((0,), (1,)) * 20
+    assert mixed.objects[2].flat == (False,) * 2 + (True,) * 38
+    assert [item.modes for item in (*level.objects, *mixed.objects)] == [1] * 4 + [20] * 3 + [0]
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

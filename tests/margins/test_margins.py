@@ -235,7 +235,7 @@ def test_command_writes_one_whole_folder_and_replaces_only_its_own(
         rows = list(csv.reader(file))
     assert len(rows) == 13 and rows[0][:2] == ["worst_margin", "c1: friction"] and len(rows[0]) == 1 + 4 * 6
     text = run(*arguments)
-    assert text.exit_code == 0 and "slide" in text.stdout and "percentiles" in text.stdout
+    assert text.exit_code == 0 and "slide" in text.stdout and "% in the middle" in text.stdout
     (study / "mine.txt").write_text("keep")
     assert run(*arguments, "-o", str(study)).exit_code == PlanFolderError.exit_code
     assert (study / "mine.txt").exists()

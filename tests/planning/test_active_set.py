@@ -15,12 +15,13 @@ from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import flange_load
-from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 Q = np.zeros((2, 6))
 
@@ -33,7 +34,7 @@ def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
 def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
     """The part of a judgement that an active set reads."""
     replay: Any = SimpleNamespace(joint_position=Q)
-    return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, corners)
+    return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, 1.0, corners)
 
 
 def grid_of_cups(**tolerance: Any) -> Scene:

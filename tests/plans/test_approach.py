@@ -18,8 +18,8 @@ from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
 from nospill.planning.planner import plan as find_plan
 from nospill.plans.approach import (
-    certify_whole,
     hand_over_approach,
+    judge_whole,
     require_ruckig_if_needed,
     settling_time,
     starts_alike,
@@ -93,7 +93,7 @@ def test_a_broken_row_of_the_approach_breaks_the_certificate(whole):
     spoilt = replace(
         whole, approach=replace(whole.approach, samples=replace(whole.approach.samples, position=position))
     )
-    verdict = certify_whole(spoilt)
+    verdict = judge_whole(spoilt).certificate
     assert not verdict.ok and verdict.worst.constraint.startswith(APPROACH)
 
 
@@ -104,7 +104,7 @@ def test_it_comes_back_from_its_folder_and_is_judged_the_same(loaded, tmp_path):
     assert back.approach.loaded and back.approach.stretch == loaded.approach.stretch
     assert np.array_equal(back.approach.samples.position, loaded.approach.samples.position)
     assert back.summary() == loaded.summary()
-    assert back.certificate == loaded.certificate == certify_whole(back)
+    assert back.certificate == loaded.certificate == judge_whole(back).certificate
     stated = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert stated["approach"] == {
         "file": "approach.csv",
@@ -134,13 +134,18 @@ def test_folders_of_earlier_versions_are_read(moved, tmp_path):
     assert back.certificate == plan.certificate
 
 
-def test_an_approach_changed_behind_the_source_is_not_saved(whole, tmp_path):
+def test_an_approach_changed_behind_the_source_is_saved_as_it_is(whole, tmp_path):
     rules = whole.scene.approach
     assert rules is not None
     altered = replace(whole.scene, approach=replace(rules, max_jerk=rules.max_jerk * 2.0))
-    for scene in (altered, replace(whole.scene, approach=None)):
-        with pytest.raises(PlanFolderError, match="changed after it was read"):
-            replace(whole, scene=scene).save(tmp_path / "out")
+    replace(whole, scene=altered).save(tmp_path / "out")
+    kept = load_plan(tmp_path / "out").scene.approach
+    assert kept is not None and np.allclose(kept.max_jerk, 2.0 * rules.max_jerk)
+    replace(whole, scene=replace(whole.scene, approach=None), approach=None).save(tmp_path / "out")
+    assert load_plan(tmp_path / "out").scene.approach is None
+    beyond = replace(whole.scene, approach=replace(rules, max_speed=2.0 * rules.max_speed))
+    with pytest.raises(PlanFolderError, match=r"approach.max_speed of the scene was changed"):
+        replace(whole, scene=beyond).save(tmp_path / "out")
 
 
 def test_a_failed_summary_has_the_new_keys(whole):
@@ -248,7 +253,7 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
     answer = CliRunner().invoke(app, ["plan", str(tmp_path / "task.toml"), "-o", str(tmp_path / "out"), "--no-figures"])
     assert answer.exit_code == 0, answer.output
     plan = load_plan(tmp_path / "out")
-    assert plan.certificate.ok and certify_whole(plan).ok
+    assert plan.certificate.ok and judge_whole(plan).certificate.ok
     # the flipped wrist is taken, since the arm stands there
     assert plan.trajectory.joint_position[0, 4] > 0.0
     assert f"branch: {plan.report.branch}" in answer.stdout

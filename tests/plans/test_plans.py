@@ -19,9 +19,8 @@ from nospill.judge.wording import describe, shown_unit
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.scenario import read_scenario
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:
@@ -33,7 +32,7 @@ def judged() -> tuple[Plan, Judgement]:
     """A slow smooth motion of the liquid experiment; no solver is involved."""
     scene = read_scenario("matrix-liquid")
     path = joint_path_of(scene, samples=41)
-    trajectory = export_samples(scene, smooth_start(scene, path, 40, Start(stretch=1.5)))
+    trajectory = smooth_record(scene, path, 40, Start(stretch=1.5))
     judgement = judge(trajectory, scene)
     starts = Starts(2, 2, 1, (1.8, 1.9))
     report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})
@@ -112,33 +111,33 @@ def test_a_broken_row_comes_before_any_other() -> None:
     [
         (
             row("slosh height", 0.0149957, 0.015, 4.3e-6),
-            "slosh height of c1 is 15 mm against a limit of 15 mm (99.97 % of it) at t = 0.500 s",
+            "slosh height of c1 is 14.996 mm against a limit of 15 mm (99.9 % of it) at t = 0.500 s",
         ),
         (
             row("slosh height", 0.0162, 0.015, -0.0012),
-            "slosh height of c1 is 16.2 mm against a limit of 15 mm (108.00 % of it) at t = 0.500 s",
+            "slosh height of c1 is 16.2 mm against a limit of 15 mm (108.0 % of it) at t = 0.500 s",
         ),
-        (row("slip", 0.99994, 1.0, 6e-5, "1"), "slip of c1 uses 99.99 % of its limit at t = 0.500 s"),
-        (row("slip", 360.8, 1.0, -359.8, "1"), "slip of c1 uses 360.8 times its limit at t = 0.500 s"),
+        (row("slip", 0.99994, 1.0, 6e-5, "1"), "slip of c1 uses 99.9 % of its limit at t = 0.500 s"),
+        (row("slip", 360.8, 1.0, -359.8, "1"), "slip of c1 uses 36080 % of its limit at t = 0.500 s"),
         (
             row("joint position", -0.01, 0.0, 0.01, "rad", "joint_3"),
-            "joint position of joint_3 is -0.573 deg against a limit of 0 deg (0.573 deg left) at t = 0.500 s",
+            "joint position of joint_3 is −0.573 deg against a limit of 0 deg (0.573 deg left) at t = 0.500 s",
         ),
         (
             row("joint position", 2.98, 2.97, -0.01, "rad", "joint_1"),
-            "joint position of joint_1 is 170.7 deg against a limit of 170.2 deg (0.573 deg beyond) at t = 0.500 s",
+            "joint position of joint_1 is 171 deg against a limit of 170 deg (0.573 deg beyond) at t = 0.500 s",
         ),
         (
             row("lift", -0.2, 0.0, -0.2, "weight"),
-            "lift of c1 is -0.2 weight against a limit of 0 weight (0.2 weight beyond) at t = 0.500 s",
+            "lift of c1 is −0.2 weight against a lower limit of 0 weight (0.2 weight beyond) at t = 0.500 s",
         ),
         (
             row("path attitude", 2e-4, 1e-4, -1e-4, "rad", "tray"),
-            "path attitude of tray is 0.2 mrad against a limit of 0.1 mrad (200.00 % of it) at t = 0.500 s",
+            "path attitude of tray is 0.2 mrad against a limit of 0.1 mrad (200.0 % of it) at t = 0.500 s",
         ),
         (
             row("path covered", 0.5, 1e-9, -0.5, "1", "path"),
-            "path covered of path is 0.5 against a limit of 1e-09 (5e+08 times it) at t = 0.500 s",
+            "path covered of path is 0.5 against a limit of 1e−09 (over 1000000 % of it) at t = 0.500 s",
         ),
     ],
 )
@@ -257,6 +256,10 @@ def test_damaged_folders_are_one_line(judged: tuple[Plan, Judgement], tmp_path: 
     [
         ("summary.json", {"starts": None}),
         ("summary.json", {"max_tilt_deg": "much"}),
+        ("summary.json", {"backoff": {"slip | c1": "much"}}),
+        ("summary.json", {"backoff": 3}),
+        ("summary.json", {"warnings": [1]}),
+        ("summary.json", {"warnings": [{"name": "crest"}]}),
         ("certificate.json", {"rows": [1]}),
         ("certificate.json", {"rows": []}),
         ("certificate.json", {"rows": [{}]}),

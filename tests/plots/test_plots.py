@@ -17,10 +17,12 @@ from matplotlib.text import Text
 from PIL import Image
 from scipy.integrate import solve_ivp
 
+from nospill.core.units import superscript
 from nospill.errors import PlanFolderError
 from nospill.judge.certificate import Judgement, judge
+from nospill.judge.limiting import limiting_names
 from nospill.judge.verdict import Trace
-from nospill.judge.wording import shown_unit
+from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
@@ -29,12 +31,11 @@ from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
 from nospill.plots.path_view import path_figure
-from nospill.plots.style import BLUE, LOOK, RED, plain, series_look, superscript, without_shared_ending
+from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
@@ -91,7 +92,7 @@ def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     """A smooth motion along the path, judged; no solver is involved, so the limits may or may not hold."""
     path = joint_path_of(scene, samples=41)
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
-    trajectory = export_samples(scene, smooth_start(scene, path, 40, start))
+    trajectory = smooth_record(scene, path, 40, start)
     judgement = judge(trajectory, scene)
     report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
     return Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report), judgement
@@ -150,9 +151,10 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
     pyplot = "matplotlib.pyplot" in sys.modules
     (tmp_path / "deep" / "figures").mkdir(parents=True)
     (tmp_path / "deep" / "figures" / "mine.txt").write_text("kept")
-    written = save_figures(tilting.plan, tmp_path / "deep" / "figures")
+    written = save_figures(tilting.plan, tmp_path / "deep" / "figures", pdf=True)
     assert calls == [(tilting.plan.trajectory, tilting.plan.scene)]
-    assert [path.name for path in written] == [f"{n}.{e}" for n in figures.FIGURES for e in ("png", "pdf")]
+    applying = [name for name in figures.FIGURES if name != "limits" or tilting.limiting]
+    assert [path.name for path in written] == [f"{name}.{end}" for name in applying for end in ("png", "pdf")]
     assert {path.name for path in written} | {"mine.txt"} == {p.name for p in (tmp_path / "deep" / "figures").iterdir()}
     for path in written:
         assert 10_000 < path.stat().st_size < 800_000
@@ -191,7 +193,7 @@ def test_no_pyplot_anywhere() -> None:
 
 
 def test_which_figures_apply(pictures: dict[str, Figure], crowded_pictures: dict[str, Figure]) -> None:
-    assert set(pictures) == set(figures.FIGURES)
+    assert set(pictures) | {"limits"} == set(figures.FIGURES)
     assert set(crowded_pictures) == set(figures.FIGURES) - {"tilt"}
 
 
@@ -206,6 +208,8 @@ def test_axes_carry_units(pictures: dict[str, Figure], name: str) -> None:
     bottom = [axes.get_xlabel() for axes in panels(pictures[name])]
     assert "time [s]" in bottom
     for axes in panels(pictures[name]):
+        if "at no limit" in [item.get_text() for item in axes.get_yticklabels()]:
+            continue  # its rows are named, not numbered
         label = axes.get_ylabel()
         shared = label == "" and name == "slosh-heights"
         assert shared or (label.endswith("]") and "[" in label), label
@@ -222,17 +226,23 @@ def test_limits_are_drawn_and_named(pictures: dict[str, Figure]) -> None:
         red = [line for line in axes.lines if line.get_color() == RED]
         assert [float(np.asarray(line.get_ydata())[0]) for line in red] == pytest.approx([float(limit), float(rest)])
     for axes in panels(pictures["margins"]):
-        limit = 0.0 if axes.get_title(loc="left") == "lift" else 1.0
-        assert f"limit {limit:g}" in [item.get_text() for item in axes.texts]
-        assert [np.asarray(x.get_ydata())[0] for x in axes.lines if x.get_color() == RED] == [limit]
+        assert "limit 1" in [item.get_text() for item in axes.texts]
+        assert [np.asarray(x.get_ydata())[0] for x in axes.lines if x.get_color() == RED] == [1.0]
     assert {"limit 1", "limit −1"} <= set(texts(pictures["joints"]))
     assert any(text.startswith("limit of each angle") for text in texts(pictures["tilt"]))
 
 
 def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, pictures: dict[str, Figure]) -> None:
     shown = [c for c in CONSTRAINTS if c.evaluated_at is EvaluationPoint.OBJECT and c.subjects(tilting.plan.scene)]
-    names = [c.name for c in shown if c.name != "slosh height"]
+    peaks = {
+        c.name: max(float(np.max(trace.use)) for trace in tilting.traces(c.name))
+        for c in shown
+        if c.name != "slosh height"
+    }
+    names = sorted((name for name in peaks if peaks[name] >= 0.1), key=lambda name: -peaks[name])
     assert [axes.get_title(loc="left") for axes in panels(pictures["margins"])] == names
+    slack = [name for name in peaks if name not in names]
+    assert all(any(name in text for text in texts(pictures["margins"])) for name in slack)
     for axes in panels(pictures["margins"]):
         name = axes.get_title(loc="left")
         assert len(series(axes)) == sum(trace.constraint == name for trace in tilting.judgement.traces) > 0
@@ -248,9 +258,9 @@ def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence, monkeyp
     monkeypatch.setattr(evidence_module, "CONSTRAINTS", (*CONSTRAINTS, splash))
     judgement = dataclasses.replace(tilting.judgement, traces=(*tilting.judgement.traces, extra))
     figure = drawn(Evidence(tilting.plan, judgement))["margins"]
-    axes = list(panels(figure))[-1]
-    assert axes.get_title(loc="left") == "splash"
-    assert axes.get_title(loc="right") == "max 1.4000 (box)"
+    axes = next(axes for axes in panels(figure) if axes.get_title(loc="left") == "splash")
+    shown = [axes.get_title(loc="right"), *(item.get_text() for item in axes.texts)]
+    assert "max 140.0 % (box)" in shown
     assert np.asarray(series(axes)[0].get_ydata())[-1] == pytest.approx(1.4)
 
 
@@ -336,22 +346,43 @@ def test_free_heights_go_on_where_the_motion_ends(crowded: Evidence) -> None:
 def test_summary_says_what_counts(tilting: Evidence, crowded: Evidence, crowded_pictures: dict[str, Figure]) -> None:
     good, bad = texts(drawn(tilting)["summary"]), texts(crowded_pictures["summary"])
     assert f"{tilting.end_time:.3f} s" in good
-    maxima = tilting.maxima
-    assert f"{maxima.tray_acceleration:.2f} m/s²" in good
-    assert f"{np.degrees(maxima.tilt):.1f}°" in good
-    assert f"{1e3 * max(maxima.slosh_height.values()):.1f} mm" in good
-    for row in crowded.judgement.certificate.rows:
+    assert f"{tilting.maxima.tray_acceleration:.3g} m/s²" in good
+    largest = max(float(np.max(np.abs(trace.value))) for trace in tilting.traces("tilt"))
+    assert f"{np.degrees(largest):.3g}°" in good
+    assert tilting.held_back in good or tilting.held_back == ""
+    certificate = crowded.judgement.certificate
+    for row in certificate.listed_rows():
         assert row.constraint in bad
-    broken = {row.constraint for row in crowded.judgement.certificate.rows if not row.ok}
+        assert row_text(row).use in bad
+    assert integrity_line(certificate) in bad
+    broken = {row.constraint for row in certificate.rows if not row.ok}
     assert bad.count("FAILS") == len(broken) > 0
     assert any(text.startswith("NOT CERTIFIED") for text in bad)
 
 
+def test_limits_over_time_are_named_with_their_shares(crowded: Evidence, crowded_pictures: dict[str, Figure]) -> None:
+    figure = crowded_pictures["limits"]
+    axes = next(axes for axes in figure.axes if axes.get_yticklabels())
+    names = [item.get_text() for item in axes.get_yticklabels()]
+    shown = crowded.limiting[: len(names) - 1]
+    wanted = limiting_names([item.row for item in shown], crowded.plan.scene.robot.joints)
+    assert names == [*(plain(name, 22) for name in wanted), "at no limit"]
+    shares = [item.get_text() for item in axes.texts if item.get_text().endswith(" %")]
+    assert shares[:-1] == [f"{100 * item.share:.0f} %" for item in shown]
+    assert shown[0].share > 0.2
+    assert axes.get_xlim() == (0.0, crowded.end_time)
+
+
 def test_nearest_row_of_every_constraint(crowded: Evidence) -> None:
-    rows = crowded.judgement.certificate.rows
-    worst = {row.constraint: row for row in crowded.judgement.certificate.worst_rows()}
-    assert set(worst) == {row.constraint for row in rows}
-    assert all(not worst[row.constraint].ok for row in rows if not row.ok)
+    certificate = crowded.judgement.certificate
+    worst = {row.constraint: row for row in certificate.worst_rows()}
+    checks = {row.constraint for row in certificate.record_rows()}
+    assert set(worst) | checks == {row.constraint for row in certificate.rows}
+    assert not set(worst) & checks and "path covered" in checks
+    listed = {row.constraint: row for row in certificate.listed_rows()}
+    assert all(not listed[row.constraint].ok for row in certificate.rows if not row.ok)
+    order = [(row.ok, -row.use) for row in certificate.worst_rows()]
+    assert order == sorted(order)
 
 
 def test_units_as_printed() -> None:
@@ -368,7 +399,12 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     monkeypatch.setattr(figures, "judge", never)
     monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
     plan = dataclasses.replace(tilting.plan, judgement=tilting.judgement)
-    assert [path.name for path in save_figures(plan, tmp_path)] == ["joints.png", "joints.pdf"]
+    told: list[tuple[int, int]] = []
+    written = save_figures(plan, tmp_path, progress=lambda *done: told.append(done))
+    assert [path.name for path in written] == ["joints.png"]
+    assert told == [(0, 1)]
+    assert [path.name for path in save_figures(plan, tmp_path, pdf=True)] == ["joints.png", "joints.pdf"]
+    assert save_figures(plan, tmp_path, names=["summary"]) == []
     assert plan == plan and "judgement" not in repr(plan)
 
 
@@ -378,20 +414,6 @@ def test_names_are_no_formulas() -> None:
     assert len(plain(LONG)) == 22
     assert plain(LONG, 10)[:6] == LONG[:6]
     assert plain(LONG, 10)[-3:] == LONG[-3:]
-
-
-@pytest.mark.parametrize(
-    ("names", "shown"),
-    [
-        (("shoulder_pan_joint", "elbow_joint", "wrist_1_joint"), ["shoulder_pan", "elbow", "wrist_1"]),
-        (("joint_1", "joint_2"), ["joint_1", "joint_2"]),
-        (("left_arm_joint", "arm_joint", "joint"), ["left_arm_joint", "arm_joint", "joint"]),
-        (("a_b_c", "d_b_c"), ["a", "d"]),
-        (("only_joint",), ["only_joint"]),
-    ],
-)
-def test_what_all_names_end_in_is_left_out(names: tuple[str, ...], shown: list[str]) -> None:
-    assert without_shared_ending(names) == shown
 
 
 def test_a_level_path_has_two_ticks_of_its_height_at_least() -> None:

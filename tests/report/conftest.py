@@ -11,9 +11,8 @@ from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report
 from nospill.scenario import scene_from_table
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import joint_path_of
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_path_of, smooth_record
 
 HOSTILE = "<script>alert('1')</script> & \"50 %\" $x$ <img src=http://example.org/a.png> \u6c34"
 
@@ -54,7 +53,7 @@ def smooth_plan(stretch: float) -> Plan:
     """A quintic motion along the path: the longer the `stretch`, the gentler."""
     scene = scene_from_table(TABLE, name="x")
     path = joint_path_of(scene)
-    trajectory = export_samples(scene, smooth_start(scene, path, 200, Start(stretch=stretch, skew=0.2)))
+    trajectory = smooth_record(scene, path, 200, Start(stretch=stretch, skew=0.2))
     judgement = judge(trajectory, scene)
     effort = PlanningReport(1.5, 0.5, 10, 1, Starts(3, 2, 2, (1.0, 1.1)), {"solve": 0.5}, "none", {"slip | cup": 0.01})
     maxima = motion_maxima(judgement, scene)

@@ -32,6 +32,7 @@ OTHER_MEANINGS = {
         "report/page.py": "name of a figure",
         "studio/fields.py": "key of a scenario",
         "verify/report.py": "part of a file name",
+        "warmup/usual.py": "key of a scenario",
     },
 }
 """Names that are words of their own elsewhere: name -> file -> what it means there."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 import numpy as np
 import pytest
 
-from nospill.laws.parameters import constants
-from nospill.laws.scene_parameters import numbers_of
+from nospill.core.paths import Path
 from nospill.scenario import read_scenario
 from nospill.transcription.collocation import POINTS, advance_chain, gauss_step, interior
-from nospill.transcription.path_expression import path_expression
+from nospill.transcription.path_expression import PathPiece, path_table, piece_size, span_of
 
 
 def swung(steps: int) -> np.ndarray:
@@ -98,18 +99,31 @@ def test_chain_is_the_exact_cubic():
     np.testing.assert_allclose(twice, moved, rtol=1e-14)
 
 
+def path_function(path: Path, degree: int) -> Callable[[float], list[np.ndarray]]:
+    """s -> r, r', r'' by the expression, and the derivatives of r and r' by CasADi."""
+    s, column = ca.SX.sym("s"), ca.SX.sym("piece", piece_size(degree))
+    value, first, second = PathPiece.of(column).at(s)
+    function = ca.Function("path", [s, column], [value, first, second, ca.jacobian(value, s), ca.jacobian(first, s)])
+    table = path_table(path.breaks, path.coefficients, degree=degree)
+
+    def evaluated(at: float) -> list[np.ndarray]:
+        piece = table[:, span_of(path.breaks, np.array([at]))]
+        return [out.full().ravel() for out in function(at, piece)]
+
+    return evaluated
+
+
 @pytest.mark.parametrize("name", ["matrix-liquid", "pp-two-cups"])
-def test_path_expression_is_the_path(name):
+@pytest.mark.parametrize("degree", [4, 5, 7])
+def test_path_expression_is_the_path(name, degree):
+    """Of the path's own degree or a higher one, in every span and at its ends."""
     scene = read_scenario(name)
-    numbers = constants(numbers_of(scene))
-    s = ca.SX.sym("s")
-    value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)
-    function = ca.Function("path", [s], [value, first, second, ca.jacobian(value, s), ca.jacobian(first, s)])
+    function = path_function(scene.path, degree)
     inside = np.random.default_rng(2).uniform(0, 1, 200)
     for at in np.concatenate([inside, scene.path.breaks, [0.0, 1.0]]):
         if not 0.0 <= at <= 1.0:
             continue
-        position, rate, bend, slope, slope_change = (out.full().ravel() for out in function(at))
+        position, rate, bend, slope, slope_change = function(at)
         where = np.array([at])
         np.testing.assert_allclose(position, scene.path.at(where)[0], atol=1e-12)
         np.testing.assert_allclose(rate, scene.path.derivative(where, 1)[0], atol=1e-10)
@@ -121,10 +135,7 @@ def test_path_expression_is_the_path(name):
 
 def test_path_goes_on_smoothly_past_its_ends():
     """Iterates of a solver may leave [0, 1] a little."""
-    scene = read_scenario("matrix-liquid")
-    numbers = constants(numbers_of(scene))
-    s = ca.SX.sym("s")
-    function = ca.Function("path", [s], [path_expression(numbers.path_breaks, numbers.path_coefficients, s)[0]])
+    function = path_function(read_scenario("matrix-liquid").path, 5)
     for end in (0.0, 1.0):
-        before, at, after = (function(end + shift).full().ravel() for shift in (-1e-4, 0.0, 1e-4))
+        before, at, after = (function(end + shift)[0] for shift in (-1e-4, 0.0, 1e-4))
         assert np.abs(after - 2 * at + before).max() < 1e-6

@@ -1,11 +1,9 @@
 """The assembled derivatives against automatic differentiation of the whole problem and against differences; rows left
-out, and the same functions compiled."""
+out."""
 
 from __future__ import annotations
 
 import dataclasses
-import os
-import shutil
 from functools import cache
 
 import casadi as ca
@@ -14,26 +12,14 @@ import pytest
 
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import RowId
-from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
-from nospill.transcription.nlp import _transcribe, transcribe
+from nospill.transcription.nlp import _transcribe
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.stage_functions import stage_functions
 
 INTERVALS = 3
 SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
 BACKOFF = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
-
-FUNCTIONS = (
-    "constraints",
-    "constraint_jacobian",
-    "cost_gradient",
-    "lagrangian_hessian",
-    "end_constraints",
-    "end_constraint_jacobian",
-    "end_lagrangian_hessian",
-)
 
 
 def has_row(scene: Scene, constraint: str, index: int) -> bool:
@@ -47,7 +33,7 @@ def row_of(scene: Scene, constraint: str, index: int) -> RowId:
 
 @cache
 def problem(name: str) -> Problem:
-    scene = read_scenario(name)
+    scene = read_scenario(name).with_one_mode()
     backoff = {row_of(scene, *row): value for row, value in BACKOFF.items() if has_row(scene, *row)}
     return build_problem(scene, INTERVALS, nominal_duration=1.8, backoff=backoff)
 
@@ -192,39 +178,6 @@ def test_rows_left_out_change_nothing_else(name):
     )
 
 
-@pytest.mark.slow
-def test_compiled_functions_are_the_same_functions(monkeypatch, tmp_path):
-    """Machine code against CasADi's virtual machine, and no entry of the cache without its sizes."""
-    if shutil.which(os.environ.get("CC", "cc")) is None:
-        pytest.skip("no C compiler")
-    scene = read_scenario("matrix-rigid")
-    structure, numbers = structure_of(scene), numbers_of(scene)
-    plain = stage_functions(structure)
-    assert not plain.compiled
-    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
-    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    stage_functions.cache_clear()
-    try:
-        fast = stage_functions(structure)
-    finally:
-        stage_functions.cache_clear()
-    assert fast.compiled
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".json", ".so", ".sum"]
-    random = np.random.default_rng(1)
-    for name in FUNCTIONS:
-        ours, theirs = getattr(fast, name), getattr(plain, name)
-        inputs = [0.5 + 0.1 * random.random(theirs.size1_in(index)) for index in range(theirs.n_in())]
-        inputs[1] = transcribe(structure, 3).parameters(numbers, np.ones(plain.layout.size), {})
-        for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
-            np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
-    for field in dataclasses.fields(plain.sizes):
-        pair = getattr(fast.sizes, field.name), getattr(plain.sizes, field.name)
-        if field.name.endswith(("jacobian", "hessian")):
-            assert all(np.array_equal(one, other) for one, other in zip(*pair, strict=True))
-        else:
-            assert np.array_equal(*pair) if isinstance(pair[0], np.ndarray) else pair[0] == pair[1]
-
-
 @pytest.mark.parametrize("threads", ["2", "3"])
 def test_threads_change_no_bit(threads, monkeypatch):
     """Stages shared out to threads, evenly and not, against one after the other."""
@@ -332,6 +285,7 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
     silent = {name for name, live in zip(names, effect, strict=True) if not live and "path_coefficients" not in name}
     solid = {f".objects[3].{name}" for name in ("liquid_height.0", "max_slosh_height.0")}
     solid |= {f".objects[3].static_correction.{axis}" for axis in range(2)}
+    solid |= {name for name in names if name.endswith(".curvature.0")}  # that of the first mode is its stiffness
     discs = {f".objects[{index}].half_lengths.1" for index in (0, 1, 3)}
     unset = ("max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
     unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}

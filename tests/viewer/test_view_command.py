@@ -49,7 +49,7 @@ def test_title_has_the_verdict_on_what_is_shown(tilting_film: Film) -> None:
     plan = tilting_film.plan
     saved = replace(plan, certificate=replace(plan.certificate, ok=not plan.certificate.ok))
     film = replace(tilting_film, plan=saved, judgement=judged(saved))
-    word = "certified" if plan.certificate.ok else "NOT certified"
+    word = "certified" if plan.certificate.ok else "not certified"
     assert title_of(film).endswith(f" s, {word}")
 
 

@@ -16,7 +16,8 @@ from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
 
 CAPTIONS: dict[str, str] = {
-    "summary": "Summary sheet: path, certificate, heights, joint speeds.",
+    "summary": "Summary sheet: path, certificate, what holds the motion back, heights, joint speeds.",
+    "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
     "slosh-heights": "Height of each liquid at the wall, over its limit.",
     "margins": "How much of each limit every object uses.",
     "joints": "Joint positions, and joint speeds over their limits.",
@@ -47,7 +48,7 @@ def write_gallery(places: Places) -> None:
 
 
 def _plan(name: str, folder: Path) -> None:
-    _nospill("plan", name, "-o", str(folder))
+    _nospill("plan", name, "--all-figures", "-o", str(folder))
 
 
 def _nospill(*arguments: str) -> None:

@@ -14,13 +14,11 @@ from nospill.robots.description.catalog import robot_table
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill_docs.places import Places, write_if_changed
-from nospill_docs.scenario_reference import scenario_reference
 
 
 def write_tables(places: Places) -> None:
     """Write every table into the folder of generated content."""
     for name, text in {
-        "scenario": scenario_reference(),
         "constraints": constraints_table(),
         "exporters": exporters_table(),
         "robots": robots_page(),
@@ -128,7 +126,8 @@ def _arm(arm: dict[str, Any]) -> str:
     unknown = ", ".join(str(item) for item in _list(arm["not_known"]))
     missing = f"\nNot stated in these sources: {unknown}.\n" if unknown else ""
     table = markdown_table(("joint", *(_JOINT_COLUMNS[key] for key in columns)), rows)
-    return f"\n## {arm['title']}\n\n{table}\nWhere the figures come from:\n\n{sources}{missing}"
+    frame = f"\nBase frame: {arm['base_frame']}.\n" if arm["base_frame"] else ""
+    return f"\n## {arm['title']}\n\n{table}{frame}\nWhere the figures come from:\n\n{sources}{missing}"
 
 
 def _list(value: object) -> list[Any]:

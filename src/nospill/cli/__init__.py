@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from nospill.cli.cache import cache
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
 from nospill.cli.listings import examples, robots, schema
@@ -38,6 +39,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     examples,
     robots,
     schema,
+    cache,
 )
 """Every command, in the order of the help text: a new one is a function in a file here and an entry in this table."""
 

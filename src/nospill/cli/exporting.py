@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.reporting import beside, print_table, say
+from nospill.cli.reporting import beside
+from nospill.cli.tables import print_table, print_verdict, say
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -29,6 +30,10 @@ def export(
         float | None,
         typer.Option(metavar="HZ", help="Samples per second; the plan's when left out.", show_default=False),
     ] = None,
+    frame: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Of poses: world (default), base_link or base.", show_default=False),
+    ] = None,
     with_approach: Annotated[
         bool,
         typer.Option(
@@ -46,10 +51,10 @@ def export(
         return 0
     if folder is None or format_name is None:
         raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
-    from nospill.plans.handover import exporter_named, hand_over
+    from nospill.plans.handover import exporter_named, hand_over, in_frame
     from nospill.plans.loading import load_plan
 
-    exporter = exporter_named(format_name)
+    exporter = in_frame(exporter_named(format_name), frame)
     plan = load_plan(folder)
     target = _target(folder, output, exporter)
     if with_approach and plan.approach is None:
@@ -78,7 +83,7 @@ def _print_formats() -> None:
     from nospill.export import EXPORTERS
 
     rows = [(item.name, " ".join(item.suffixes), item.title, item.receiver) for item in EXPORTERS.values()]
-    print_table(("format", "file", "what it is", "who plays it, and how"), rows)
+    print_table(("format", "file", "what it is", "who plays it, and how"), rows, drop=("who plays it, and how", "file"))
 
 
 def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
@@ -105,16 +110,13 @@ def _say_why_not_approach(done: Handover) -> None:
 
 
 def _report(done: Handover) -> None:
+    from nospill.judge.wording import verdict_line
+
     certificate = done.certificate
     print(f"written to {done.path}: {done.samples} samples at {done.rate:.6g} Hz ({done.exporter.name})")
     print(f"played by {done.exporter.receiver}")
     print(f"read back: joints within {done.joint_deviation:.2g} rad of the plan at all times")
-    grid = f"on a grid of {certificate.grid_hz:g} Hz"
-    failed = sum(not row.ok for row in certificate.rows)
-    if certificate.ok:
-        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
-    else:
-        print(f"not certified: {failed} of {len(certificate.rows)} rows fail {grid}")
+    print_verdict(verdict_line(certificate), certificate.ok)
 
 
 def _say_why(plan: Plan, done: Handover) -> None:

@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from nospill.cli.reporting import print_json, print_table
+from nospill.cli.reporting import print_json
+from nospill.cli.tables import print_table
 
 
 def examples() -> int:
@@ -33,18 +34,34 @@ def robots(
     rows = [
         (
             *(row[key] for key in ("name", "title", "joint_count", "reach_m", "payload_kg")),
-            ", ".join(["position", "speed", *(key.split("_")[0] for key in known if row[f"max_{key}"] is not None)]),
+            ", ".join(key.split("_")[0] for key in known if row[f"max_{key}"] is not None) or None,
         )
         for row in table
     ]
-    print_table(("robot", "what it is", "joints", "reach m", "payload kg", "limits known"), rows)
+    columns = ("robot", "what it is", "joints", "reach m", "payload kg", "limits: position, speed and")
+    print_table(columns, rows, drop=("what it is", "joints", "payload kg"))
+    print()
+    print_table(
+        ("robot", "base frame, the root of the arm"),
+        [
+            (row["name"], row["base_frame"] or "that of its description; compare it with the controller's")
+            for row in table
+        ],
+    )
+    print()
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
 
 
-def schema() -> int:
+def schema(
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print a page with tables of all keys.")] = False,
+) -> int:
     """Print the JSON schema of a scenario file."""
     from nospill.scenario import scenario_schema
+    from nospill.scenario.reference import scenario_page
 
-    print_json(scenario_schema())
+    if markdown:
+        print(scenario_page(), end="")
+    else:
+        print_json(scenario_schema())
     return 0

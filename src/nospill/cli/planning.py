@@ -5,34 +5,52 @@ from __future__ import annotations
 import functools
 import json
 import time
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import one_line, only_stderr, print_json, print_table, say
+from nospill.cli.progress import FILES, LOADING, PLANNING_STEPS, ProgressLine
+from nospill.cli.reporting import one_line, only_stderr, print_json
 from nospill.cli.sharing import write_plan_report
+from nospill.cli.tables import print_lines, print_table, print_verdict, say
 from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.judge.verdict import Certificate
     from nospill.plans.plan import Plan
+    from nospill.plans.warnings.record import PlanWarning
 
 
 def plan(
-    scenario: Annotated[str, typer.Argument(help="A scenario file (TOML) or the name of a bundled example.")],
+    scenario: Annotated[
+        str, typer.Argument(help="A scenario file (TOML), a plan folder, or the name of a bundled example.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
+    all_figures: Annotated[
+        bool, typer.Option("--all-figures", help="Draw every figure, not the sheet and the limits alone.")
+    ] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Another value for a key of the scenario, as motion.tilt=free or cargo.c1.friction=0.4; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
-    with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
+    with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
         from nospill.scenario import read_scenario
@@ -41,12 +59,12 @@ def plan(
             raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
-        scene = read_scenario(scenario)
+        scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
-        progress.say("load the optimiser")
+        progress.say(LOADING)
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan
 
@@ -59,8 +77,9 @@ def plan(
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if output is not None:
-                progress.say("write")
-                figures = None if no_figures else functools.partial(_write_figures, outcome)
+                progress.say(FILES)
+                drawing = functools.partial(_write_figures, outcome, progress, pdf=pdf, everything=all_figures)
+                figures = None if no_figures else drawing
                 outcome.save(output, extra=figures, time_writing=True)
                 page = write_plan_report(outcome, output) if report else None
         except NoSolutionError as error:
@@ -75,20 +94,32 @@ def plan(
         saved = output / SUMMARY_FILE if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
-        _print_certificate(outcome.certificate)
-        print(f"duration: {outcome.duration:.3f} s")
-        for line in _choices(outcome):
-            print(line)
-        print(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
-        if page is not None:
-            print(f"written to {page}")
+        _print_plan(outcome, output, page)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1
 
 
+def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
+    """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
+    certificate = outcome.certificate
+    _print_certificate(certificate, outcome.scene.robot.joints)
+    _print_warnings(outcome.warnings)
+    lines = [f"duration: {outcome.duration:.3f} s"]
+    lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
+    lines += _choices(outcome)
+    lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
+    lines += [f"written to {page}"] if page is not None else []
+    lines += [f"look: nospill view {output}"] if output is not None else []
+    print_lines(*lines)
+    print_verdict(f"{certificate.word}: {outcome.duration:.3f} s", certificate.ok)
+
+
 def check(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    everything: Annotated[
+        bool, typer.Option("--all", help="Print every row, the checks of the file included.")
+    ] = False,
 ) -> int:
     """Judge a plan folder again, from its trajectory and scenario alone, and compare its controller files with that.
 
@@ -96,27 +127,33 @@ def check(
     """
     from nospill.export.plan_files import compare_plan_files
     from nospill.judge.wording import describe
-    from nospill.plans.approach import certify_whole
+    from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
+    from nospill.plans.warnings import plan_warnings
 
     saved = load_plan(folder)
-    certificate = certify_whole(saved)
-    _print_certificate(certificate)
+    judgement = judge_whole(saved)
+    certificate = judgement.certificate
+    _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
+    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
-        print(f"{name} {difference or 'holds the motion of the trajectory'}")
+        print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
     changed = [f"{folder / name} {difference}" for name, difference in compared.items() if difference]
     if not certificate.ok:
         say(f"Not certified: {describe(certificate.worst)}.")
     elif changed:
         say(f"{changed[0]}; plan again before it goes to a robot.")
-    return 0 if certificate.ok and not changed else 1
+    good = certificate.ok and not changed
+    print_verdict(certificate.word + (", but another file was changed" if changed else ""), good)
+    return 0 if good else 1
 
 
 def plot(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    pdf: Annotated[bool, typer.Option("--pdf", help="Write every figure as PDF too.")] = False,
 ) -> int:
-    """Draw the figures of a plan folder again."""
+    """Draw every figure of a plan folder, as PNG or also as PDF."""
     from nospill.core.files import atomic_folder
     from nospill.plans.loading import load_plan
     from nospill.plots import save_figures
@@ -124,8 +161,7 @@ def plot(
     saved = load_plan(folder)
     figures = folder / "figures"
     with ProgressLine() as progress, atomic_folder(figures, replaceable=_only_figures) as partial:
-        progress.say("draw")
-        save_figures(saved, partial)
+        save_figures(saved, partial, pdf=pdf, progress=progress.drawn)
         names = sorted(path.name for path in partial.iterdir())
     for name in names:
         print(figures / name)
@@ -156,29 +192,48 @@ def _choices(found: Plan) -> list[str]:
     return lines
 
 
-def _write_figures(found: Plan, folder: Path) -> None:
-    from nospill.plots import save_figures
+def _write_figures(found: Plan, progress: ProgressLine, folder: Path, *, pdf: bool, everything: bool) -> None:
+    from nospill.plots import FIRST_FIGURES, save_figures
 
-    save_figures(found, folder / "figures")
+    names = () if everything else FIRST_FIGURES
+    save_figures(found, folder / "figures", names=names, pdf=pdf, progress=progress.drawn)
 
 
 def _only_figures(names: set[str]) -> bool:
     return all(name.endswith((".png", ".pdf")) for name in names)
 
 
-def _print_certificate(certificate: Certificate) -> None:
-    """Print the worst row of each constraint and the verdict."""
-    from nospill.judge.wording import shown_unit
+def _print_certificate(certificate: Certificate, joints: Sequence[str], *, everything: bool = False) -> None:
+    """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows."""
+    from nospill.core.short_names import short_names
+    from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
 
+    rows = certificate.rows if everything else certificate.listed_rows()
+    short = dict(zip(joints, short_names(joints), strict=True))
+    varied = any(row.variant for row in rows)
+    failing = {index for index, row in enumerate(rows) if not row.ok}
+    columns = ["constraint", "of", "use", *(["FAILS"] if failing else []), "value", "limit", "at"]
     lines = []
-    for row in certificate.worst_rows():
-        factor, unit = shown_unit(row.unit, row.limit)
-        figures = (factor * row.worst_value, factor * row.limit, factor * row.worst_margin)
-        lines.append((row.constraint, row.label, *figures, unit, row.at_s, "ok" if row.ok else "FAILS"))
-    print_table(("constraint", "worst at", "value", "limit", "margin", "unit", "t / s", ""), lines)
-    grid = f"on a grid of {certificate.grid_hz:g} Hz"
-    failed = [row for row in certificate.rows if not row.ok]
-    if certificate.ok:
-        print(f"certified: all {len(certificate.rows)} rows hold {grid}")
-    else:
-        print(f"not certified: {len(failed)} of {len(certificate.rows)} rows fail {grid}")
+    for row in rows:
+        text = row_text(row)
+        mark = [] if not failing else ["" if row.ok else "FAILS"]
+        cells = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
+        lines.append([*cells, f"{row.at_s:.3f} s", *([row.variant] if varied else [])])
+    columns += ["with"] if varied else []
+    print_verdict(verdict_line(certificate), certificate.ok)
+    print()
+    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=("at", "value", "limit"), failing=failing)
+    if not everything:
+        print(integrity_line(certificate))
+    note = full_model_note(certificate)
+    if note:
+        print_lines(f"warning: {note}")
+    print()
+
+
+def _print_warnings(warnings: Sequence[PlanWarning]) -> None:
+    """Print a line for each kind of warning, where the verdict stands."""
+    from nospill.plans.warnings.record import warning_lines
+
+    for line in warning_lines(warnings):
+        print_lines(f"warning: {line}")

@@ -1,4 +1,4 @@
-"""What the commands share: errors as one line with an exit code, tables, JSON, a clean stdout."""
+"""What the commands share: errors as one line with an exit code, JSON, a clean stdout."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 
 import typer
 
+from nospill.cli.tables import say
 from nospill.errors import NospillError
 
 INTERNAL_ERROR = 70
@@ -55,11 +56,6 @@ def one_line(error: Exception | str) -> str:
     return " ".join(str(error).split())
 
 
-def say(line: str) -> None:
-    """Print a line on stderr at once."""
-    print(line, file=sys.stderr, flush=True)
-
-
 @contextmanager
 def only_stderr() -> Iterator[None]:
     """Send everything that Python and the compiled solvers print to stderr, so that stdout stays clean for JSON."""
@@ -87,24 +83,3 @@ def beside(folder: Path, ending: str) -> Path:
 def print_json(value: object) -> None:
     """Print a value as JSON; numbers that are none raise ValueError."""
     print(json.dumps(value, indent=2, allow_nan=False))
-
-
-def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Print rows under their column names; a real number has four digits, None is a dash."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=box.SIMPLE_HEAD)
-    for column in columns:
-        table.add_column(column)
-    for row in rows:
-        table.add_row(*(Text(_cell(value)) for value in row))  # Text: names may hold what rich takes for markup
-    Console(width=None if sys.stdout.isatty() else 120).print(table)
-
-
-def _cell(value: object) -> str:
-    if value is None:
-        return "-"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from nospill.cli.reporting import print_table
+from nospill.cli.tables import print_table
 
 
 def simulate(

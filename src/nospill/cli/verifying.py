@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import beside, only_stderr, print_json, print_table, say
+from nospill.cli.reporting import beside, only_stderr, print_json
+from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.margins import MarginsReport
@@ -87,12 +88,20 @@ def _print_verification(report: VerifyReport) -> None:
     found = report.to_dict()
     keys = ("name", "slide_mm", "slide_at_s", "rotation_deg", "tilt_deg", "lift_off_mm", "moved_at_s")
     columns = ("object", "slide mm", "at s", "rotation deg", "tilt deg", "lift-off mm", "moves from s")
-    print_table(
-        (*columns, ""), [(*(item[key] for key in keys), "ok" if item["ok"] else "MOVES") for item in found["objects"]]
-    )
-    print(f"joints from {report.source}; {report.engine}, {report.simulated:.2f} s simulated")
     still = "every object stays" if report.ok else "not every object stays"
-    print(f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg")
+    verdict = f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg"
+    objects = found["objects"]
+    print_verdict(verdict, report.ok)
+    print()
+    print_table(
+        (*columns, "verdict"),
+        [(*(item[key] for key in keys), "stays" if item["ok"] else "MOVES") for item in objects],
+        drop=("at s", "moves from s", "tilt deg"),
+        failing={index for index, item in enumerate(objects) if not item["ok"]},
+    )
+    print()
+    print_lines(f"joints from {report.source}; {report.engine}, {report.simulated:.2f} s simulated")
+    print_verdict(verdict, report.ok)
 
 
 def margins(
@@ -226,11 +235,19 @@ def _write_study(report: MarginsReport, folder: Path, names: list[str]) -> None:
         )
         for item in report.influences
     ]
-    save_tornado(bars, report.worst_margin, folder, nominal=report.nominal, title=f"{report.scenario}: what matters")
+    save_tornado(
+        bars,
+        report.worst_margin,
+        folder,
+        nominal=report.nominal,
+        title=f"{report.scenario}: what the margin depends on",
+    )
 
 
 def _print_margins(report: MarginsReport) -> None:
-    """Print probabilities, the constraints and the influences."""
+    """Print whether anything spills, the probabilities, the constraints and the influences."""
+    from nospill.judge.wording import percent
+
     chances = {
         "spill: over the rim": report.spill,
         "surface over max_slosh_height": report.over_limit,
@@ -238,16 +255,29 @@ def _print_margins(report: MarginsReport) -> None:
         "tip": report.tip,
         "any limit of the certificate": report.any_limit,
     }
+    spill = report.spill
+    print_verdict(
+        f"{spill.count} of {report.samples} samples spill: a probability of at most {1e2 * spill.high:.1f} %",
+        spill.count == 0,
+    )
+    print()
     print_table(
         ("what", "samples", "probability %", "at least %", "at most %"),
         [(name, item.count, 1e2 * item.value, 1e2 * item.low, 1e2 * item.high) for name, item in chances.items()],
+        drop=("at least %", "probability %"),
     )
+    print()
     print_table(
-        ("constraint", "broken in", "largest use %", "by"),
-        [(item.constraint, item.broken.count, 1e2 * item.largest_use, item.subject) for item in report.constraints],
+        ("constraint", "broken in", "largest use", "by"),
+        [
+            (item.constraint, item.broken.count, percent(item.largest_use, item.largest_use <= 1.0), item.subject)
+            for item in report.constraints
+        ],
+        right=("largest use",),
     )
+    print()
     print_table(
-        ("number", "of", "worst margin %", "at", "best margin %", "at", "limited by"),
+        ("number", "of", "worst margin %", "at", "best margin %", "at best", "limited by"),
         [
             (
                 item.factor,
@@ -260,7 +290,12 @@ def _print_margins(report: MarginsReport) -> None:
             )
             for item in report.influences
         ],
+        drop=("at best", "at", "of", "best margin %"),
     )
-    shares = ", ".join(f"{key:g} %: {1e2 * value:.2f} %" for key, value in report.percentiles.items())
-    print(f"worst margin over {report.samples} samples (seed {report.seed}), percentiles: {shares}")
-    print(f"worst margin with the scenario's own numbers, friction without reserve: {1e2 * report.nominal:.2f} %")
+    least, middle, most = (1e2 * report.percentiles[key] for key in (0, 50, 100))
+    print()
+    print_lines(
+        f"worst margin of {report.samples} samples (seed {report.seed}): {least:.2f} % at worst, {middle:.2f} % in the "
+        f"middle, {most:.2f} % at best",
+        f"worst margin with the scenario's own numbers, friction without reserve: {1e2 * report.nominal:.2f} %",
+    )

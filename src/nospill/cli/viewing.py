@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.filming import VIEWS, chosen_view
-from nospill.cli.reporting import say
+from nospill.cli.tables import say
 
 if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
     from nospill.film.timeline import Film

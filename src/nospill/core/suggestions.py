@@ -7,12 +7,17 @@ from collections.abc import Iterable
 
 
 def nearest(name: str, known: Iterable[str], *, likeness: float = 0.6) -> str | None:
-    """Return the known name most like `name`; None where none is.
+    """Return the known name most like `name`, whatever its case and its hyphens; None where none is.
 
     Args:
         name: as written.
         known: names to choose from.
         likeness: least ratio of `difflib.SequenceMatcher`, 0 to 1.
     """
-    found = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
-    return found[0] if found else None
+    by_plain = {_plain(item): item for item in known}
+    found = difflib.get_close_matches(_plain(name), list(by_plain), n=1, cutoff=likeness)
+    return by_plain[found[0]] if found else None
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("_", "-").replace(" ", "-")

@@ -66,21 +66,21 @@ DIMENSIONS: dict[str, Dimension] = {
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?", re.ASCII)
 _SPELLINGS = str.maketrans({"µ": "u", "μ": "u", "²": "^2", "³": "^3", "°": "deg"})
-_LONGEST_SHOWN = 60
+_LONGEST_SHOWN, _LONGEST_REPEATED = 60, 20
 
 
 def quantity(value: object, dimension: str) -> float:
     """Read one quantity.
 
     Args:
-        value: a number in SI units, or text: a number, then a unit of `dimension` (none means SI).
+        value: a number in SI units, or text: a number, then a unit of `dimension`; a ratio or a number needs none.
         dimension: key of `DIMENSIONS`.
 
     Returns:
         The value in SI units (m, rad, s, kg and their combinations), finite.
 
     Raises:
-        ScenarioError: the value is no number, not finite, or its unit is unknown or belongs to another dimension.
+        ScenarioError: the value is no number, not finite, or its unit is missing, unknown or of another dimension.
             The message starts with the value as written and names what is allowed; the caller puts the place before it.
     """
     kind = DIMENSIONS[dimension]
@@ -145,6 +145,14 @@ def _from_text(text: str, kind: Dimension) -> float:
         raise ScenarioError(f"{shown} is not {kind.title}{comma}; {_advice(kind)}")
     number, written_unit = match[1], (match[2] or "").strip()
     unit = written_unit.translate(_SPELLINGS)
+    if not unit and "" not in kind.units:
+        si = next(iter(kind.units))
+        if len(number) > _LONGEST_REPEATED:
+            raise ScenarioError(f"{shown} has no unit; {_advice(kind)}")
+        raise ScenarioError(
+            f'{shown} has no unit; write "{number} {si}" or the bare number {number}, which is in {si}, '
+            f'or another unit, for example "{kind.example}"'
+        )
     if unit and unit not in kind.units:
         owner = next((other for other in DIMENSIONS.values() if unit in other.units), None)
         if owner is not None:
@@ -167,3 +175,8 @@ def _advice(kind: Dimension) -> str:
     if "" in kind.units:
         return f'give a plain number, for example {kind.example}, or text with {listed(units)}, for example "10 %"'
     return f'give a number in {units[0]} or text with {listed(units)}, for example "{kind.example}"'
+
+
+def superscript(unit: str) -> str:
+    """A unit as printed: m/s² for m/s^2."""
+    return unit.replace("^2", "²").replace("^3", "³")

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.diagnosis.changes import EVERY
 from nospill.diagnosis.relaxation import Relaxation, Sensitivities, entry_of, instead_text, is_main, with_cargo
 from nospill.errors import Change
 from nospill.laws.constraints.base import liquid_names
+from nospill.scenario.settings import EVERY
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +32,7 @@ class Exporter:
             a file that is missing, not in this format or not for this scene's robot.
         plan_file: name under which every plan folder holds this file as well, or None.
         caution: the sentence about receivers that play a file of this scene at this rate in Hz otherwise, or None.
+        framed: where poses are written, the same format by the frame they are in; empty for joints, which need none.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Exporter:
     read: Callable[[Path, Scene], JointSamples]
     plan_file: str | None = None
     caution: Callable[[Scene, float], str | None] = lambda scene, rate: None
+    framed: Mapping[str, Exporter] = field(default_factory=dict)
 
 
 def full_columns(samples: JointSamples) -> tuple[np.ndarray, np.ndarray]:

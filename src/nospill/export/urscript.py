@@ -45,6 +45,11 @@ def _comments(scene: Scene, rate: float) -> list[str]:
         f"# written by nospill for {scene.robot.name}",
         f"{_JOINT_COMMENT}{', '.join(scene.robot.joints)}",
         f"# targets in rad, one every {period_text(rate)} s ({rate:g} Hz)",
+        *(
+            [f"# poses of the plan are in {scene.robot.base_frame}; joints need no frame"]
+            if scene.robot.base_frame
+            else []
+        ),
         "# move the arm to the first target before; run with the speed slider at 100 %: scaling stretches the motion",
     ]
 

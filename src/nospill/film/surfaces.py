@@ -3,8 +3,8 @@
 A mode raises the surface by C_n q at the wall and by C_n q times its shape elsewhere; for a circular wall the shape is
 J1(k_n r)/J1(k_n R) along the mode's direction, for a box sin(k_n x)/sin(k_n a/2) along its side. With the quasi-static
 correction of `slosh.height` all modes that are not carried follow the apparent gravity at once, so together they are
-the plane that leans with it less the carried modes' own share: -(a_x/a_z) (x - sum C_n/P_n shape_n(x)), which at the
-wall is `static_correction` times the lean.
+the plane that leans with it less the carried modes' own share: -(a_x/a_z) (x - sum C_n g/omega_n^2 shape_n(x)), which
+at the wall is `static_correction` times the lean.
 """
 
 from __future__ import annotations
@@ -139,5 +139,5 @@ def _basis(cargo: Cargo, points: np.ndarray) -> np.ndarray:
             axis = _AXES[direction]
             shape = mode.surface_gain * cargo.container.footprint.mode_shape(mode.wave_number, points, axis)
             columns.append(shape)
-            leans[:, axis] -= shape / mode.curvature
+            leans[:, axis] -= shape / mode.stiffness
     return np.column_stack([*columns, -leans])

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
-from nospill.judge.record_checks import record_rows, require_motion, require_same_joints_and_liquids
+from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
-from nospill.laws.constraints.base import OF_OBJECTS
+from nospill.laws.constraints.base import OF_OBJECTS, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -25,13 +28,17 @@ class Judgement:
         certificate: the verdict.
         traces: of every constraint, for the objects as stated.
         replay: dense, for the objects as stated.
+        end_time: of the motion without its holds, which begins at 0, s.
         corners: where numbers of the objects may be off, the rows of every variant; the certificate has the worst.
+        corner_use: likewise the largest use over the variants at every instant of the replay, (m,), by row.
     """
 
     certificate: Certificate
     traces: tuple[Trace, ...]
     replay: Replay
+    end_time: float
     corners: tuple[Row, ...] = ()
+    corner_use: Mapping[RowId, np.ndarray] = field(default_factory=dict)
 
     @property
     def variant_rows(self) -> tuple[Row, ...]:
@@ -60,6 +67,7 @@ def certify(
 
     Raises:
         ModelError: the liquids cannot be integrated.
+        ScenarioError: no trajectory, or no scene.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
@@ -74,14 +82,35 @@ def judge(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
+    require_record(trajectory, scene)
     require_same_joints_and_liquids(trajectory, scene)
+    return judge_motion(trajectory, scene, motion=motion, rate=rate)
+
+
+def judge_motion(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+) -> Judgement:
+    """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played)
-    corners = corner_rows(held, scene, motion=motion, rate=rate, played=played)
+    corners: list[Row] = []
+    corner_use: dict[RowId, np.ndarray] = {}
+    for trace, variant in _corner_traces(held, scene, motion=motion, rate=rate, played=played):
+        corners.append(replace(worst_row(trace), variant=variant))
+        own = RowId(trace.constraint, trace.subject)
+        if len(trace.t) > 1:
+            use = np.interp(played.t, trace.t, trace.use)
+            corner_use[own] = np.maximum(corner_use.get(own, use), use)
     rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
-    return Judgement(Certificate(all(row.ok for row in rows), played.rate, tuple(rows)), traces, played, corners)
+    published = scene.fidelity == "deliverable"
+    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
+    return Judgement(verdict, traces, played, trajectory.end_time, tuple(corners), corner_use)
 
 
 def corner_rows(
@@ -101,12 +130,20 @@ def corner_rows(
         rate: Hz, the least rate of the grid.
         played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
-    rows = []
+    traces = _corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
+    return tuple(replace(worst_row(trace), variant=variant) for trace, variant in traces)
+
+
+def _corner_traces(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None, rate: float, played: Replay | None
+) -> Iterator[tuple[Trace, str]]:
+    """The traces behind `corner_rows`, one at a time, each with the variant it is of."""
+    any_corner = False
     for corner in corner_scenes(scene):
         own = replay(trajectory, corner.scene, motion=motion, rate=rate)
         for trace in constraint_traces(trajectory, corner.scene, own, points=OF_OBJECTS):
             if trace.subject in corner.texts:
-                rows.append(replace(worst_row(trace), variant=corner.texts[trace.subject]))
-    if rows and played is not None:
-        rows += [replace(worst_row(trace), variant=WORST_LOAD) for trace in worst_load_traces(scene, played)]
-    return tuple(rows)
+                any_corner = True
+                yield trace, corner.texts[trace.subject]
+    if any_corner and played is not None:
+        yield from ((trace, WORST_LOAD) for trace in worst_load_traces(scene, played))

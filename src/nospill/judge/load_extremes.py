@@ -73,7 +73,6 @@ def extremes(cargo: Cargo, scene: Scene) -> list[Cargo]:
             cargo,
             Perturbation(mass=mass, liquid_height=level, position=place),
             fidelity=scene.fidelity,
-            slosh_modes=scene.slosh_modes,
         )
         for mass, level, place in product(masses, levels, places)
     ]

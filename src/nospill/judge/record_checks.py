@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions
-from nospill.errors import PlanFolderError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Row, limit_row
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
-from nospill.laws.scene_parameters import structure_of
+from nospill.laws.scene_parameters import object_structure
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.scene import Scene
 
 POSITION_TOLERANCE = 1e-4
@@ -49,6 +50,20 @@ _COLUMNS = (
 """What the judge reads of a trajectory."""
 
 
+def require_record(trajectory: object, scene: object) -> None:
+    """Raise ScenarioError if what is to be judged is no record of a motion, or what it is judged by is no scene."""
+    if not isinstance(trajectory, Trajectory):
+        shape = f" of shape {np.shape(trajectory)}" if isinstance(trajectory, np.ndarray) else ""
+        raise ScenarioError(
+            f"certify judges a Trajectory, as plan.trajectory or read_trajectory(file) gives it, not a value of type "
+            f"{type(trajectory).__name__}{shape}: joint samples alone have no times, path parameter or liquids"
+        )
+    if not isinstance(scene, Scene):
+        raise ScenarioError(
+            f"certify judges by a Scene, as ns.load(file) gives it, not by a value of type {type(scene).__name__}"
+        )
+
+
 def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> None:
     """Raise PlanFolderError if the record is of other joints or other liquids than the scene."""
     if trajectory.joints != scene.robot.joints:
@@ -56,14 +71,18 @@ def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> Non
             f"trajectory: its joints {', '.join(trajectory.joints)} are not those of the robot "
             f"({', '.join(scene.robot.joints)})"
         )
-    items = zip(scene.cargo, structure_of(scene).objects, strict=True)
-    wanted = {cargo.name: item.coordinates for cargo, item in items if item.coordinates}
+    wanted = {cargo.name: recorded_coordinates(cargo, scene) for cargo in scene.cargo if cargo.oscillators}
     found = {name: track.displacement.shape[1] for name, track in trajectory.slosh.items()}
     if found != wanted:
         ours, theirs = (
             ", ".join(f"{name} ({count})" for name, count in names.items()) or "none" for names in (found, wanted)
         )
         raise PlanFolderError(f"trajectory: its liquids (slosh coordinates) are {ours}, those of the scene {theirs}")
+
+
+def recorded_coordinates(cargo: Cargo, scene: Scene) -> int:
+    """Number of slosh coordinates of an object that a record has, of the slowest modes."""
+    return object_structure(with_modes(cargo, scene.slosh_modes)).coordinates
 
 
 def require_motion(trajectory: Trajectory) -> None:

@@ -16,9 +16,10 @@ import numpy as np
 
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.laws import codegen
-from nospill.laws.parameters import SceneNumbers, Structure, parameter_count, symbolic_numbers
+from nospill.laws.kinds import arm_kind, numbers_of_object, object_kind, symbolic_object
+from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
-from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
@@ -78,7 +79,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    made, parameters = _functions(structure), flat_numbers(scene)
+    arm, liquids = arm_motion(arm_kind(structure)), _liquids(scene)
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -89,11 +90,11 @@ def replay(
             finest = max(refinement, 2 if count else 1)
             grid = _grid(trajectory, 2 * per_sample * finest)
             joints = [spline(grid, order) for order in range(3)]
-            tray, body = tray_from_joints(scene, joints, made["flat_motion"])
+            tray, body = tray_from_joints(scene, joints, arm)
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
-        return _integrate(made["step"], parameters, body[:, ::every], float(grid[2 * every] - grid[0]))
+        return _integrate(liquids, body[:, ::every], float(grid[2 * every] - grid[0]))
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -148,16 +149,13 @@ def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure) -> codegen.Functions:
-    """The arm's `motion_function` and one Runge-Kutta step of all liquids."""
+def arm_motion(kind: Structure) -> Any:
+    """The arm's `motion_function`."""
 
     def build() -> tuple[codegen.Functions, None]:
-        made = {"flat_motion": kinematics(structure).motion_function}
-        if coordinate_count(structure):
-            made["step"] = _step(structure)
-        return made, None
+        return {"flat_motion": kinematics(kind).motion_function}, None
 
-    return codegen.functions("replay", structure, build)[0]
+    return codegen.functions("arm", kind, build)[0]["flat_motion"]
 
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:
@@ -170,24 +168,84 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-def _step(structure: Structure) -> Any:
-    """One Runge-Kutta step of all liquids; the body rows are its inputs, the scene's numbers its parameters."""
-    count = coordinate_count(structure)
+@dataclass(frozen=True, slots=True)
+class _Liquids:
+    """The liquids of one kind.
 
-    def rate(state: SX, body: SX, parameters: SX) -> SX:
-        q, qd = state[:count], state[count:]
-        numbers = symbolic_numbers(structure, parameters)
-        return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
+    Attributes:
+        step: one Runge-Kutta step of all of them: their states, one object after another; body rows; their numbers.
+        parameters: of the step.
+        displacements: where their displacements stand among the slosh coordinates of all objects, (objects, k).
+    """
 
-    return runge_kutta_step(rate, states=2 * count, inputs=9, parameters=parameter_count(structure))
+    step: Any
+    parameters: np.ndarray
+    displacements: np.ndarray
 
 
-def _integrate(step: Any, parameters: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
-    """All liquids from rest along a motion sampled at half steps: (m, 2 k)."""
-    return integrate(
-        step,
-        np.zeros(step.size1_in(0)),
-        inputs=body,
-        lengths=np.full((body.shape[1] - 1) // 2, length),
-        parameters=parameters,
+def _liquids(scene: Scene) -> tuple[_Liquids, ...]:
+    """The liquids of a scene kind by kind."""
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    kinds: dict[Structure, list[int]] = {}
+    for index, item in enumerate(structure.objects):
+        if item.coordinates:
+            kinds.setdefault(object_kind(structure, item), []).append(index)
+    coordinates = np.arange(coordinate_count(structure))
+    return tuple(
+        _Liquids(
+            _steps(kind, len(members)),
+            np.concatenate([flatten(numbers_of_object(numbers, index)) for index in members]),
+            np.array([coordinates[structure.slosh_slices[index]] for index in members]),
+        )
+        for kind, members in kinds.items()
     )
+
+
+@lru_cache(maxsize=64)
+def _steps(kind: Structure, count: int) -> Any:
+    """The step of so many liquids of a kind along one motion."""
+    step = liquid_step(kind)
+    if count == 1:
+        return step
+    columns, rows = step.size1_in(0), step.size1_in(5)
+    states, parameters = ca.MX.sym("x", columns * count), ca.MX.sym("p", rows * count)
+    motion = [ca.MX.sym(name, step.size1_in(1)) for name in ("b0", "b1", "b2")]
+    length = ca.MX.sym("h")
+    mapped = step.map("steps", "serial", count, [1, 2, 3, 4], [])
+    following = mapped(ca.reshape(states, columns, count), *motion, length, ca.reshape(parameters, rows, count))
+    return ca.Function("steps", [states, *motion, length, parameters], [ca.vec(following)])
+
+
+@lru_cache(maxsize=64)
+def liquid_step(kind: Structure) -> Any:
+    """One Runge-Kutta step of one liquid; the body rows are its inputs, `numbers_of_object` its parameters."""
+
+    def build() -> tuple[codegen.Functions, None]:
+        count, (vector, numbers) = coordinate_count(kind), symbolic_object(kind)
+
+        def rate(state: SX, body: SX, parameters: SX) -> SX:
+            q, qd = state[:count], state[count:]
+            change = ca.vertcat(qd, slosh_accelerations(kind, numbers, body_motion(body), q, qd))
+            return ca.substitute(change, vector, parameters)
+
+        step = runge_kutta_step(rate, states=2 * count, inputs=9, parameters=vector.numel())
+        return {"step": step}, None
+
+    return codegen.functions("step", kind, build)[0]["step"]
+
+
+def _integrate(liquids: tuple[_Liquids, ...], body: np.ndarray, length: float) -> np.ndarray:
+    """All liquids from rest along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
+    count, steps = sum(own.displacements.size for own in liquids), (body.shape[1] - 1) // 2
+    states = np.empty((2 * count, steps + 1))
+    for own in liquids:
+        found = integrate(
+            own.step,
+            np.zeros(own.step.size1_in(0)),
+            inputs=body,
+            lengths=np.full(steps, length),
+            parameters=own.parameters,
+        )
+        places = np.hstack([own.displacements, count + own.displacements])
+        states[places.ravel()] = found.T
+    return states.T

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,14 +13,24 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
+from nospill.judge.after_end import residual_height
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
+from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.kinds import (
+    numbers_of_object,
+    numbers_of_tray,
+    object_kind,
+    symbolic_object,
+    symbolic_tray,
+    tray_kind,
+)
+from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -58,7 +69,30 @@ def constraint_traces(
         EvaluationPoint.CONTROL: control_inputs(trajectory),
         EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
-    return evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+    traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+    return tuple(_played_on(traces, scene, inputs[EvaluationPoint.END][1]))
+
+
+def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
+    """The traces, those of residual heights whose bound is above the limit from the free motion.
+
+    Of a single mode the bound is hardly above its highest surface.
+    """
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
+    for trace in traces:
+        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0:
+            yield trace
+            continue
+        index = owners[trace.subject]
+        item, own = structure.objects[index], structure.slosh_slices[index]
+        if item.modes == 1:
+            yield trace
+            continue
+        limit = float(trace.limit[0])
+        q, qd = (part[own, 0] for part in state)
+        value = np.array([residual_height(item, numbers.objects[index], q, qd, abs(limit))])
+        yield replace(trace, value=value, margin=abs(trace.limit) - value)
 
 
 def evaluated_traces(
@@ -79,20 +113,48 @@ def evaluated_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    structure, parameters = structure_of(scene), flat_numbers(scene, payload)
     traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in CONSTRAINTS}
     for point, (t, columns) in inputs.items():
-        present = [item for item in CONSTRAINTS if item.evaluated_at is point and item.subjects(scene)]
-        if not any(item in constraints for item in present):
+        present = [item for item in constraints if item.evaluated_at is point and item.subjects(scene)]
+        if not present:
             continue
-        function = _figures(structure)[f"figures_{point.value}"]
-        rows = iter(evaluate(function, columns, parameters).reshape(-1, 3, len(t)))
+        found = _object_figures if point in OF_OBJECTS else _tray_figures
+        figures = found(scene, point, columns, numbers_of(scene, payload))
         for constraint in present:
-            for subject in constraint.subjects(scene):
-                figures = next(rows)  # value, limit, margin
-                if constraint in constraints:
-                    traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *figures))
+            for subject, own in zip(constraint.subjects(scene), figures[constraint.name], strict=True):
+                traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *own))
     return tuple(trace for own in traces.values() for trace in own)
+
+
+Figures = dict[str, list[np.ndarray]]
+"""Of every constraint: subject by subject, value, limit and margin (3, m)."""
+
+
+def _tray_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
+    function, names = tray_figures_function(tray_kind(structure_of(scene)), point)
+    rows = evaluate(function, columns, flatten(numbers_of_tray(numbers)))
+    return _by_constraint(names, rows)
+
+
+def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
+    """Object by object; before the slosh coordinates of all, their displacements and velocities, may be the motion."""
+    structure, found = structure_of(scene), {}
+    *body, q, qd = columns
+    end = structure.end if point is EvaluationPoint.END else "residual"
+    for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
+        function, names = object_figures_function(object_kind(structure, item, end=end), point)
+        if names:
+            rows = evaluate(function, [*body, q[own], qd[own]], flatten(numbers_of_object(numbers, index)))
+            for name, figures in _by_constraint(names, rows).items():
+                found.setdefault(name, []).extend(figures)
+    return found
+
+
+def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
+    found: Figures = {}
+    for name, figures in zip(names, rows.reshape(len(names), 3, -1), strict=True):
+        found.setdefault(name, []).append(figures)
+    return found
 
 
 def control_inputs(trajectory: Trajectory) -> Inputs:
@@ -122,50 +184,52 @@ def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
     return cubic_hermite(u, width, q, qd)[:, None], ((1 - u) * qd[0] + u * qd[1])[:, None]
 
 
+@lru_cache(maxsize=64)
+def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
+    """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; names."""
+
+    def build() -> tuple[codegen.Functions, list[str]]:
+        (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
+        q, qd = SX.sym("q", count), SX.sym("qd", count)
+        if point is EvaluationPoint.OBJECT:
+            body = SX.sym("body", 9)
+            tray, inputs = body_motion(body), [body, q, qd]
+            accelerations = slosh_accelerations(kind, numbers, tray, q, qd)
+        else:
+            tray, inputs, accelerations = frame_at_rest(numbers.gravity), [q, qd], SX.zeros(count)
+        objects = sample_objects(kind, numbers, tray, split_states(kind, q, qd, accelerations))
+        return _figures(Sample(kind, numbers, objects=objects), point, [*inputs, parameters])
+
+    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build)
+    return made["figures"], names
+
+
 @lru_cache(maxsize=16)
-def _figures(structure: Structure) -> codegen.Functions:
-    def build() -> tuple[codegen.Functions, None]:
-        points = [_figures_function(structure, point) for point in EvaluationPoint]
-        return {function.name(): function for function in points if function is not None}, None
+def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
+    """(columns of `Inputs`, `numbers_of_tray`) -> value, limit, margin of the constraints; their names, by subject."""
 
-    return codegen.functions("figures", structure, build)[0]
+    def build() -> tuple[codegen.Functions, list[str]]:
+        (parameters, numbers), joints = symbolic_tray(kind), len(kind.joints)
+        if point is EvaluationPoint.JOINT:
+            inputs = [SX.sym(name, joints) for name in ("q", "qd", "qdd")]
+            sample = Sample(
+                kind, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
+            )
+        else:
+            inputs = [SX.sym("tilt", 2), SX.sym("jerks", 3), SX.sym("joint_jerk", joints)]
+            sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
+        return _figures(sample, point, [*inputs, parameters])
+
+    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build)
+    return made["figures"], names
 
 
-def _figures_function(structure: Structure, point: EvaluationPoint) -> Any | None:
-    """(columns of `Inputs`, parameters) -> value, limit, margin of all constraints and subjects of one point.
-
-    None where no constraint has a subject there.
-    """
-    parameters = SX.sym("p", parameter_count(structure))
-    numbers = symbolic_numbers(structure, parameters)
-    count = coordinate_count(structure)
-    q, qd = SX.sym("q", count), SX.sym("qd", count)
-    if point is EvaluationPoint.OBJECT:
-        body = SX.sym("body", 9)
-        tray = body_motion(body)
-        slosh = split_states(structure, q, qd, slosh_accelerations(structure, numbers, tray, q, qd))
-        sample = Sample(structure, numbers, objects=sample_objects(structure, numbers, tray, slosh))
-        inputs = [body, q, qd]
-    elif point is EvaluationPoint.END:
-        slosh = split_states(structure, q, qd, SX.zeros(count))
-        sample = Sample(
-            structure, numbers, objects=sample_objects(structure, numbers, frame_at_rest(numbers.gravity), slosh)
-        )
-        inputs = [q, qd]
-    elif point is EvaluationPoint.JOINT:
-        inputs = [SX.sym(name, len(structure.joints)) for name in ("q", "qd", "qdd")]
-        sample = Sample(
-            structure, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
-        )
-    else:
-        inputs = [SX.sym("tilt", 2), SX.sym("jerks", 3), SX.sym("joint_jerk", len(structure.joints))]
-        sample = Sample(structure, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
-    stacked = []
-    for constraint in CONSTRAINTS:
-        if constraint.evaluated_at is point:
-            stacked += [worst_figures(constraint, budgets) for budgets in constraint.budgets(sample)]
-    if not stacked:
-        return None
-    return ca.Function(
-        f"figures_{point.value}", [*inputs, parameters], [ca.densify(ca.vertcat(*stacked))], {"cse": True}
-    )
+def _figures(sample: Sample, point: EvaluationPoint, inputs: list[SX]) -> tuple[codegen.Functions, list[str]]:
+    found = [
+        (constraint.name, worst_figures(constraint, budgets))
+        for constraint in CONSTRAINTS
+        if constraint.evaluated_at is point
+        for budgets in constraint.budgets(sample)
+    ]
+    stacked = ca.densify(ca.vertcat(SX(0, 1), *[figures for _, figures in found]))
+    return {"figures": ca.Function("figures", inputs, [stacked], {"cse": True})}, [name for name, _ in found]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from nospill.judge.certificate import constraint_traces
-from nospill.judge.replay import replay
+from nospill.judge.record_checks import recorded_coordinates
+from nospill.judge.replay import Replay, replay
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.laws.scene_parameters import structure_of
+from nospill.laws.scene_parameters import object_structure, structure_of
 from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import VariantId
@@ -24,15 +28,44 @@ def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]
         names: object -> what its track is called; others are left out.
     """
     played = replay(trajectory, scene)
-    every = round(played.rate / trajectory.rate)
     traces = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.OBJECT,))
-    heights = {trace.subject: trace.value[::every] for trace in traces if trace.constraint == SloshHeight.name}
-    found = {}
-    for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
-        if cargo.oscillators and cargo.name in names:
-            parts = (played.slosh_displacement[::every, own], played.slosh_velocity[::every, own])
-            found[names[cargo.name]] = SloshTrack(*parts, heights[cargo.name])
-    return found
+    tracks = judged_tracks(trajectory, scene, played, traces)
+    return {names[name]: track for name, track in tracks.items() if name in names}
+
+
+def judged_tracks(
+    trajectory: Trajectory, scene: Scene, played: Replay, traces: Iterable[Trace]
+) -> dict[str, SloshTrack]:
+    """The liquids as they were judged, at the samples, by object: all modes that the scene's cargo has.
+
+    Args:
+        trajectory: the motion, without its holds.
+        scene: whose liquids.
+        played: its replay, with its holds or without.
+        traces: of the replay, those of the slosh height among them.
+    """
+    every, first = round(played.rate / trajectory.rate), round((trajectory.t[0] - played.t[0]) * played.rate)
+    picked = slice(first, first + every * (len(trajectory.t) - 1) + 1, every)
+    heights = {trace.subject: trace.value[picked] for trace in traces if trace.constraint == SloshHeight.name}
+    return {
+        cargo.name: SloshTrack(
+            played.slosh_displacement[picked, own], played.slosh_velocity[picked, own], heights[cargo.name]
+        )
+        for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
+        if cargo.oscillators
+    }
+
+
+def with_recorded_modes(trajectory: Trajectory, scene: Scene) -> Trajectory:
+    """The record with the modes that a scenario records, the first ones; heights are of all."""
+    slosh = {}
+    for cargo in scene.cargo:
+        if cargo.name in trajectory.slosh:
+            track, count = trajectory.slosh[cargo.name], recorded_coordinates(cargo, scene)
+            slosh[cargo.name] = replace(
+                track, displacement=track.displacement[:, :count], velocity=track.velocity[:, :count]
+            )
+    return replace(trajectory, slosh=slosh)
 
 
 def variant_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[VariantId, str]) -> dict[str, SloshTrack]:
@@ -40,11 +73,18 @@ def variant_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[VariantI
 
     Args:
         trajectory: the motion.
-        scene: whose objects; where they are certain, there is nothing to add to the trajectory's own liquids.
+        scene: whose objects; the stated ones are taken from the trajectory where it has all of their modes.
         names: variant -> what its track is called; others are left out.
     """
     found = dict(trajectory.slosh)
+    unknown = [cargo.name for cargo in scene.cargo if cargo.oscillators and not _is_whole(found.get(cargo.name), cargo)]
+    if unknown:
+        found |= liquid_tracks(trajectory, scene, dict(zip(unknown, unknown, strict=True)))
     for corner in corner_scenes(scene):
         wanted = {name: names[name, text] for name, text in corner.texts.items() if (name, text) in names}
         found |= liquid_tracks(trajectory, corner.scene, wanted) if wanted else {}
     return found
+
+
+def _is_whole(track: SloshTrack | None, cargo: Cargo) -> bool:
+    return track is not None and track.displacement.shape[1] == object_structure(cargo).coordinates

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,11 @@ class Row:
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
 
     @property
+    def of_record(self) -> bool:
+        """Whether it is about the record itself, and no constraint of the motion: it fails where a file is damaged."""
+        return self.constraint.removeprefix(APPROACH) not in BY_NAME
+
+    @property
     def shortfall(self) -> float:
         """What is missing, in the row's unit, of what a finer grid may find; above zero where the row falls short.
 
@@ -75,13 +80,38 @@ def _urgency(row: Row) -> tuple[bool, float]:
     return not row.ok, row.use
 
 
+def _fullest_of_each(rows: Iterable[Row]) -> tuple[Row, ...]:
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(row.constraint, []).append(row)
+    return tuple(sorted((max(group, key=_urgency) for group in groups.values()), key=_urgency, reverse=True))
+
+
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """All rows; ok when every one is. `grid_hz`: rate of the grid the trajectory was judged on."""
+    """All rows; ok when every one is.
+
+    Attributes:
+        ok: whether every row holds.
+        grid_hz: rate of the grid the trajectory was judged on.
+        rows: one per constraint and subject.
+        published: whether the physics are the published ones (`fidelity = "deliverable"`).
+        full_model: where they are, and it was asked: rows that the whole physics break in the same motion. No part of
+            `ok`.
+    """
 
     ok: bool
     grid_hz: float
     rows: tuple[Row, ...]
+    published: bool = False
+    full_model: tuple[Row, ...] = ()
+
+    @property
+    def word(self) -> str:
+        """The verdict in a word or three: of the published equations it says so."""
+        if not self.ok:
+            return "not certified"
+        return "certified as published" if self.published else "certified"
 
     @property
     def worst(self) -> Row:
@@ -89,19 +119,28 @@ class Certificate:
         return max(self.rows, key=_urgency)
 
     def worst_rows(self) -> tuple[Row, ...]:
-        """The same within each constraint, in the order of the rows."""
-        groups: dict[str, list[Row]] = {}
-        for row in self.rows:
-            groups.setdefault(row.constraint, []).append(row)
-        return tuple(max(group, key=_urgency) for group in groups.values())
+        """Of every constraint of the motion the row that uses most of its limit: broken ones first, then by use."""
+        return _fullest_of_each([row for row in self.rows if not row.of_record])
+
+    def record_rows(self) -> tuple[Row, ...]:
+        """The same of the checks of the record itself."""
+        return _fullest_of_each([row for row in self.rows if row.of_record])
+
+    def listed_rows(self) -> tuple[Row, ...]:
+        """What a table of the certificate shows: the checks of the record that fail, then `worst_rows`."""
+        return (*(row for row in self.record_rows() if not row.ok), *self.worst_rows())
 
     def joined(self, other: Certificate) -> Certificate:
         """This verdict with the rows of another one, about another segment, behind its own."""
-        return Certificate(self.ok and other.ok, min(self.grid_hz, other.grid_hz), self.rows + other.rows)
+        grid_hz = min(self.grid_hz, other.grid_hz)
+        return replace(self, ok=self.ok and other.ok, grid_hz=grid_hz, rows=self.rows + other.rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """For certificate.json: ok, grid_hz, rows."""
-        return {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+        """For certificate.json: ok, grid_hz, rows; of the published physics also what the full model breaks."""
+        table: dict[str, Any] = {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
+        if self.published:
+            table |= {"published": True, "full_model": [_plain(row) for row in self.full_model]}
+        return table
 
 
 def _plain(row: Row) -> dict[str, Any]:

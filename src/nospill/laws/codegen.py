@@ -1,7 +1,8 @@
 """Functions of the laws as machine code, kept on the disk by content.
 
-The key of an entry is a hash of its kind, the structure, the source of the laws and the problem and of the versions of
-CasADi and of the file format; so a changed law never meets old code. An entry is a shared library, its own hash and a
+An entry holds the functions of one part of a scene (see `kinds`). Its key is a hash of what the functions are for, the
+kind, the source of the laws and the problem and of the versions of CasADi and of the file format; so a changed law
+never meets old code. An entry is a shared library, its own hash and a
 table of plain data, which names the key; the library is put in place last. Half a library would end the process that
 loads it, so its hash is looked at first. Where there is no compiler nothing happens and the virtual machine serves.
 
@@ -24,7 +25,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -34,7 +35,6 @@ import casadi as ca
 
 from nospill.laws import compile_worker
 from nospill.laws.compile_worker import LONGEST_COMPILATION
-from nospill.laws.parameters import Structure
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
@@ -48,7 +48,7 @@ _FLAGS_OF_SOURCES = ("-O2", "-std=c99", "-shared", "-fPIC")
 
 
 def functions(
-    kind: str, structure: Structure, build: Callable[[], tuple[Functions, Any]]
+    kind: str, structure: Hashable, build: Callable[[], tuple[Functions, Any]]
 ) -> tuple[Functions, Any, bool]:
     """The functions of a kind and structure, compiled if they are on the disk.
 
@@ -56,8 +56,8 @@ def functions(
     background for the next time (or waited for, if NOSPILL_COMPILE=wait).
 
     Args:
-        kind: what the functions are for; part of the key.
-        structure: what they were built from; part of the key.
+        kind: what the functions are for; part of the key, and the beginning of the names of the files.
+        structure: what they were built from, a kind (see `kinds`); part of the key.
         build: makes the functions and the plain data (anything json can hold) that is kept with them.
 
     Returns:
@@ -84,7 +84,6 @@ def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) 
     Returns:
         The library, or None where it cannot be had.
     """
-    compiler = shutil.which(os.environ.get("CC", "cc"))
     if _mode() == "off":
         return None
     text = b"\n".join(source.read_bytes() for source in sources)
@@ -92,11 +91,11 @@ def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) 
     library = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}.so"
     with suppress(OSError):
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _is_private(library.parent):
+        if not is_private(library.parent):
             return None
         if _is_whole(library):
             return library
-        lock = library.with_suffix(".lock")
+        lock, compiler = library.with_suffix(".lock"), compiler_path()
         if compiler is not None and _take(lock):
             folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
             (folder / "made.c").write_bytes(text)
@@ -115,11 +114,11 @@ def _is_whole(library: Path) -> bool:
         return False
 
 
-def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
+def _load(kind: str, structure: Hashable) -> tuple[Functions, Any] | None:
     if _mode() == "off":
         return None
     library, table_file = _places(kind, structure)
-    if not _is_private(library.parent):
+    if not is_private(library.parent):
         return None
     try:
         if not library.is_file():
@@ -135,18 +134,19 @@ def _load(kind: str, structure: Structure) -> tuple[Functions, Any] | None:
         return None
 
 
-def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
-    mode, compiler = _mode(), shutil.which(os.environ.get("CC", "cc"))
+def _start(kind: str, structure: Hashable, made: Functions, data: Any) -> None:
+    mode, compiler = _mode(), compiler_path()
     if mode == "off" or compiler is None:
         return
     library, table_file = _places(kind, structure)
     with suppress(OSError):
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         lock = library.with_suffix(".lock")
-        if not _is_private(library.parent) or not _take(lock):
+        if not is_private(library.parent) or not _take(lock):
             return
         source = tempfile.mkdtemp(dir=library.parent, prefix="build-")
-        _write_table({"key": library.stem, "functions": list(made), "data": data}, table_file)
+        table = {"key": library.stem, "source": source_digest(), "functions": list(made), "data": data}
+        _write_table(table, table_file)
         _generate(made, source)
         subprocess.run(
             [sys.executable, "-I", compile_worker.__file__, mode, library, lock, source, compiler, *_FLAGS],
@@ -158,6 +158,11 @@ def _start(kind: str, structure: Structure, made: Functions, data: Any) -> None:
         )
 
 
+def compiler_path() -> str | None:
+    """The C compiler, None where there is none."""
+    return shutil.which(os.environ.get("CC", "cc"))
+
+
 def cache_folder() -> Path:
     """Where compiled functions are kept."""
     own = os.environ.get("NOSPILL_CACHE")
@@ -166,7 +171,7 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "nospill"
 
 
-def _is_private(folder: Path) -> bool:
+def is_private(folder: Path) -> bool:
     """Whether a folder is there and only this user can put libraries into it; warns where others can."""
     try:
         found = folder.stat()
@@ -183,14 +188,19 @@ def _is_private(folder: Path) -> bool:
     return False
 
 
+def compiles() -> bool:
+    """Whether functions are compiled here: not switched off, and a compiler and a folder for them are at hand."""
+    return _mode() != "off" and compiler_path() is not None
+
+
 def _mode() -> str:
     mode = os.environ.get("NOSPILL_COMPILE", "background") if os.name == "posix" else "off"
     return mode if mode in ("wait", "off") else "background"
 
 
-def _places(kind: str, structure: Structure) -> tuple[Path, Path]:
+def _places(kind: str, structure: Hashable) -> tuple[Path, Path]:
     digest = hashlib.sha256()
-    for part in (_FORMAT, kind, _source_digest(), ca.CasadiMeta.version(), " ".join(_FLAGS), repr(structure)):
+    for part in (_FORMAT, kind, source_digest(), ca.CasadiMeta.version(), " ".join(_FLAGS), repr(structure)):
         digest.update(part.encode())
         digest.update(b"\0")
     stem = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}"
@@ -198,7 +208,8 @@ def _places(kind: str, structure: Structure) -> tuple[Path, Path]:
 
 
 @lru_cache(maxsize=1)
-def _source_digest() -> str:
+def source_digest() -> str:
+    """Of the source that decides what functions are built."""
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
     for file in sorted(file for room in _SOURCES for file in (package / room).rglob("*.py")):

@@ -8,7 +8,7 @@ vector, `symbolic` makes the same record with the entries of an SX vector as lea
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any, TypeVar
@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import casadi as ca
 import numpy as np
 
+from nospill.core.frames import SX
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.scene import EndCondition, Fidelity
 
@@ -27,9 +28,10 @@ Record = TypeVar("Record")
 
 @dataclass(frozen=True, slots=True)
 class OscillatorNumbers:
-    """One modal mass; fields as in `slosh.modes.Oscillator`, `curvature` = P in 1/m."""
+    """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat."""
 
     frequency: Number
+    stiffness: Number
     curvature: Number
     mass: Number
     height: Number
@@ -118,17 +120,24 @@ class ObjectStructure:
     Attributes:
         footprint: its class.
         oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
+        flat: per oscillator, whether its mass moves on a plane, so that its law is linear.
         shallow: whether its surface may rise by more than its liquid is deep.
     """
 
     footprint: type[Footprint]
     oscillators: tuple[tuple[int, ...], ...]
+    flat: tuple[bool, ...]
     shallow: bool = False
 
     @property
     def coordinates(self) -> int:
         """Number of slosh coordinates of the object."""
         return sum(len(directions) for directions in self.oscillators)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes in each direction."""
+        return max((sum(axis in own for own in self.oscillators) for axis in (0, 1)), default=0)
 
     @property
     def oscillator_slices(self) -> tuple[slice, ...]:
@@ -188,7 +197,7 @@ def _gather(record: object, leaves: list[np.ndarray]) -> None:
         leaves.append(np.asarray(record, dtype=float).ravel(order="F"))
 
 
-def symbolic(template: Record, vector: ca.SX) -> Record:
+def symbolic(template: Record, vector: SX) -> Record:
     """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
 
     Raises:
@@ -197,38 +206,49 @@ def symbolic(template: Record, vector: ca.SX) -> Record:
     size = len(flatten(template))
     if vector.numel() != size:
         raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
-    record, _ = _unflatten(template, vector, 0)
+    record, _ = _unflatten(template, vector, 0, _shaped)
     return record
+
+
+def places(record: Record) -> Record:
+    """The record whose leaves say where each entry stands in `flatten`: arrays of indices of the leaves' shapes."""
+    found, _ = _unflatten(
+        record, np.arange(len(flatten(record))), 0, lambda piece, shape: piece.reshape(shape, order="F")
+    )
+    return found
 
 
 def constants(record: Record) -> Record:
     """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
-    return symbolic(record, ca.SX(ca.DM(flatten(record))))
+    return symbolic(record, SX(ca.DM(flatten(record))))
 
 
-def _unflatten(template: Any, vector: ca.SX, start: int) -> tuple[Any, int]:
+def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tuple[int, ...]], Any]) -> Any:
     if isinstance(template, tuple):
         items = []
         for item in template:
-            value, start = _unflatten(item, vector, start)
+            value, start = _unflatten(item, vector, start, shaped)
             items.append(value)
         return tuple(items), start
     if dataclasses.is_dataclass(template):
         assert not isinstance(template, type)
         values = {}
         for field in dataclasses.fields(template):
-            values[field.name], start = _unflatten(getattr(template, field.name), vector, start)
+            values[field.name], start = _unflatten(getattr(template, field.name), vector, start, shaped)
         return type(template)(**values), start
     shape = np.shape(template)
     size = int(np.prod(shape))
-    piece = vector[start : start + size]
+    return shaped(vector[start : start + size], shape), start + size
+
+
+def _shaped(piece: SX, shape: tuple[int, ...]) -> Any:
     if len(shape) == 2:
-        piece = ca.reshape(piece, *shape)
-    elif len(shape) == 3:
+        return ca.reshape(piece, *shape)
+    if len(shape) == 3:
         # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
         step = shape[0] * shape[1]
-        piece = [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
-    return piece, start + size
+        return [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
+    return piece
 
 
 def parameter_count(structure: Structure) -> int:
@@ -236,9 +256,33 @@ def parameter_count(structure: Structure) -> int:
     return len(flatten(blank_numbers(structure)))
 
 
-def symbolic_numbers(structure: Structure, vector: ca.SX) -> SceneNumbers:
-    """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`."""
-    return symbolic(blank_numbers(structure), vector)
+def symbolic_numbers(structure: Structure, vector: SX) -> SceneNumbers:
+    """The numbers of a structure whose leaves are the entries of `vector`, in the order of `flatten`.
+
+    Where the structure knows a number, the expressions have no symbol for it (`with_known_curvatures`).
+    """
+    numbers = symbolic(blank_numbers(structure), vector)
+    pairs = zip(structure.objects, numbers.objects, strict=True)
+    return dataclasses.replace(numbers, objects=tuple(with_known_curvatures(item, own) for item, own in pairs))
+
+
+def with_known_curvatures(structure: ObjectStructure, numbers: ObjectNumbers) -> ObjectNumbers:
+    """An object's symbolic numbers with a curvature of zero for its flat modes, of their stiffness for the others."""
+    oscillators = tuple(
+        dataclasses.replace(own, curvature=SX(0) if flat else own.stiffness)
+        for own, flat in zip(numbers.oscillators, structure.flat, strict=True)
+    )
+    return dataclasses.replace(numbers, oscillators=oscillators)
+
+
+def object_parameter_count(structure: ObjectStructure) -> int:
+    """Number of leaves of the numbers of one object."""
+    return len(flatten(_blank_object(structure)))
+
+
+def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNumbers:
+    """`symbolic_numbers` of one object alone."""
+    return with_known_curvatures(structure, symbolic(_blank_object(structure), vector))
 
 
 def blank_numbers(structure: Structure) -> SceneNumbers:
@@ -272,7 +316,13 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
 def _blank_object(item: ObjectStructure) -> ObjectNumbers:
     scalar = 0.0
     oscillator = OscillatorNumbers(
-        frequency=scalar, curvature=scalar, mass=scalar, height=scalar, damping=scalar, surface_gain=scalar
+        frequency=scalar,
+        stiffness=scalar,
+        curvature=scalar,
+        mass=scalar,
+        height=scalar,
+        damping=scalar,
+        surface_gain=scalar,
     )
     return ObjectNumbers(
         position=np.zeros(3),

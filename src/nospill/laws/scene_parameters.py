@@ -13,6 +13,7 @@ from nospill.core.arrays import parallel_axis, read_only
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import Load, load_of
+from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Fidelity, Scene
@@ -32,7 +33,7 @@ def structure_of(scene: Scene) -> Structure:
         joints=scene.robot.joints,
         tip=scene.robot.tip,
         objects=tuple(object_structure(cargo) for cargo in scene.cargo),
-        joint_limits=tuple(name for name, limit in _further_limits(scene).items() if limit is not None),
+        joint_limits=joint_limits(scene.robot),
         redundant=len(scene.robot.joints) > 6,
     )
 
@@ -43,12 +44,17 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
     return ObjectStructure(
         footprint=type(cargo.container.footprint),
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
+        flat=tuple(mode.curvature == 0.0 for mode in cargo.oscillators),
         shallow=cargo.filling is not None and cargo.filling.shallow,
     )
 
 
-def _further_limits(scene: Scene) -> dict[str, np.ndarray | None]:
-    robot = scene.robot
+def joint_limits(robot: Robot) -> tuple[str, ...]:
+    """`Structure.joint_limits` of a robot."""
+    return tuple(name for name, limit in _further_limits(robot).items() if limit is not None)
+
+
+def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
     torque = robot.max_torque if robot.inertias_known else None
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
@@ -76,7 +82,7 @@ def _flat(scene: Scene) -> np.ndarray:
 def _numbers(scene: Scene) -> SceneNumbers:
     further = {
         name: np.zeros(len(scene.robot.joints)) if limit is None else limit
-        for name, limit in _further_limits(scene).items()
+        for name, limit in _further_limits(scene.robot).items()
     }
     return SceneNumbers(
         gravity=scene.gravity,
@@ -152,6 +158,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         oscillators=tuple(
             OscillatorNumbers(
                 frequency=mode.frequency,
+                stiffness=mode.stiffness,
                 curvature=mode.curvature,
                 mass=mode.mass,
                 height=mode.height,

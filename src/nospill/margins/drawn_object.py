@@ -32,5 +32,5 @@ def drawn_object(cargo: Cargo, draw: np.ndarray, scene: Scene) -> Cargo:
         position=(change["position x"], change["position y"]),
         mass=change["mass"] * cargo.total.mass,
     )
-    drawn = perturbed(cargo, by, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes)
+    drawn = perturbed(cargo, by, fidelity=scene.fidelity)
     return replace(drawn, friction_reserve=0.0, footprint_reserve=0.0)

@@ -8,7 +8,7 @@ it is mapped over the samples, with the tray's motion shared by all.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -18,10 +18,20 @@ import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
 from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
+from nospill.judge.after_end import residual_height
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
-from nospill.laws.parameters import ObjectNumbers, SceneNumbers, Structure, blank_numbers, flatten, symbolic
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.parameters import (
+    ObjectNumbers,
+    SceneNumbers,
+    Structure,
+    blank_numbers,
+    flatten,
+    object_parameter_count,
+    symbolic_object_numbers,
+)
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
@@ -101,7 +111,9 @@ def object_margins(
         columns = np.column_stack([np.concatenate([shared, [motion.step], flatten(item)]) for item in batch])
         padded = np.pad(columns, ((0, 0), (0, _BATCH - len(batch))), mode="edge")
         found = np.array(made.call(ca.DM(padded), body).full())[:, : len(batch)].T
-        margin, limit = found[:, 0::2], found[:, 1::2]
+        figures, states = np.split(found, [2 * len(names)], axis=1)
+        margin, limit = figures[:, 0::2].copy(), figures[:, 1::2]
+        _play_on(structure, batch, names, states, margin, limit)
         yield len(batch), Margins(names, points, np.where(np.isnan(margin), -np.inf, margin), limit)
 
 
@@ -113,16 +125,15 @@ class _Made:
 
 @lru_cache(maxsize=16)
 def _function(structure: Structure, steps: int, batch: int) -> _Made:
-    """(numbers of the samples, motion) -> worst margin and limit of every constraint, margin by margin."""
-    blank = blank_numbers(structure)
-    count, size = coordinate_count(structure), 3 + len(flatten(blank.objects))
+    """(numbers of the samples, motion) -> margin and limit of every constraint, one by one, and the final state."""
+    count, size = coordinate_count(structure), 3 + object_parameter_count(structure.objects[0])
     p = SX.sym("p", size)
-    numbers = _scene_numbers(blank, p)
+    numbers = _scene_numbers(structure, p)
     state, first, middle, last = SX.sym("state", 2 * count), SX.sym("b0", 9), SX.sym("b1", 9), SX.sym("b2", 9)
     following = state
     if count:
         step = runge_kutta_step(
-            lambda x, b, q: _rate(structure, _scene_numbers(blank, q), x, b),
+            lambda x, b, q: _rate(structure, _scene_numbers(structure, q), x, b),
             states=2 * count,
             inputs=9,
             parameters=size,
@@ -142,7 +153,7 @@ def _function(structure: Structure, steps: int, batch: int) -> _Made:
     rest = frame_at_rest(numbers.gravity)
     at_end = _worst(EvaluationPoint.END, structure, numbers, rest, state[:count], state[count:], moving=False)
     final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
-    finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final))], {"cse": True})
+    finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final, state))], {"cse": True})
 
     given, motion = ca.MX.sym("p", size), ca.MX.sym("motion", 27, steps)
     start = ca.vertcat(given, ca.MX.zeros(2 * count), _NEVER * ca.MX.ones(2 * len(during)))
@@ -151,9 +162,39 @@ def _function(structure: Structure, steps: int, batch: int) -> _Made:
     return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
 
 
-def _scene_numbers(record: SceneNumbers, p: SX) -> SceneNumbers:
-    """The record with gravity, residual fraction and the object's numbers from `p`; no more is read of it here."""
-    return replace(record, gravity=p[0], residual_fraction=p[1], objects=symbolic(record.objects, p[3:]))
+def _play_on(
+    structure: Structure,
+    batch: Sequence[ObjectNumbers],
+    names: Sequence[str],
+    states: np.ndarray,
+    margin: np.ndarray,
+    limit: np.ndarray,
+) -> None:
+    """Residual heights as the judge finds them: from the free motion where the bound of many modes is too high.
+
+    Args:
+        structure: of the object alone.
+        batch: its numbers, one per sample.
+        names: of the constraints.
+        states: (m, 2 k) at the end.
+        margin: (m, n), changed here.
+        limit: likewise, read.
+    """
+    (item,) = structure.objects
+    if ResidualHeight.name not in names or item.modes < 2:
+        return
+    column = names.index(ResidualHeight.name)
+    for index in np.flatnonzero(margin[:, column] < 0.0):
+        q, qd = np.split(states[index], 2)
+        allowed = abs(float(limit[index, column]))
+        margin[index, column] = allowed - residual_height(item, batch[index], q, qd, allowed)
+
+
+def _scene_numbers(structure: Structure, p: SX) -> SceneNumbers:
+    """The numbers with gravity, residual fraction and the object's own from `p`; no more is read of them here."""
+    (item,) = structure.objects
+    blank = blank_numbers(structure)
+    return replace(blank, gravity=p[0], residual_fraction=p[1], objects=(symbolic_object_numbers(item, p[3:]),))
 
 
 def _rate(structure: Structure, numbers: SceneNumbers, state: SX, body: SX) -> SX:

@@ -1,4 +1,4 @@
-"""A task and the active part of its problem: constraint generation and constraint tightening as one value.
+"""The active part of a problem: constraint generation and constraint tightening as one value.
 
 Most objects, variants and rows never come near a limit, and an interior point method pays for each at every iteration.
 So a problem holds some of them; the certificate is about all; what it finds violated joins the problem, and what is in
@@ -7,7 +7,7 @@ the problem already gets a larger back-off.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,15 +15,11 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
+from nospill.laws.constraints.base import EvaluationPoint, Role, RowId, liquid_names
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
-from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.laws.like_objects import outer_objects
-from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import heaviest
-from nospill.scene.variants import Variant, VariantId, labels, scene_of, variants_by_object
-from nospill.transcription.passages import NOT_BOUNDED, Passage
+from nospill.scene.variants import VariantId, labels
+from nospill.transcription.task import Task
 
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""
@@ -32,53 +28,12 @@ _NEAR_MEMBER = 0.02
 _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it and be answered by back-off alone: a larger problem
 costs more."""
-_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.1
+_SLIGHT_OF_REFINED = 0.5
+"""The same once liquids are in it with several modes, where a variant more costs as much as three."""
+_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.3
 
+_OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
 _OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """A scene to be planned.
-
-    Attributes:
-        scene: as requested, which the certificate is about.
-        variants: of each object, the stated one first; one alone where its numbers are certain.
-        payload: what the flange carries: the objects, each as heavy as its tolerance allows.
-        ignored: names of constraints that the problem leaves out.
-        passage: how the arm passes its singularities.
-    """
-
-    scene: Scene
-    variants: tuple[tuple[Variant, ...], ...]
-    payload: tuple[Cargo, ...]
-    ignored: frozenset[str] = frozenset()
-    passage: Passage = NOT_BOUNDED
-
-    @classmethod
-    def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
-        """The task of a scene, its singularities not looked at yet."""
-        return cls(scene, variants_by_object(scene), heaviest(scene), frozenset(ignored))
-
-    @property
-    def searched_scene(self) -> Scene:
-        """The scene with a level tray where only that passes the singularities."""
-        scene = self.scene
-        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
-
-    @property
-    def first_members(self) -> frozenset[VariantId]:
-        """What a problem begins with: the stated variants of the outer ones of like objects."""
-        outer = {cargo.name for cargo in outer_objects(self.scene)}
-        return frozenset(stated.id for stated, *_ in self.variants if stated.name in outer)
-
-    def problem_scene(self, members: Collection[VariantId]) -> Scene:
-        """The scene of a problem that holds some variants of some objects."""
-        scene = self.searched_scene
-        if EndDisplacement.name in self.ignored:
-            # Its equalities are bounds of the variables, which only another end condition takes away.
-            scene = replace(scene, motion=replace(scene.motion, end="residual"))
-        return scene_of(scene, self.variants, members)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +44,7 @@ class ActiveSet:
         task: what the problem is for.
         scene: of the problem; its objects are the members.
         members: the variants of objects in the problem.
+        refined: objects that are in it with more than one mode of their liquid.
         rows: the rows that take part.
         possible: the rows that may: all but those of ignored constraints and those known to hold.
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
@@ -97,28 +53,36 @@ class ActiveSet:
     task: Task
     scene: Scene
     members: frozenset[VariantId]
+    refined: frozenset[str]
     rows: frozenset[RowId]
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
 
     @classmethod
-    def of(cls, task: Task, q: np.ndarray, members: frozenset[VariantId] | None = None) -> ActiveSet:
+    def of(
+        cls,
+        task: Task,
+        q: np.ndarray,
+        members: frozenset[VariantId] | None = None,
+        refined: frozenset[str] = frozenset(),
+    ) -> ActiveSet:
         """All rows of some members, each with its first back-off.
 
         Args:
             task: the task.
             q: (m, n) rad, joint positions along the path.
             members: those in the problem; the stated variants of the outer objects when left out.
+            refined: objects that carry more than one mode.
         """
         members = task.first_members if members is None else members
-        scene = task.problem_scene(members)
+        scene = task.problem_scene(members, refined)
         rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
         left_out = set(task.ignored)
         if not scene.motion.tilt_free and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q)
-        return cls(task, scene, members, possible, possible, backoff)
+        return cls(task, scene, members, refined, possible, possible, backoff)
 
     def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
@@ -145,28 +109,41 @@ class ActiveSet:
     def after(self, judgement: Judgement) -> ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
-        Members join first, of every constraint and object the worst variant that is violated and not in the problem.
-        Where none is missing, violated rows join, and those in the problem get a larger back-off.
+        Modes join first, of the liquids that break a limit; then members, of every constraint and object the worst
+        variant that is violated and not in the problem. Where none is missing, violated rows join, and those in the
+        problem get a larger back-off.
         """
-        rows = judgement.variant_rows
-        missing = self._outside((row for row in rows if row.constraint not in self.task.ignored), 1.0 + _SLIGHT)
+        rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        refined = self.refined | self._too_coarse(rows)
+        if refined != self.refined:
+            return self.joined(self.members, refined, judgement)
+        missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT))
         if missing:
-            return self.joined(self.members | missing, judgement)
+            return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
         joining, backoff = set[RowId](), dict(self.backoff)
         for row in condensed(self._on_members(row for row in rows if row.shortfall > 0.0)):
             key = RowId(row.constraint, row.subject)
             if key in self.rows:
                 backoff[key] += min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, _MOST)
-            elif key in backoff and key.constraint not in self.task.ignored:
+            elif key in backoff:
                 joining.add(key)
         if not joining and backoff == self.backoff:
             return self
         return replace(self, rows=self.rows | joining, backoff=backoff)
 
-    def joined(self, members: frozenset[VariantId], judgement: Judgement) -> ActiveSet:
-        """The set with other members, with the back-off that is known and without the rows that stay far."""
-        grown = ActiveSet.of(self.task, judgement.replay.joint_position, members).with_backoff(self.backoff)
+    def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
+        """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
+        grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined).with_backoff(self.backoff)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
+
+    def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
+        """Members whose liquid breaks a limit; all with liquid where the scenario states more modes than one."""
+        scene = self.task.scene
+        if scene.planned_modes == 1:
+            return frozenset()
+        broken = {row.subject for row in rows if row.constraint in _OF_LIQUIDS and row.shortfall > 0.0}
+        wanted = liquid_names(scene) if scene.slosh_modes > 1 else broken
+        return frozenset(name for name, _ in self.members).intersection(wanted)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
-from nospill.laws.constraints import BY_NAME
+from nospill.judge.full_model import with_full_model
+from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -19,25 +19,28 @@ from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan, PlanningReport, Starts, judged_plan
+from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 def plan(
-    scene: Scene,
+    scene: Scene | ScenarioSource,
     *,
     warm: Plan | None = None,
-    ignore: Collection[str] = (),
+    ignore: Collection[str] | str = (),
     progress: OnProgress | None = None,
 ) -> Plan:
     """Find the fastest motion of a scene and certify it.
 
     Args:
-        scene: the task.
+        scene: the task, or what `load` takes.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
@@ -48,20 +51,19 @@ def plan(
         The plan; its status is "uncertified" if a row still fails after the last tightening.
 
     Raises:
-        ScenarioError: the robot cannot follow the path, or `ignore` names no constraint.
+        ScenarioError: no valid scenario describes the scene, the robot cannot follow the path, or `ignore` names no
+            constraint.
         NoSolutionError: no start led to a motion, or no approach to it; names what is in the way.
         MissingExtraError: the scene has an approach, and ruckig is not installed.
     """
-    return _planned(scene, warm=warm, last=None, ignore=ignore, progress=progress)[0]
+    scene, ignored, warm = requested_scene(scene), ignored_constraints(ignore), earlier_plan(warm)
+    return _planned(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
 
 
 def _planned(
     scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: OnProgress | None
 ) -> tuple[Plan, Candidate]:
     """`plan`, with the candidate that the next one may start from."""
-    unknown = set(ignore) - set(BY_NAME)
-    if unknown:
-        raise ScenarioError(f'ignore: "{sorted(unknown)[0]}" is no constraint; there are: {", ".join(BY_NAME)}')
     require_ruckig_if_needed(scene)
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
@@ -90,8 +92,10 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    certificate, maxima = judged.judgement.certificate, motion_maxima(judged.judgement, scene)
-    found = Plan(scene, judged.trajectory, certificate, maxima, report, judged.judgement)
+    with log.phase("certify"):
+        certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
+    record = with_recorded_modes(judged.trajectory, scene)
+    found = judged_plan(scene, record, replace(judged.judgement, certificate=certificate), report)
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(
@@ -116,11 +120,12 @@ class Planner:
 
     def __init__(self, last: Plan | None = None) -> None:
         """Start with nothing, or with an earlier plan (for example `load_plan(folder)`)."""
-        self.last = last
+        self.last = earlier_plan(last)
         self._candidate: Candidate | None = None
 
-    def plan(self, scene: Scene, *, progress: OnProgress | None = None) -> Plan:
+    def plan(self, scene: Scene | ScenarioSource, *, progress: OnProgress | None = None) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
+        scene = requested_scene(scene)
         similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
         self.last, self._candidate = _planned(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.errors import ModelError
-from nospill.judge.certificate import Judgement, judge
-from nospill.judge.tracks import liquid_tracks, variant_tracks
+from nospill.judge.certificate import Judgement, judge_motion
+from nospill.judge.tracks import judged_tracks, variant_tracks
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
@@ -16,14 +16,14 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, solved
 from nospill.planning.log import Log
 from nospill.robots.kinematics.regularity import clearance
-from nospill.scene.variants import labels
+from nospill.scene.variants import VariantId, labels
 from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.resampling import resample, resolving_intervals
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages
-from nospill.transcription.trajectory_start import from_trajectory
+from nospill.transcription.trajectory_start import from_trajectory, with_liquids
 
 REFINE_ITERATIONS = 100
 _TIGHTEN_ITERATIONS = 40
@@ -73,7 +73,7 @@ def _converged(active: ActiveSet, start: Stages, barriers: Sequence[float | None
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A candidate with its samples and their certificate."""
+    """A candidate with its samples, all modes of the liquids among them, and their certificate."""
 
     candidate: Candidate
     trajectory: Trajectory
@@ -94,14 +94,14 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
         if active is before.active:
             break
         log.rounds += 1
-        if active.members == before.active.members:
+        if active.scene is before.active.scene:
             tightened += 1
             better = _tightened(before, active, log)
             if better is None:
                 break
         else:
             grown, tightened = grown + 1, 0
-            better = solved_from(active, judged.trajectory, log)
+            better = solved_from(active, _grown(active, judged, log), log)
             if better is None:
                 worst = judged.judgement.certificate.worst
                 raise diagnosis.infeasible_with_more(worst, judged.trajectory.end_time)
@@ -112,15 +112,13 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
 def _judged(candidate: Candidate, log: Log) -> Judged:
     """The certificate of a candidate, recorded with the stated liquids of the whole scene."""
     scene, stages = candidate.active.task.scene, candidate.stages
-    names = [item.name for item in scene.cargo]
     try:
         with log.phase("export"):
             trajectory = exported(candidate)
-            if [item.name for item in candidate.active.scene.cargo] != names:
-                slosh = liquid_tracks(trajectory, scene, dict(zip(names, names, strict=True)))
-                trajectory = replace(trajectory, slosh=slosh)
         with log.phase("certify"):
-            return Judged(candidate, trajectory, judge(trajectory, scene))
+            judgement = judge_motion(trajectory, scene)
+            slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
+            return Judged(candidate, replace(trajectory, slosh=slosh), judgement)
     except ModelError as error:
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
 
@@ -137,21 +135,36 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     return again if usable(again.solution) else None
 
 
+def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
+    """A judged motion with the liquids of a problem with more members or modes, on the grid that resolves them."""
+    before, trajectory = judged.candidate, judged.trajectory
+    with log.phase("corners"):
+        slosh = variant_tracks(trajectory, active.task.scene, _names(active))
+        layout = layout_of(structure_of(before.active.scene))
+        start = with_liquids(active.scene, before.stages, layout, trajectory.t, slosh)
+        intervals = max(start.intervals, fine_intervals(active, start.duration))
+        if intervals == start.intervals:
+            return start
+        start = resample(start, layout_of(structure_of(active.scene)), intervals)
+        return with_joints_solved(active.scene, start, active.task.passage.along)
+
+
+def _names(active: ActiveSet) -> dict[VariantId, str]:
+    return {variant: name for variant, name in labels(active.task.variants).items() if variant in active.members}
+
+
 def started_from(active: ActiveSet, trajectory: Trajectory) -> Stages:
     """A motion of the whole scene as a start for the members of a problem, on the fine grid."""
-    names = {variant: name for variant, name in labels(active.task.variants).items() if variant in active.members}
-    slosh = variant_tracks(trajectory, active.task.scene, names)
+    slosh = variant_tracks(trajectory, active.task.scene, _names(active))
     intervals = fine_intervals(active, trajectory.end_time)
     return from_trajectory(active.scene, replace(trajectory, slosh=slosh), intervals)
 
 
-def solved_from(active: ActiveSet, trajectory: Trajectory, log: Log) -> Candidate | None:
-    """A motion of the whole scene solved on the fine grid with what is active; None where nothing converges.
+def solved_from(active: ActiveSet, start: Stages, log: Log) -> Candidate | None:
+    """A motion solved on its grid with what is active; None where nothing converges.
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    with log.phase("corners"):
-        start = started_from(active, trajectory)
     found = _converged(active, start, (*BARRIERS, None), log)
     if found is None or found.keeps_branch or active.task.passage.determinant is not None:
         return found

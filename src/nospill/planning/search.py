@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.errors import NoSolutionError
-from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
@@ -18,6 +18,7 @@ from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, coarse_start, estimate_duration
+from nospill.transcription.task import Task
 
 _LONG = 0.79
 """Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""
@@ -79,7 +80,7 @@ def found_motion(task: Task, joint_path: JointPath, log: Log, *, search: Search 
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
-    ways = passages(task.scene, joint_path, coarse_start(task.scene, joint_path))
+    ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
     *first, last = (replace(task, passage=passage) for passage in ways)
     for way in first:
         try:
@@ -138,7 +139,7 @@ class Searcher:
     def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
         """A changed scene along a joint path; nothing that is learnt of it comes back to the search."""
         task = Task.of(scene, self.task.ignored)
-        ways = passages(scene, joint_path, coarse_start(scene, joint_path))
+        ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
         way = ways[min(1, len(ways) - 1)] if self.task.passage.determinant is not None else ways[0]
         task = replace(task, passage=way)
         return Trial(ActiveSet.of(task, joint_path.q).with_rows(()), joint_path, self.log)

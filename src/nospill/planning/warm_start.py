@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.active_set import ActiveSet, Task
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
@@ -14,6 +14,7 @@ from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.solvers import Solution
 from nospill.transcription.stages import Stages
+from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 
 _WARM_BARRIER = 1e-6
@@ -28,7 +29,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     """
     q = earlier.trajectory.joint_position
     if last is not None and not task.ignored:
-        active = ActiveSet.of(task, q, last.active.members)
+        active = ActiveSet.of(task, q, last.active.members, last.active.refined)
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
@@ -37,9 +38,10 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
                 return found
     with log.phase("certify"):
         judgement = judge(earlier.trajectory, task.scene) if is_uncertain(task.scene) else None
-    active = ActiveSet.of(task, q)
+    refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
+    active = ActiveSet.of(task, q, refined=refined)
     if judgement is not None:
-        active = active.joined(active.members | active.near_members(judgement), judgement)
+        active = active.joined(active.members | active.near_members(judgement), refined, judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))

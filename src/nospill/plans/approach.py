@@ -11,8 +11,9 @@ import numpy as np
 from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
-from nospill.judge.certificate import Judgement, certify, judge
-from nospill.judge.verdict import APPROACH, Certificate
+from nospill.judge.certificate import Judgement, judge
+from nospill.judge.full_model import with_full_model
+from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -53,6 +54,11 @@ def judged(plan: Plan) -> Judgement:
         ModelError: the liquids cannot be integrated.
     """
     judgement = plan.judgement or judge(plan.trajectory, plan.scene)
+    if judgement.certificate.published:
+        noted = (
+            plan.certificate if plan.judgement else with_full_model(judgement.certificate, plan.trajectory, plan.scene)
+        )
+        judgement = replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
     if plan.approach is None or plan.scene.approach is None:
         return judgement
     rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])
@@ -96,17 +102,13 @@ def _less(plan: Plan) -> tuple[Change, ...]:
     return (Change("load of the approach", "approach.tray", "empty", text),)
 
 
-def certify_whole(plan: Plan) -> Certificate:
+def judge_whole(plan: Plan) -> Judgement:
     """Judge a plan again, its motion and its approach, from the samples and the scene alone.
 
     Raises:
         ModelError, PlanFolderError: as for `certificate.certify`.
     """
-    verdict = certify(plan.trajectory, plan.scene)
-    if plan.approach is None or plan.scene.approach is None:
-        return verdict
-    rules, end = plan.scene.approach, plan.trajectory.joint_position[0]
-    return verdict.joined(judge_segment(plan.approach, plan.scene, rules, end))
+    return judged(replace(plan, judgement=None))
 
 
 def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None) -> Handover:

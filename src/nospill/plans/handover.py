@@ -89,6 +89,21 @@ def exporter_named(name: str) -> Exporter:
     return EXPORTERS[name]
 
 
+def in_frame(exporter: Exporter, frame: str | None) -> Exporter:
+    """The exporter of poses in a frame; as it is for None.
+
+    Raises:
+        ScenarioError: the format holds joints, or there is no such frame.
+    """
+    if frame is None:
+        return exporter
+    if not exporter.framed:
+        raise ScenarioError(f"{exporter.name}: holds joints, which need no frame; leave --frame out")
+    if frame not in exporter.framed:
+        raise ScenarioError(f"{exporter.name}: no frame {frame!r}; there are {', '.join(exporter.framed)}")
+    return exporter.framed[frame]
+
+
 def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None) -> Handover:
     """Write a plan's file, read it back and judge what its receiver will play.
 

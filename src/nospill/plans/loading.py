@@ -12,6 +12,7 @@ from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.names import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
 from nospill.plans.plan import Plan, restored_records
+from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 
@@ -40,10 +41,13 @@ def load_plan(folder: str | Path) -> Plan:
                 ok=certificate["ok"],
                 grid_hz=certificate["grid_hz"],
                 rows=_rows(certificate["rows"]),
+                published=bool(certificate.get("published", False)),
+                full_model=tuple(Row(**row) for row in certificate.get("full_model", [])),
             ),
             maxima=maxima,
             report=report,
             approach=_approach(place, scene, summary),
+            warnings=tuple(PlanWarning(**entry) for entry in summary.get("warnings", ())),
         )
     except (OSError, ValueError, KeyError, TypeError) as error:
         # the repr of an error of decoding holds the whole file

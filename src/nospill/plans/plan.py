@@ -12,13 +12,16 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
+from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, remedy
+from nospill.judge.wording import describe, full_model_note, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
+from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.record import PlanWarning
 from nospill.scene.scene import Scene
 
 
@@ -33,6 +36,7 @@ class MotionMaxima:
         joint_speed_use: largest joint speed as a fraction of its limit.
         slosh_height: m, by object with liquid.
         residual_height: m, by object with liquid.
+        time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
     """
 
     tray_acceleration: float
@@ -41,6 +45,7 @@ class MotionMaxima:
     joint_speed_use: float
     slosh_height: dict[str, float]
     residual_height: dict[str, float]
+    time_at_limit: dict[str, float] = field(default_factory=dict)
 
 
 _AGREED = 5e-3
@@ -114,6 +119,7 @@ class Plan:
         judgement: the evidence of the certificate while it is at hand; not saved, None for a plan from a folder.
         approach: from where the arm is to the start of the trajectory, if the scenario asks for it. The certificate has
             the rows about it too.
+        warnings: what the plan rests on beyond its limits; the verdict is without them.
     """
 
     scene: Scene
@@ -123,6 +129,7 @@ class Plan:
     report: PlanningReport
     judgement: Judgement | None = field(default=None, repr=False, compare=False)
     approach: Segment | None = field(default=None, repr=False, compare=False)
+    warnings: tuple[PlanWarning, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -131,16 +138,23 @@ class Plan:
 
     @property
     def status(self) -> str:
-        """Either "certified" or "uncertified"."""
-        return "certified" if self.certificate.ok else "uncertified"
+        """One of "certified", "certified as published" (`fidelity = "deliverable"`) and "uncertified"."""
+        return self.certificate.word if self.certificate.ok else "uncertified"
 
     @property
     def message(self) -> str:
         """One sentence: the verdict and, if it is no, the row that says so."""
         worst = self.certificate.worst
         if self.certificate.ok:
-            return f"Certified: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            return (
+                f"{self.certificate.word.capitalize()}: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
+            )
         return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
+
+    @property
+    def held_back(self) -> str:
+        """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
+        return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -161,8 +175,8 @@ class Plan:
             time_writing: add the time this takes to the summary's phases, so that two copies differ in that figure.
 
         Raises:
-            PlanFolderError: the folder holds something else or cannot be written, or the scene is not what its
-                scenario says.
+            PlanFolderError: the folder holds something else or cannot be written, or no scenario
+                describes the scene.
         """
         write_folder(
             folder,
@@ -219,12 +233,17 @@ def _starts(found: Mapping[str, Any]) -> Starts:
     return Starts(found["tried"], found["converged"], found["agreed"], tuple(found["durations"]))
 
 
+def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
+    return {name: float(value) for name, value in dict(found).items()}
+
+
 def _certificate_summary(plan: Plan) -> dict[str, Any]:
     worst = plan.certificate.worst
     return {
         "ok": plan.certificate.ok,
         "worst_constraint": f"{worst.constraint} | {worst.label}",
         "worst_margin": worst.worst_margin,
+        "full_model": full_model_note(plan.certificate),
     }
 
 
@@ -252,8 +271,11 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "held_back": _Computed(lambda plan: plan.held_back),
+    "time_at_limit": _Kept("maxima", "time_at_limit"),
+    "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
-    "backoff": _Kept("report", "backoff"),
+    "backoff": _Kept("report", "backoff", from_json=_fractions),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
     "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
@@ -277,7 +299,8 @@ def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, Planning
     Raises:
         KeyError: a key is missing.
     """
-    optional = {item.name for item in fields(PlanningReport) if item.default is not MISSING}
+    known = (*fields(MotionMaxima), *fields(PlanningReport))
+    optional = {item.name for item in known if item.default is not MISSING or item.default_factory is not MISSING}
     found: dict[str, dict[str, Any]] = {"maxima": {}, "report": {}}
     for key, entry in _SUMMARY.items():
         if isinstance(entry, _Kept) and (key in summary or entry.name not in optional):
@@ -299,4 +322,18 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         joint_speed_use=float(np.max(speeds)),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
+        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
+    )
+
+
+def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, report: PlanningReport) -> Plan:
+    """The plan of a judged motion, with its largest figures and its warnings; without an approach."""
+    return Plan(
+        scene=scene,
+        trajectory=trajectory,
+        certificate=judgement.certificate,
+        maxima=motion_maxima(judgement, scene),
+        report=report,
+        judgement=judgement,
+        warnings=plan_warnings(scene, judgement, report.backoff),
     )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, frame_at_rest
 from nospill.judge.certificate import Judgement
+from nospill.judge.limiting import Limiting, held_back, limiting_rows
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
@@ -23,7 +25,7 @@ AFTER_END = 0.4
 """s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: what several figures read is worked out once
 class Evidence:
     """A plan and its judgement, as the figures read them."""
 
@@ -35,10 +37,20 @@ class Evidence:
         """End of the motion, s."""
         return self.plan.duration
 
-    @property
+    @cached_property
     def maxima(self) -> MotionMaxima:
         """Largest figures of the motion as judged here."""
         return motion_maxima(self.judgement, self.plan.scene)
+
+    @cached_property
+    def limiting(self) -> tuple[Limiting, ...]:
+        """The limits that the motion comes near, the one that holds it longest first."""
+        return limiting_rows(self.judgement)
+
+    @property
+    def held_back(self) -> str:
+        """What holds the motion back, in one sentence without a full stop; empty where nothing does."""
+        return held_back(self.maxima.time_at_limit, self.plan.scene.robot.joints)
 
     def traces(self, constraint: str) -> tuple[Trace, ...]:
         """The traces of one constraint, a subject each; empty where it does not apply."""

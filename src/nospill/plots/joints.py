@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.core.short_names import short_names
+from nospill.judge.wording import percent
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.joint_speed import JointSpeed
@@ -19,7 +21,6 @@ from nospill.plots.style import (
     plain,
     series_look,
     time_panels,
-    without_shared_ending,
     write_limit,
 )
 
@@ -42,7 +43,7 @@ def joints_figure(evidence: Evidence) -> Figure:
         count=1 + len(limited),
         columns=1,
         height=2.0 if len(limited) < 2 else 1.5,
-        legend=[line_key(plain(name), index) for index, name in enumerate(without_shared_ending(joints))],
+        legend=[line_key(plain(name), index) for index, name in enumerate(short_names(joints))],
         share_height=False,
     )
     _draw_positions(panels.axes[0], evidence)
@@ -54,7 +55,7 @@ def joints_figure(evidence: Evidence) -> Figure:
 def _draw_positions(axes: Axes, evidence: Evidence) -> None:
     robot = evidence.plan.scene.robot
     traces = evidence.traces(JointPosition.name)
-    names = without_shared_ending(robot.joints)
+    names = short_names(robot.joints)
     near: list[tuple[float, bool, str]] = []
     for index, trace in enumerate(traces):
         axes.plot(trace.t, np.degrees(trace.value), **series_look(index))
@@ -125,7 +126,7 @@ def draw_joint_use(axes: Axes, evidence: Evidence, constraint: str) -> None:
     values = [trace.value / np.abs(trace.limit) for trace in traces]
     for index, (trace, value) in enumerate(zip(traces, values, strict=True)):
         axes.plot(trace.t, value, **series_look(index))
-    names = without_shared_ending([trace.subject for trace in traces])
+    names = short_names([trace.subject for trace in traces])
     peaks = [float(np.max(np.abs(value))) for value in values]
     largest = int(np.argmax(peaks))
     reach = max(1.28, 1.05 * peaks[largest])
@@ -135,4 +136,4 @@ def draw_joint_use(axes: Axes, evidence: Evidence, constraint: str) -> None:
     axes.set_ylim(-reach, reach)
     axes.set_xlim(0.0, evidence.end_time)
     axes.set_ylabel(f"{constraint.removeprefix('joint ')} / limit [1]")
-    entitle(axes, constraint, f"max {peaks[largest]:.4f} ({plain(names[largest], 14)})")
+    entitle(axes, constraint, f"max {percent(peaks[largest], peaks[largest] <= 1.0)} ({plain(names[largest], 14)})")

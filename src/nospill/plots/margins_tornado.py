@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.errors import PlanFolderError
-from nospill.plots.style import BLACK, BLUE, GREY, LOOK, RED, SMALL, WIDTH, plain
+from nospill.plots.style import BLACK, BLUE, GREY, LOOK, RED, SMALL, WIDTH, plain, write_limit
 
 _BAR, _HISTOGRAM, _ROW = 0.62, 1.35, 0.4
 _RESOLUTION = 150
@@ -53,12 +53,13 @@ def tornado_figure(bars: list[Bar], worst_margin: np.ndarray, *, nominal: float,
     _draw_bars(upper, bars)
     values = 100 * worst_margin[np.isfinite(worst_margin)]
     lower.hist(values, bins=_BINS, color=BLUE, linewidth=0)
-    lower.set_ylabel("samples [1]")
+    lower.set_ylabel("samples")
     lower.set_xlabel("worst margin [% of the limit]")
     lower.set_title(f"{len(worst_margin)} samples, all numbers off at once", size=SMALL)
     lower.axvline(100 * nominal, color=GREY, linewidth=1.0, linestyle=(0, (2, 1.5)), zorder=3)
     for axes in (upper, lower):
         axes.axvline(0.0, color=RED, linewidth=1.2, zorder=3)
+        write_limit(axes, (0.0, 0.0), "limit", above=True, transform=axes.get_xaxis_transform())
     return figure
 
 
@@ -71,9 +72,19 @@ def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
         at = 100 * bar.nominal
         axes.plot((at, at), (row - _BAR / 2, row + _BAR / 2), color=BLACK, linewidth=1.2, zorder=4)
         for value, text, side in ((least, bar.least_at, "right"), (greatest, bar.greatest_at, "left")):
+            if abs(value - at) < 1e-3 * span:
+                continue  # this end changes nothing
             offset = -3 if side == "right" else 3
             axes.annotate(
-                text, (value, row), xytext=(offset, 0), textcoords="offset points", ha=side, va="center", size=SMALL
+                text,
+                (value, row),
+                xytext=(offset, 0),
+                textcoords="offset points",
+                ha=side,
+                va="center",
+                size=SMALL,
+                zorder=5,
+                bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5},
             )
         axes.annotate(
             plain(bar.limited_by, 34),

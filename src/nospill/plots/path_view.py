@@ -77,7 +77,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     axes.plot(*line.T, color=BLUE, linewidth=1.8, zorder=4, clip_on=False)
     dots = np.searchsorted(played.t, np.arange(0.0, evidence.end_time, DOT_INTERVAL))
     axes.plot(*line[dots].T, linestyle="", marker="o", markersize=3, color=BLUE, zorder=5, clip_on=False)
-    box = {"boxstyle": "round,pad=0.12", "facecolor": "#FFFFFFD0", "edgecolor": "none"}
+    box = {"boxstyle": "square,pad=0.12", "facecolor": "#FFFFFFD0", "edgecolor": "none"}
     for index in instants:
         text = f"{min(played.t[index], evidence.end_time):.2f} s"
         axes.text(*line[index] + [0.0, 0.0, 0.1], text, size=SMALL, ha="center", va="bottom", zorder=8, bbox=box)

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from typing import Any
 
 import matplotlib
-from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
+from matplotlib.patches import Rectangle
 
+from nospill.judge.wording import verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
-from nospill.plots.style import LOOK
-from nospill.plots.summary import summary_figure
-from nospill.plots.text_pages import PAPER, TextTable, text_pages
+from nospill.plots.sheets import pdf_of
+from nospill.plots.style import BLUE, DARK_RED, INK, LOOK, plain
+from nospill.plots.text_pages import TEXT_WIDTH, FigureRow, TextTable, printable, text_pages
+from nospill.plots.tiles import tiles
+from nospill.plots.use_table import certificate_figure
 
-_ROOM = 0.4
-"""in; left free at least round a figure on its sheet."""
+_FIRST, _LAST = ("limits", "path"), "tray"
+"""Figures on the first sheet, and the last one; they stand side by side, two and two."""
+_HEADING = 1.72
+"""in; height of name, verdict and headline figures."""
+_GOOD = "#00704F"
 
 
 def report_svgs(evidence: Evidence) -> dict[str, str]:
@@ -35,29 +41,56 @@ def report_svgs(evidence: Evidence) -> dict[str, str]:
     return found
 
 
-def report_pdf(evidence: Evidence, tables: tuple[TextTable, ...]) -> bytes:
-    """The summary sheet, the tables and every figure on sheets of A4, as the bytes of a PDF.
+def report_pdf(evidence: Evidence, first: tuple[TextTable, ...], last: tuple[TextTable, ...], footer: str) -> bytes:
+    """Verdict, tables, certificate and figures on upright sheets of A4 with page numbers, as the bytes of a PDF.
 
     Args:
         evidence: the plan and its judgement.
-        tables: printed between the summary sheet and the figures.
+        first: tables between the verdict with the first figures and the certificate.
+        last: tables after the other figures.
+        footer: at the foot of every sheet, beside its number.
     """
-    buffer = io.BytesIO()
-    about: dict[str, Any] = {"CreationDate": None, "Title": evidence.plan.scene.name}
-    with matplotlib.rc_context(LOOK), PdfPages(buffer, metadata=about) as pages:
-        pages.savefig(summary_figure(evidence))
-        for sheet in text_pages(tables, evidence.plan.scene.name):
-            pages.savefig(sheet)
-        for draw in REPORT_FIGURES.values():
-            figure = draw(evidence)
-            if figure is not None:
-                pages.savefig(figure, bbox_inches=_sheet(figure))
-    return buffer.getvalue()
+    certificate = evidence.judgement.certificate
+    about: dict[str, Any] = {
+        "CreationDate": None,
+        "Title": evidence.plan.scene.name,
+        "Subject": f"{evidence.end_time:.3f} s, {verdict_line(certificate)}",
+        "Creator": "nospill",
+    }
+    with matplotlib.rc_context(LOOK):
+        order = [*_FIRST, *(name for name in REPORT_FIGURES if name not in (*_FIRST, _LAST)), _LAST]
+        drawn = (REPORT_FIGURES[name](evidence) for name in order)
+        pictures = tuple(figure for figure in drawn if figure is not None)
+        rows = [FigureRow(pictures[index : index + 2]) for index in range(0, len(pictures), 2)]
+        heading = FigureRow((_heading(evidence),))
+        table = FigureRow((certificate_figure(evidence, TEXT_WIDTH),), "Certificate")
+        return pdf_of(text_pages((heading, *rows[:1], *first, table, *rows[1:], *last), footer), about)
 
 
-def _sheet(figure: Figure) -> Bbox:
-    """A sheet of A4 with the figure in its middle, in in of the figure; a larger one where the figure is larger."""
-    width, height = figure.get_size_inches()
-    sheet_width, sheet_height = max(PAPER[0], width + 2 * _ROOM), max(PAPER[1], height + 2 * _ROOM)
-    left, bottom = (width - sheet_width) / 2, (height - sheet_height) / 2
-    return Bbox.from_bounds(left, bottom, sheet_width, sheet_height)
+def _heading(evidence: Evidence) -> Figure:
+    """Name, verdict in a box, headline figures."""
+    figure = Figure(figsize=(TEXT_WIDTH, _HEADING))
+    scene, certificate = evidence.plan.scene, evidence.judgement.certificate
+    color = _GOOD if certificate.ok else DARK_RED
+
+    def write(x: float, y: float, text: str, **look: Any) -> None:
+        figure.text(x / TEXT_WIDTH, 1 - y / _HEADING, plain(printable(text), 150), va="top", **look)
+
+    write(0.0, 0.0, scene.name, size=15, weight="bold")
+    names = ", ".join(item.name for item in scene.cargo)
+    write(0.0, 0.28, f"{scene.robot.title} carries {names}", size=7.5, color=INK)
+    box = Rectangle((0.0, 1 - 0.98 / _HEADING), 1.0, 0.5 / _HEADING, facecolor="none", edgecolor=color, linewidth=1.5)
+    figure.add_artist(box)
+    write(0.12, 0.54, certificate.word.upper(), size=11, weight="bold", color=color)
+    write(0.12, 0.78, verdict_line(certificate).partition(": ")[2], size=7.5)
+    if evidence.held_back:
+        write(2.3, 0.53, "What holds it back", size=7, color=INK)
+        for line, words in enumerate(textwrap.wrap(evidence.held_back, 84)[:2]):
+            write(2.3, 0.67 + 0.125 * line, words, size=7)
+    shown = tiles(evidence)
+    for index, tile in enumerate(shown):
+        x = TEXT_WIDTH * index / len(shown)
+        write(x, 1.12, tile.value, size=9, weight="bold", color=BLUE if tile.ok else DARK_RED)
+        for line, words in enumerate(textwrap.wrap(tile.label, int(120 / len(shown)))[:3]):
+            write(x, 1.31 + 0.11 * line, words, size=6.5, color=INK)
+    return figure

@@ -6,13 +6,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.judge.verdict import Trace
+from nospill.judge.verdict import Trace, worst_row
+from nospill.judge.wording import row_text
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, Panels, draw_end, draw_limit, entitle, limit_key, plain, time_panels
 
 _FREE_DASH = (0, (3, 1.2))
+_LEAST_SHARE = 0.005
 
 
 def slosh_heights_figure(evidence: Evidence) -> Figure | None:
@@ -43,6 +45,7 @@ def _draw(panels: Panels, evidence: Evidence, heights: tuple[Trace, ...]) -> Non
     free_times, free = evidence.free_heights()
     residual = {trace.subject: trace for trace in evidence.traces(ResidualHeight.name)}
     limits = [float(trace.limit[0]) for trace in heights]
+    shares = {item.row.subject: item.share for item in evidence.limiting if item.row.constraint == SloshHeight.name}
     # A liquid that leaves its cup must not squeeze the others; 1.6 limits show that it did.
     reached = max(min(float(np.nanmax(trace.value)), 1.6 * max(limits)) for trace in heights)
     top = 1e3 * max(1.22 * max(limits), 1.05 * reached)
@@ -57,7 +60,12 @@ def _draw(panels: Panels, evidence: Evidence, heights: tuple[Trace, ...]) -> Non
             rest = 1e3 * float(residual[trace.subject].limit[0])
             resting = (evidence.end_time, float(free_times[-1]))
             draw_limit(axes, rest, f"{rest:.3g} mm", forbidden=top, span=resting, align="right")
-        entitle(axes, plain(trace.subject, longest), f"max {1e3 * float(np.nanmax(trace.value)):.1f} mm")
+        held = shares.get(trace.subject, 0.0)
+        worst = worst_row(trace)
+        peak = f"max {row_text(worst).value} mm"
+        # Where they all come to their limit, their peaks say nothing.
+        note = peak if held < _LEAST_SHARE or not worst.ok else f"{100 * held:.0f} % of time at limit"
+        entitle(axes, plain(trace.subject, longest), note)
         axes.set_ylim(0.0, top)
         axes.set_xlim(0.0, free_times[-1])
         if index % (1 if len(heights) < 4 else 2) == 0:

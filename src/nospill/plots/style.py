@@ -7,7 +7,7 @@ points; on a column of 85 mm the smallest are 5.7 points high.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from nospill.core.short_names import cut
 from nospill.plots.evidence import Evidence
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#E69F00", "#009E73", "#CC79A7"
@@ -38,12 +39,13 @@ SMALL = 7.5
 """Size of labels inside panels, points."""
 
 LOOK: dict[Any, Any] = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
+    "font.family": ["DejaVu Sans"],
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.titlelocation": "left",
     "axes.titlepad": 4,
+    # Where it is wanted: else every tick is measured once more to find out.
+    "axes.titley": 1.0,
     "axes.labelsize": 9,
     "axes.labelpad": 2,
     "axes.linewidth": 0.7,
@@ -70,13 +72,14 @@ LOOK: dict[Any, Any] = {
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
     "savefig.bbox": "standard",
-    # Embedded as outlines: whole TrueType tables make the PDFs no better and take three times as long.
-    "pdf.fonttype": 3,
+    # TrueType: publishers refuse the outlines of type 3, and letters can be searched and copied.
+    "pdf.fonttype": 42,
 }
 """Settings for `matplotlib.rc_context`; nothing is set outside it."""
 
 _LEFT, _RIGHT, _BOTTOM, _GAP = 0.62, 0.12, 0.44, 0.36
 _TITLE_ROW, _NAME_ROW, _LEGEND_ROW = 0.2, 0.17, 0.155
+_NOTE_LETTERS = 84
 _LETTER = 0.52 * 8 / 72
 """in; mean width of a letter of the legend."""
 _WIDE_LETTER = 0.62 / 72
@@ -92,28 +95,7 @@ def series_look(index: int) -> dict[str, Any]:
 
 def plain(name: str, longest: int = 22) -> str:
     """A user's name as figure text: no formula signs, shortened in its middle where it is too long."""
-    if len(name) > longest:
-        head = (longest - 1) * 2 // 3
-        name = f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
-    return name.replace("$", r"\$")
-
-
-def without_shared_ending(names: Sequence[str]) -> list[str]:
-    """Names without the words at their end that all share, so that what tells them apart is left when they are cut.
-
-    Words are what underscores separate: shoulder_pan_joint and elbow_joint become shoulder_pan and elbow.
-    """
-    words = [name.split("_") for name in names]
-    shared = 0
-    most = min(map(len, words), default=1) - 1 if len(words) > 1 else 0
-    while shared < most and len({own[-1 - shared] for own in words}) == 1:
-        shared += 1
-    return ["_".join(own[: len(own) - shared]) for own in words]
-
-
-def superscript(unit: str) -> str:
-    """A unit as printed: m/s² for m/s^2."""
-    return unit.replace("^2", "²").replace("^3", "³")
+    return cut(name, longest).replace("$", r"\$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,15 +115,21 @@ def time_panels(
     height: float,
     legend: list[Line2D] | None = None,
     share_height: bool = True,
+    note: str = "",
 ) -> Panels:
-    """A figure of `count` panels over a common time axis, `height` in each, with a headline and a legend above them."""
+    """A figure of `count` panels over a common time axis, `height` in each, with a headline and a legend above them.
+
+    A note, if there is one, is a sentence below the panels.
+    """
     rows = -(-count // columns)
     handles = legend or []
     across = legend_columns(handles, WIDTH - 0.1)
     legend_height = _LEGEND_ROW * -(-len(handles) // across) + (0.05 if handles else 0.0)
     heading = 0.06 + _TITLE_ROW + _NAME_ROW
     top = heading + legend_height + _TITLE_ROW + 0.04
-    total = top + rows * height + (rows - 1) * _GAP + _BOTTOM
+    lines = textwrap.wrap(note, _NOTE_LETTERS)
+    bottom = _BOTTOM + _LEGEND_ROW * len(lines)
+    total = top + rows * height + (rows - 1) * _GAP + bottom
     figure = Figure(figsize=(WIDTH, total))
     grid = figure.subplots(rows, columns, sharex=True, sharey=share_height, squeeze=False)
     inner = WIDTH - _LEFT - _RIGHT
@@ -150,11 +138,12 @@ def time_panels(
         left=_LEFT / WIDTH,
         right=1 - _RIGHT / WIDTH,
         top=1 - top / total,
-        bottom=_BOTTOM / total,
+        bottom=bottom / total,
         hspace=_GAP / height,
         wspace=(inner / column - columns) / (columns - 1) if columns > 1 else 0.0,
     )
     headline(figure, evidence, title, left=0.1 / WIDTH, y=1 - 0.06 / total)
+    figure.text(0.1 / WIDTH, 0.05 / total, plain("\n".join(lines), len(note) + 1), va="bottom", size=SMALL, color=INK)
     if handles:
         figure.legend(
             handles,
@@ -180,7 +169,7 @@ def time_panels(
 
 def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, y: float) -> None:
     """What is shown, and below it the plan's name, end time and verdict; `left` and `y` in fractions of the figure."""
-    verdict = "certified" if evidence.judgement.certificate.ok else "NOT certified"
+    verdict = evidence.judgement.certificate.word
     name = plain(evidence.plan.scene.name, 32)
     below = y - _TITLE_ROW / figure.get_size_inches()[1]
     figure.text(left, y, title, ha="left", va="top", weight="bold")

@@ -2,53 +2,60 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.core.short_names import cut_apart, short_names
 from nospill.judge.wording import describe
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.contact_use import draw_use
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
+from nospill.plots.limiting import draw_colour_key, draw_limiting
 from nospill.plots.path_view import draw_path
 from nospill.plots.style import (
     BLUE,
     DARK_RED,
-    GREEN,
-    GREY,
-    ORANGE,
     legend_columns,
     line_key,
     plain,
-    without_shared_ending,
 )
+from nospill.plots.tiles import tiles
 from nospill.plots.use_table import draw_use_table
 from nospill.scene.tolerances import is_uncertain
 
 SHEET = (11.69, 8.27)
 """in."""
 
-_SMALLEST_DERIVATIVE = 1e-9
+_TILE_LETTERS = 20
+"""Of a line below a headline figure."""
+_MOST_LIMITS = 7
+"""Rows of the panel of limits."""
 
 
 def summary_figure(evidence: Evidence) -> Figure:
-    """Verdict, largest figures, path, certificate, path parameter, the objects' tightest limit and joint speeds."""
+    """Verdict, largest figures, path, certificate, what holds the motion back, the tightest limit, joint speeds."""
     figure = Figure(figsize=SHEET)
     _draw_heading(figure, evidence)
-    draw_path(figure, evidence, (0.015, 0.375, 0.455, 0.455))
-    draw_use_table(figure.add_axes((0.485, 0.375, 0.49, 0.455)), evidence)
-    bottom, height, width = 0.06, 0.215, 0.265
-    panels = [figure.add_axes((left, bottom, width, height)) for left in (0.055, 0.38, 0.705)]
-    _draw_progress(panels[0], evidence)
-    _draw_tightest(panels[1], evidence)
-    draw_speeds(panels[2], evidence)
-    joints = without_shared_ending(evidence.plan.scene.robot.joints)
-    _legend(panels[2], {name: index for index, name in enumerate(joints)})
-    for axes in panels:
+    draw_path(figure, evidence, (0.015, 0.36, 0.455, 0.455))
+    draw_use_table(figure.add_axes((0.485, 0.36, 0.49, 0.455)), evidence)
+    bottom, height, width = 0.06, 0.215, 0.24
+    limits = figure.add_axes((0.128, bottom, 0.207, 0.195))
+    panels = [figure.add_axes((left, bottom, width, height)) for left in (0.435, 0.735)]
+    draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=22)
+    figure.text(0.022, 0.297, "What holds the motion back, and when", size=9, va="center")
+    broken = not evidence.judgement.certificate.ok
+    draw_colour_key(figure.add_axes((0.128, 0.267, 0.085, 0.011)), broken=broken)
+    _draw_tightest(panels[0], evidence)
+    draw_speeds(panels[1], evidence)
+    joints = short_names(evidence.plan.scene.robot.joints)
+    _legend(panels[1], {name: index for index, name in enumerate(joints)})
+    for axes in (limits, *panels):
         axes.set_xlabel("time [s]")
         axes.set_xlim(0.0, evidence.end_time)
     return figure
@@ -65,56 +72,20 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16), variant=""))
     over = " over its tolerances" if is_uncertain(scene) else ""
     if certificate.ok:
-        verdict, color = f"CERTIFIED{over}: all {len(rows)} rows hold at {certificate.grid_hz:g} Hz", "#00704F"
-        detail = f"nearest to its limit: {detail}"
+        counted, color = f"all {len(rows)} rows hold", "#00704F"
+        detail = evidence.held_back or f"nearest to its limit: {detail}"
     else:
         failed = [row for row in rows if not row.ok]
-        verdict, color = (
-            f"NOT CERTIFIED{over}: {len(failed)} of {len(rows)} rows fail at {certificate.grid_hz:g} Hz",
-            DARK_RED,
-        )
+        counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED
+    verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
     figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
-    tiles = _tiles(evidence)
-    for index, (value, label) in enumerate(tiles):
-        x = 0.03 + 0.945 * index / len(tiles)
-        figure.text(x, 0.895, value, size=14, weight="bold", va="top", color=BLUE)
-        figure.text(x, 0.862, label, size=8, va="top", color="#333333")
-
-
-def _tiles(evidence: Evidence) -> list[tuple[str, str]]:
-    """Largest figures of the motion: (value with unit, what it is)."""
-    maxima = evidence.maxima
-    tiles = [
-        (f"{evidence.end_time:.3f} s", "end of the motion"),
-        (f"{maxima.tray_acceleration:.2f} m/s²", "tray acceleration"),
-        (f"{maxima.tray_angular_acceleration:.1f} rad/s²", "angular acceleration"),
-        (f"{np.degrees(maxima.tilt):.1f}°", "tilt of the tray"),
-        (f"{100 * maxima.joint_speed_use:.1f} %", "of joint speed limit"),
-    ]
-    for heights, when in ((maxima.slosh_height, "liquid height"), (maxima.residual_height, "after the end")):
-        if heights:
-            name = max(heights, key=heights.__getitem__)
-            tiles.append((f"{1e3 * heights[name]:.1f} mm", f"{when} ({plain(name, 12)})"))
-    return tiles
-
-
-def _draw_progress(axes: Axes, evidence: Evidence) -> None:
-    """The path parameter and its two derivatives, the latter over their largest values."""
-    trajectory = evidence.plan.trajectory
-    curves = (
-        (r"$s$", trajectory.s, "", BLUE, "-"),
-        (r"$\dot{s}$", trajectory.s_rate, "1/s", ORANGE, (0, (5, 1.6))),
-        (r"$\ddot{s}$", trajectory.s_acceleration, "1/s²", GREEN, (0, (1.3, 1.3))),
-    )
-    for name, values, unit, color, dashes in curves:
-        largest = max(float(np.max(np.abs(values))), _SMALLEST_DERIVATIVE)
-        label = f"{name} / {largest:.3g} {unit}" if unit else name
-        axes.plot(trajectory.t, values / (largest if unit else 1.0), color=color, linestyle=dashes, label=label)
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_ylabel("value / largest [1]")
-    axes.set_ylim(-1.1, 1.1)
-    axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=3, borderpad=0.1, columnspacing=1.2)
+    shown = tiles(evidence)
+    for index, tile in enumerate(shown):
+        x = 0.03 + 0.95 * index / len(shown)
+        figure.text(x, 0.895, tile.value, size=14, weight="bold", va="top", color=BLUE if tile.ok else DARK_RED)
+        label = textwrap.wrap(plain(tile.label, 40), _TILE_LETTERS)
+        figure.text(x, 0.862, "\n".join(label), size=8, va="top", color="#333333", linespacing=1.05)
 
 
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
@@ -130,7 +101,8 @@ def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
 
 def _legend(axes: Axes, looks: dict[str, int]) -> None:
     """A legend of names and their looks above the panel and its title; there is room for the first twelve."""
-    handles = [line_key(plain(name, 10), look) for name, look in looks.items()][:12]
+    names = cut_apart(list(looks), 14 if len(looks) < 7 else 10)
+    handles = [line_key(plain(name), look) for name, look in zip(names, looks.values(), strict=True)][:12]
     axes.legend(
         handles=handles,
         loc="lower left",

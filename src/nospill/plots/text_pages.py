@@ -10,15 +10,18 @@ from functools import lru_cache
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, get_font
 
+from nospill.plots.sheets import PAPER, Placed, Sheet
 from nospill.plots.style import DARK_RED, INK
 
-PAPER = (8.27, 11.69)
-"""in; A4 upright."""
-
-_MARGIN, _LINE, _SIZE = 0.6, 0.145, 7.5
+_MARGIN, _LINE, _SIZE, _FOOT = 0.6, 0.128, 7.0, 0.56
 _LETTER = 0.56 * _SIZE / 72
 """in; width that few letters exceed on average."""
 _GUTTER = 0.12
+TEXT_WIDTH = PAPER[0] - 2 * _MARGIN
+"""in; between the margins of a sheet."""
+_BETWEEN = 0.15
+_HALF = 0.78
+"""Scale of a figure that has half a sheet's width."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +44,14 @@ class TextTable:
 
 
 @dataclass(frozen=True, slots=True)
+class FigureRow:
+    """Figures side by side, one or two, below a title or none."""
+
+    figures: tuple[Figure, ...]
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class _Line:
     """One line on paper: texts and where they begin (in from the left), bold or not, colour, room below (in)."""
 
@@ -51,25 +62,68 @@ class _Line:
     below: float = _LINE
 
 
-def text_pages(tables: tuple[TextTable, ...], heading: str) -> list[Figure]:
-    """Tables as sheets of A4, as many as they take; to be saved inside `matplotlib.rc_context(LOOK)`.
+def text_pages(items: tuple[TextTable | FigureRow, ...], footer: str) -> list[Sheet]:
+    """Tables and figures as sheets of A4, as many as they take; to be saved inside `matplotlib.rc_context(LOOK)`.
+
+    A table that goes on over a sheet has the names of its columns again.
 
     Args:
-        tables: in order.
-        heading: at the head of every sheet.
+        items: in order.
+        footer: at the foot of every sheet, beside its number.
     """
-    pages: list[Figure] = []
-    y = 0.0
-    for block in (line for table in tables for line in _blocks(table)):
-        height = sum(line.below for line in block)
-        if not pages or y + height > PAPER[1] - _MARGIN:
-            pages.append(Figure(figsize=PAPER))
-            _write(pages[-1], _Line(((0.0, printable(heading)),), size=8, color=INK), 0.35)
-            y = _MARGIN + 0.15
-        for line in block:
-            _write(pages[-1], line, y)
-            y += line.below
-    return pages
+    flow = _Flow([], 0.0)
+    for item in items:
+        if isinstance(item, FigureRow):
+            _place(flow, item)
+            continue
+        lefts, letters = _layout(item)
+        again = _row(item.columns, lefts, letters, bold=True) if any(item.columns) else []
+        for number, block in enumerate(_blocks(item)):
+            height = sum(line.below for line in block)
+            lines = block
+            if flow.break_before(height) and number and any(line.cells for line in block):
+                lines = [*again, *block]
+            for line in lines:
+                _write(flow.sheets[-1].page, line, flow.y)
+                flow.y += line.below
+    for number, sheet in enumerate(flow.sheets, 1):
+        where = f"page {number} of {len(flow.sheets)}"
+        _write(sheet.page, _Line(((0.0, printable(footer)),), size=7, color=INK), PAPER[1] - _FOOT)
+        _write(sheet.page, _Line(((TEXT_WIDTH - 0.75, where),), size=7, color=INK), PAPER[1] - _FOOT)
+    return flow.sheets
+
+
+@dataclass(slots=True)
+class _Flow:
+    """Sheets so far, and how far down the last one is filled, in."""
+
+    sheets: list[Sheet]
+    y: float
+
+    def break_before(self, height: float) -> bool:
+        """Begin a sheet where so much does not fit on the last one; whether that was so."""
+        if self.sheets and self.y + height <= PAPER[1] - _MARGIN - 0.1:
+            return False
+        self.sheets.append(Sheet(Figure(figsize=PAPER)))
+        self.y = _MARGIN
+        return True
+
+
+def _place(flow: _Flow, row: FigureRow) -> None:
+    """A row of figures: one keeps its size as far as it fits, two share the width."""
+    share = (TEXT_WIDTH - _BETWEEN * (len(row.figures) - 1)) / len(row.figures)
+    scales = [min(share / figure.get_size_inches()[0], 1.0) for figure in row.figures]
+    if len(row.figures) == 1 and row.figures[0].get_size_inches()[0] < TEXT_WIDTH:
+        scales = [_HALF]
+    height = max(scale * figure.get_size_inches()[1] for scale, figure in zip(scales, row.figures, strict=True))
+    above = 0.24 if row.title else 0.0
+    flow.break_before(height + above)
+    if row.title:
+        _write(flow.sheets[-1].page, _Line(((0.0, printable(row.title)),), bold=True, size=10), flow.y)
+    for index, (scale, figure) in enumerate(zip(scales, row.figures, strict=True)):
+        left = _MARGIN + index * (share + _BETWEEN)
+        flow.sheets[-1].placed.append(Placed(figure, left, flow.y + above, scale))
+    flow.y += height + above + 0.12
 
 
 def printable(text: str) -> str:
@@ -86,7 +140,7 @@ def _letters() -> frozenset[int]:
 def _blocks(table: TextTable) -> Iterator[list[_Line]]:
     """Lines that stay on one sheet: the title with the first row, the note with the last, other rows by themselves."""
     lefts, letters = _layout(table)
-    head = [_Line(((0.0, printable(table.title)),), bold=True, size=10, below=0.22)]
+    head = [_Line(((0.0, printable(table.title)),), bold=True, size=10, below=0.2)]
     if any(table.columns):
         head += _row(table.columns, lefts, letters, bold=True)
     tail = [_Line(((0.0, text),), color=INK) for text in textwrap.wrap(printable(table.note), _across())]
@@ -95,7 +149,7 @@ def _blocks(table: TextTable) -> Iterator[list[_Line]]:
         lines = head + _row(row, lefts, letters, bold=failing, color=DARK_RED if failing else "black")
         yield lines + tail if index == len(table.rows) - 1 else lines
         head = []
-    yield [*([] if table.rows else head + tail), _Line((), below=0.2)]
+    yield [*([] if table.rows else head + tail), _Line((), below=0.15)]
 
 
 def _row(

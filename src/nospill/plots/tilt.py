@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLACK, BLUE, GREEN, ORANGE, draw_limit, time_panels
+from nospill.plots.style import BLUE, ORANGE, SMALL, draw_limit, time_panels
 
-_DASHED, _DOTTED = (0, (5, 1.6)), (0, (1.3, 1.3))
+_DASHED = (0, (5, 1.6))
 
 
 def tilt_figure(evidence: Evidence) -> Figure | None:
@@ -34,15 +34,15 @@ def tilt_figure(evidence: Evidence) -> Figure | None:
 
 
 def _draw_angles(axes: Axes, evidence: Evidence) -> None:
-    trajectory, tray = evidence.plan.trajectory, evidence.judgement.replay.tray
+    trajectory = evidence.plan.trajectory
     limit = float(np.degrees(evidence.plan.scene.motion.max_tilt))
-    total = np.degrees(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0)))
     angles = np.degrees(trajectory.tilt)
-    whole = f"total, max {np.max(total):.1f}°"
     axes.plot(trajectory.t, angles[:, 0], color=BLUE, label=r"$\theta_x$ (roll)")
     axes.plot(trajectory.t, angles[:, 1], color=ORANGE, linestyle=_DASHED, label=r"$\theta_y$ (pitch)")
-    axes.plot(evidence.judgement.replay.t, total, color=BLACK, linestyle=_DOTTED, label=whole)
-    reach = max(1.28 * limit, 1.08 * float(np.max(total)))
+    # The angle of both together has no limit: as a third line it would cross the limits of the others.
+    together = float(np.degrees(evidence.maxima.tilt))
+    axes.set_title(f"together up to {together:.1f}°", loc="right", size=SMALL)
+    reach = max(1.28 * limit, 1.08 * float(np.max(np.abs(angles))))
     draw_limit(axes, limit, f"limit of each angle {limit:.3g}°", forbidden=reach)
     draw_limit(axes, -limit, f"limit of each angle −{limit:.3g}°", forbidden=-reach)
     axes.set_ylim(-reach, reach)
@@ -50,14 +50,14 @@ def _draw_angles(axes: Axes, evidence: Evidence) -> None:
 
 
 def _draw_lateral(axes: Axes, evidence: Evidence) -> None:
-    played, scene = evidence.judgement.replay, evidence.plan.scene
+    """What an object fixed to the tray feels; what friction has to hold of it stands in the figure of the contact.
+
+    A liquid is pushed only as far as it follows its cup, so the friction times the normal force is no limit of these.
+    """
+    played = evidence.judgement.replay
     tilted = np.hypot(played.body[6], played.body[7])
     level = np.hypot(played.tray.acceleration[:, 0], played.tray.acceleration[:, 1])
     axes.plot(played.t, tilted, color=BLUE, label="as planned")
-    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="level tray")
-    friction = min(cargo.planned_friction for cargo in scene.cargo)
-    # A liquid is pushed only as far as it follows its cup, so its cup may be driven beyond this for a moment.
-    holds = f"friction, μ = {friction:.2f}"
-    axes.plot(played.t, friction * played.body[8], color=GREEN, linestyle=_DOTTED, label=holds)
+    axes.plot(played.t, level, color=ORANGE, linestyle=_DASHED, label="on a level tray")
     axes.set_ylim(0.0, 1.1 * max(float(np.max(level)), float(np.max(tilted)), 1e-3))
     axes.set_ylabel("lateral specific force [m/s²]")

@@ -1,31 +1,52 @@
-"""The certificate as a table with a bar: the row nearest to its limit for every constraint."""
+"""The certificate as a table with a bar: the fullest row of every constraint, the fullest constraint first."""
 
 from __future__ import annotations
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from nospill.core.short_names import short_names
 from nospill.judge.verdict import Row
-from nospill.judge.wording import shown_unit
+from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain, superscript
+from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain
 
-_SUBJECT, _BAR, _BAR_END, _VALUE, _LIMIT, _UNIT, _TIME = 0.225, 0.41, 0.61, 0.735, 0.83, 0.84, 1.0
+_SUBJECT, _BAR, _BAR_END, _USE, _VALUE, _LIMIT, _UNIT, _TIME = 0.21, 0.385, 0.575, 0.665, 0.76, 0.85, 0.86, 1.0
 _LONGEST_USE = 1.2
 _LONGEST_NAME = 20
 """Letters of 8 points that the first column holds."""
+_LINE = 0.165
+"""in; height of a line of the table alone."""
+_USUAL_LINES = 16
+"""Lines for which the panel is drawn; more are narrower, fewer leave room below."""
 
 
-def draw_use_table(axes: Axes, evidence: Evidence) -> None:
-    """One line per constraint: subject, bar of use, value, limit, when; a failing row is hatched and says so."""
-    rows = evidence.judgement.certificate.worst_rows()
+def certificate_figure(evidence: Evidence, width: float) -> Figure:
+    """The table alone, so many in wide."""
+    lines = len(evidence.judgement.certificate.listed_rows()) + 2.2
+    figure = Figure(figsize=(width, _LINE * lines))
+    draw_use_table(figure.add_axes((0.0, 0.0, 1.0, 1.0)), evidence, usual=0)
+    return figure
+
+
+def draw_use_table(axes: Axes, evidence: Evidence, *, usual: int = _USUAL_LINES) -> None:
+    """One line per constraint: subject, bar of use, use, value, limit, when; a failing row is hatched and says so.
+
+    The checks of the record stand in one line below, and by themselves where they fail. Where there are fewer lines
+    than usual, room is left below.
+    """
+    certificate = evidence.judgement.certificate
+    rows = certificate.listed_rows()
+    joints = evidence.plan.scene.robot.joints
+    short = dict(zip(joints, short_names(joints), strict=True))
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(len(rows) - 0.4, -1.6)
+    axes.set_ylim(max(len(rows) + 1.0, usual) - 0.4, -1.6)
     unit_use = (_BAR_END - _BAR) / _LONGEST_USE
     limit = _BAR + unit_use
     for x, text, align in (
         (0.0, "constraint", "left"),
-        (_SUBJECT, "nearest", "left"),
+        (_SUBJECT, "of", "left"),
         (_BAR, "use of limit", "left"),
         (_VALUE, "value", "right"),
         (_LIMIT, "limit", "right"),
@@ -33,24 +54,26 @@ def draw_use_table(axes: Axes, evidence: Evidence) -> None:
         (_TIME, "at [s]", "right"),
     ):
         axes.text(x, -1.0, text, ha=align, va="center", size=8, weight="bold")
-    axes.text(limit, -0.62, "limit", ha="center", va="bottom", size=SMALL - 0.5, color=DARK_RED)
     axes.plot([0.0, 1.0], [-0.55, -0.55], color="#444444", linewidth=0.7, clip_on=False)
     for line, row in enumerate(rows):
-        _draw_row(axes, line, row, unit_use)
+        _draw_row(axes, line, row, short.get(row.subject, row.subject), unit_use)
     axes.plot([limit, limit], [-0.5, len(rows) - 0.5], color=RED, linewidth=1.2, zorder=3)
+    color = "black" if all(row.ok for row in certificate.record_rows()) else DARK_RED
+    axes.text(0.0, len(rows) + 0.15, integrity_line(certificate), va="center", size=8, color=color)
 
 
-def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
+def _draw_row(axes: Axes, line: int, row: Row, subject: str, unit_use: float) -> None:
     if line % 2:
         axes.axhspan(line - 0.5, line + 0.5, facecolor="#F4F4F4", linewidth=0, zorder=0)
     weight, color = ("normal", "black") if row.ok else ("bold", DARK_RED)
-    value, limit, unit = row_texts(row)
+    text = row_text(row)
     for x, cell, align in (
         (0.0, row.constraint, "left"),
-        (_SUBJECT, plain(row.subject, 16), "left"),
-        (_VALUE, value, "right"),
-        (_LIMIT, limit, "right"),
-        (_UNIT, unit, "left"),
+        (_SUBJECT, plain(subject, 15), "left"),
+        (_USE, text.use, "right"),
+        (_VALUE, text.value, "right"),
+        (_LIMIT, text.limit, "right"),
+        (_UNIT, text.unit, "left"),
         (_TIME, f"{row.at_s:.3f}", "right"),
     ):
         # Names of the rows about an approach are longer than the column.
@@ -69,23 +92,4 @@ def _draw_row(axes: Axes, line: int, row: Row, unit_use: float) -> None:
     )
     if not row.ok:
         box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-        axes.text(_BAR + 0.02, line, "FAILS", ha="left", va="center", size=8, weight=weight, color=color, bbox=box)
-
-
-def row_texts(row: Row) -> tuple[str, str, str]:
-    """Value, limit and unit of a row of the certificate as they are printed."""
-    factor, unit = shown_unit(row.unit, row.limit)
-    # Errors far below their limit are rounding: one digit says enough.
-    digits = 1 if abs(row.worst_value) < 1e-3 * abs(row.limit) else 4
-    return _number(factor * row.worst_value, digits), _number(factor * row.limit, 3), superscript(unit)
-
-
-def _number(value: float, digits: int) -> str:
-    """A number in at most eight characters, with a minus sign as in the axes."""
-    if value == 0.0:
-        return "0"
-    size = abs(value)
-    text = f"{value:.0e}"
-    if 1e-3 <= size < 1e5:
-        text = f"{value:.{digits}g}" if size < 10.0**digits else f"{value:.0f}"
-    return text.replace("-", "−")
+        axes.text(_BAR + 0.02, line, "FAILS", ha="left", va="center", size=SMALL, weight=weight, color=color, bbox=box)

@@ -9,20 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-import numpy as np
-
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe
-from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Role
-from nospill.laws.constraints.joint_position import JointPosition
-from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
+from nospill.plans.warnings import plan_warnings
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
-from nospill.plots.use_table import row_texts
+from nospill.plots.tiles import Tile, liquid_tiles, tiles
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
 from nospill.report.task import cargo_table, joint_table, task_table
 
@@ -52,22 +47,26 @@ class Report:
     Attributes:
         evidence: the plan and the judgement the report rests on; figures are drawn from it.
         ok, verdict, detail: whether it is certified, in two or three words, and in one sentence.
-        tiles: largest figures: (value with unit, what it is).
+        tiles: largest figures.
         opinion: of the simulation.
+        checksum: SHA-256 of trajectory.csv, hexadecimal.
         task, cargo, joints, planning, versions: tables.
+        warnings: what the verdict rests on: what about, subject, sentence.
     """
 
     evidence: Evidence
     ok: bool
     verdict: str
     detail: str
-    tiles: tuple[tuple[str, str], ...]
+    tiles: tuple[Tile, ...]
     opinion: SecondOpinion
+    checksum: str
     task: TextTable
     cargo: TextTable
     joints: TextTable
     planning: TextTable
     versions: TextTable
+    warnings: TextTable
 
     @property
     def certificate(self) -> Certificate:
@@ -94,63 +93,56 @@ def make_report(
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
     if certificate.ok:
-        verdict = "certified"
         detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
     else:
-        verdict = "not certified"
         detail = (
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
+    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+    note = full_model_note(certificate)
     return Report(
         evidence=evidence,
         ok=certificate.ok,
-        verdict=verdict,
-        detail=detail,
-        tiles=_tiles(evidence),
+        verdict=certificate.word,
+        detail=detail + (f" Judged by the published equations; {note}." if note else ""),
+        tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
+        checksum=digest,
         task=task_table(plan.scene, approach=plan.approach),
         cargo=cargo_table(plan.scene, certificate),
         joints=joint_table(plan.scene, plan.trajectory, certificate),
         planning=_planning(plan),
-        versions=_versions(plan, controller_files or {}),
+        versions=_versions(plan, digest, controller_files or {}),
+        warnings=_warnings(evidence),
     )
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
-    """The certificate as text: the row nearest to its limit of every constraint, or all rows."""
-    rows = certificate.rows if everything else certificate.worst_rows()
+    """The certificate as text: the fullest row of every constraint, the fullest first, or all rows in their order."""
+    rows = certificate.rows if everything else certificate.listed_rows()
     cells = []
     for row in rows:
-        value, limit, unit = row_texts(row)
-        share = f"{100 * row.use:.2f} %"
+        text = row_text(row)
         verdict = "holds" if row.ok else "FAILS"
-        cells.append((row.constraint, row.label, value, limit, unit, share, f"{row.at_s:.3f}", verdict))
+        cells.append(
+            (row.constraint, row.label, text.use, text.value, text.limit, text.unit, f"{row.at_s:.3f}", verdict)
+        )
     return TextTable(
         "All rows of the certificate" if everything else "Certificate",
-        ("constraint", "of", "value", "limit", "unit", "use of limit", "at [s]", ""),
+        ("constraint", "of", "use of limit", "value", "limit", "unit", "at [s]", ""),
         tuple(cells),
+        note="" if everything else f"{integrity_line(certificate).capitalize()}.",
         failing=tuple(index for index, row in enumerate(rows) if not row.ok),
     )
 
 
-def _tiles(evidence: Evidence) -> tuple[tuple[str, str], ...]:
-    maxima, rows = evidence.maxima, evidence.judgement.certificate.rows
-    tiles = [
-        (f"{evidence.end_time:.3f} s", "duration"),
-        (f"{maxima.tray_acceleration:.2f} m/s²", "largest acceleration of the tray"),
-        (f"{maxima.tray_angular_acceleration:.1f} rad/s²", "largest angular acceleration"),
-        (f"{np.degrees(maxima.tilt):.1f}°", "largest tilt"),
-    ]
-    by_subject = {(row.constraint, row.subject): row for row in rows}
-    for name, height in maxima.slosh_height.items():
-        limit = by_subject[(SloshHeight.name, name)].limit
-        tiles.append((f"{1e3 * height:.2f} mm", f"liquid of {name} rises, {1e3 * limit:.3g} mm allowed"))
-    joints = {item.name for item in CONSTRAINTS if item.role is Role.JOINT} - {JointPosition.name}
-    used = [row for row in rows if row.constraint in joints]
-    if used:
-        most = max(used, key=lambda row: row.use)
-        tiles.append((f"{100 * most.use:.1f} %", f"of the {most.constraint} limit of {most.label}"))
-    return tuple(tiles)
+def _warnings(evidence: Evidence) -> TextTable:
+    plan = evidence.plan
+    found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    rows = tuple((item.name, item.subject, item.text) for item in found)
+    return TextTable(
+        "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."
+    )
 
 
 def _planning(plan: Plan) -> TextTable:
@@ -180,8 +172,7 @@ def _in_words(names: Sequence[str]) -> str:
     return "; ".join([first, *(f"{name} in {count} of {len(names)} solves" for name, count in others)])
 
 
-def _versions(plan: Plan, controller_files: Mapping[str, str | None]) -> TextTable:
-    digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
+def _versions(plan: Plan, digest: str, controller_files: Mapping[str, str | None]) -> TextTable:
     rows = [("trajectory.csv", f"{len(plan.trajectory.t)} samples, SHA-256 {digest[:16]}…{digest[-8:]}")]
     rows += [(name, fault or "holds the motion of trajectory.csv") for name, fault in controller_files.items()]
     rows += [(name, _version(name)) for name in _PACKAGES]

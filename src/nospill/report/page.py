@@ -6,13 +6,15 @@ import base64
 from collections.abc import Mapping
 from html import escape
 
-from nospill.judge.verdict import Row
+from nospill.core.short_names import short_names
+from nospill.judge.verdict import Certificate, Row
+from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.text_pages import TextTable
-from nospill.plots.use_table import row_texts
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page_style import STYLE
 
 _CAPTIONS = {
+    "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
     "tray": "The tray from above, to scale.",
     "path": "The way of the tray's centre, with the tray at a few instants.",
     "slosh-heights": "How high every liquid rises at its wall, in the joints' motion as judged; then it swings freely.",
@@ -20,7 +22,7 @@ _CAPTIONS = {
     "joints": "Joint positions, and what is used of every limit of the joints.",
     "tilt": "How the tray tilts, and what the objects feel sideways because of it and would feel on a level tray.",
 }
-_FIRST = ("tray", "path")
+_FIRST, _PAIR = "limits", ("tray", "path")
 _BAR_LENGTH, _LONGEST_USE = 120, 1.2
 
 # Letters and strokes, so that it prints without its colour.
@@ -39,15 +41,17 @@ def html_page(report: Report, figures: Mapping[str, str]) -> str:
         figures: SVG text by name, as `plots.report_pages.report_svgs` draws them.
     """
     scene = report.evidence.plan.scene
-    others = [name for name in figures if name not in _FIRST]
+    others = [name for name in figures if name != _FIRST and name not in _PAIR]
     title = f"{scene.name}: {report.evidence.end_time:.3f} s, {report.verdict}"
     body = (
         _heading(report),
         _tiles(report),
-        f"<div class='pair'>{''.join(_figure(name, figures[name]) for name in _FIRST if name in figures)}</div>",
+        f"<div class='first'>{_figure(_FIRST, figures[_FIRST])}</div>" if _FIRST in figures else "",
+        f"<div class='pair'>{''.join(_figure(name, figures[name]) for name in _PAIR if name in figures)}</div>",
         _section(report.task),
         _section(report.cargo),
         _certificate(report),
+        _section(report.warnings),
         _opinion(report),
         f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"
         "</section>",
@@ -75,8 +79,14 @@ def _heading(report: Report) -> str:
     return (
         f"<header><h1>{escape(scene.name)}</h1>"
         f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}.</p>"
-        f"{_banner(report.ok, report.verdict.upper(), report.detail)}</header>"
+        f"{_banner(report.ok, report.verdict.upper(), report.detail)}"
+        f"{_held_back(report)}</header>"
     )
+
+
+def _held_back(report: Report) -> str:
+    sentence = report.evidence.held_back
+    return f"<p>What holds it back: {escape(sentence)}.</p>" if sentence else ""
 
 
 def _banner(ok: bool | None, verdict: str, detail: str) -> str:
@@ -88,7 +98,9 @@ def _banner(ok: bool | None, verdict: str, detail: str) -> str:
 
 
 def _tiles(report: Report) -> str:
-    tiles = "".join(f"<li><b>{escape(value)}</b> {escape(label)}</li>" for value, label in report.tiles)
+    tiles = "".join(
+        f"<li{_failing(not tile.ok)}><b>{escape(tile.value)}</b> {escape(tile.label)}</li>" for tile in report.tiles
+    )
     return f"<ul class='tiles'>{tiles}</ul>"
 
 
@@ -122,13 +134,16 @@ def _failing(fails: bool) -> str:
 
 
 def _certificate(report: Report) -> str:
-    columns = (("constraint", ""), ("nearest", ""), ("use of limit", ""), ("value", "number"), ("limit", "number"))
-    columns += (("unit", ""), ("at [s]", "number"))
+    columns = (("constraint", ""), ("of", ""), ("use of limit", ""), ("", "number"), ("value", "number"))
+    columns += (("limit", "number"), ("unit", ""), ("at [s]", "number"))
     head = "".join(f"<th scope='col' class='{kind}'>{column}</th>" for column, kind in columns)
-    rows = "".join(_certificate_row(row) for row in report.certificate.worst_rows())
+    joints = report.evidence.plan.scene.robot.joints
+    short = dict(zip(joints, short_names(joints), strict=True))
+    rows = "".join(_certificate_row(row, short.get(row.label, row.label)) for row in report.certificate.listed_rows())
     return (
         "<section><h2>Certificate</h2><div class='scroll'><table class='wide certificate'>"
         f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
+        f"{_integrity(report.certificate)}"
         "<p class='note'>Of every constraint the row that came nearest to its limit; the upright line of a bar is the "
         "limit. A fastest motion rests on some of its limits. The judge reads the exported samples and the "
         "scenario alone.</p>"
@@ -136,13 +151,24 @@ def _certificate(report: Report) -> str:
     )
 
 
-def _certificate_row(row: Row) -> str:
-    value, limit, unit = row_texts(row)
+def _integrity(certificate: Certificate) -> str:
+    """The checks of the record in one line, which opens on demand and where one of them fails."""
+    checks = certificate.record_rows()
+    rows = "".join(_certificate_row(row, row.label) for row in checks)
+    opened = "" if all(row.ok for row in checks) else " open"
+    return (
+        f"<details{opened}><summary>{escape(integrity_line(certificate))}</summary><div class='scroll'>"
+        f"<table class='wide certificate small'><tbody>{rows}</tbody></table></div></details>"
+    )
+
+
+def _certificate_row(row: Row, subject: str) -> str:
+    text = row_text(row)
     cells = (
-        f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(row.label)}</td><td>{_bar(row)}</td>"
-        f"<td class='number'>{value}</td>"
-        f"<td class='number'>{limit}</td>"
-        f"<td>{escape(unit)}</td><td class='number'>{row.at_s:.3f}</td>"
+        f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(subject)}</td><td>{_bar(row)}</td>"
+        f"<td class='number'>{text.use}</td><td class='number'>{escape(text.value)}</td>"
+        f"<td class='number'>{text.limit}</td>"
+        f"<td>{escape(text.unit)}</td><td class='number'>{row.at_s:.3f}</td>"
     )
     return f"<tr{_failing(not row.ok)}>{cells}</tr>"
 
@@ -153,7 +179,7 @@ def _bar(row: Row) -> str:
     length = scale * min(max(row.use, 0.0), _LONGEST_USE)
     look = "fill='#0072B2'" if row.ok else "fill='none' stroke='#9A4300' stroke-width='1.6'"
     word = "" if row.ok else "<text x='4' y='10' fill='#9A4300' font-size='10' font-weight='bold'>FAILS</text>"
-    share = f"{100 * row.use:.1f} % of the limit"
+    share = f"{row_text(row).use} of the limit"
     return (
         f"<svg class='bar' viewBox='0 0 {_BAR_LENGTH} 13' role='img' aria-label='{escape(share)}'>"
         f"<title>{escape(share)}</title><rect x='0.8' y='2' width='{max(length - 0.8, 0.4):.2f}' height='9' {look}/>"

@@ -23,6 +23,11 @@ border-left-width:9px}
 list-style:none;margin:14px 0;padding:0}
 .tiles li{margin:0;border:1px solid #ddd;border-radius:4px;padding:7px 9px;font-size:12.5px;line-height:1.3;color:#333}
 .tiles b{display:block;font-size:20px;color:#0072B2}
+.tiles .fails{border-color:#9A4300}
+.tiles .fails b{color:#9A4300}
+.first{max-width:560px;margin:0 auto 14px}
+details{margin-top:6px;font-size:13.5px}
+summary{cursor:pointer}
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));gap:14px;align-items:start}
 .flow{columns:2 380px;column-gap:14px}
 .flow figure{margin-bottom:14px}
@@ -44,6 +49,13 @@ tbody tr:nth-child(even){background:#F6F6F6}
 .fails th,.fails td{color:#9A4300;font-weight:bold}
 ul{padding-left:20px;margin:6px 0}
 li{margin:3px 0}
+@media(max-width:600px){
+.certificate th:nth-child(3),.certificate td:nth-child(3),.certificate th:nth-child(8),.certificate td:nth-child(8)
+{display:none}
+.certificate td:nth-child(2){white-space:normal;overflow-wrap:anywhere}
+.certificate{font-size:12px}
+.certificate th,.certificate td{padding-right:6px}
+}
 @media print{
 @page{size:A4;margin:14mm 12mm}
 body{font-size:10.5pt}

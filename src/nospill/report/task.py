@@ -7,15 +7,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from nospill.approach import Segment
+from nospill.core.short_names import short_names
+from nospill.core.units import superscript
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import shown_unit
+from nospill.judge.wording import row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
-from nospill.plots.style import superscript
 from nospill.plots.text_pages import TextTable
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -76,19 +77,17 @@ def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) 
         unit = next(row.unit for key, row in rows.items() if key[0] == name)
         columns.append(f"{name.removeprefix('joint ')} [{superscript(shown_unit(unit)[1])}]")
     table = []
-    for index, joint in enumerate(scene.robot.joints):
+    for index, (joint, short) in enumerate(zip(scene.robot.joints, short_names(scene.robot.joints), strict=True)):
         angles = np.degrees(trajectory.joint_position[:, index])
         low, high = np.degrees((scene.robot.lower[index], scene.robot.upper[index]))
-        cells = [joint, _span(float(angles.min()), float(angles.max())), _span(float(low), float(high))]
+        cells = [short, _span(float(angles.min()), float(angles.max())), _span(float(low), float(high))]
         for name in limited:
             row = rows.get((name, joint))
             if row is None:
                 cells.append("")
                 continue
-            factor = shown_unit(row.unit)[0]
-            value, limit = factor * abs(row.worst_value), factor * abs(row.limit)
-            # Rounded down: 100 % is the very limit.
-            cells.append(f"{value:.4g} of {limit:.4g} ({int(100 * row.use)} %)")
+            text = row_text(row)
+            cells.append(f"{text.value} of {text.limit} ({text.use})")
         table.append(tuple(cells))
     unlimited = [name for name in names if name not in limited and name != JointPosition.name]
     note = f"Not limited in this plan: {', '.join(unlimited)}." if unlimited else ""
@@ -204,7 +203,8 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
 def _height(certificate: Certificate, constraint: str, name: str) -> str:
     for row in certificate.rows:
         if (row.constraint, row.subject) == (constraint, name):
-            return f"{1e3 * row.worst_value:.2f} of {1e3 * row.limit:.3g}"
+            text = row_text(row)
+            return f"{text.value} of {text.limit}"
     return ""
 
 

@@ -28,27 +28,27 @@ def save_report(report: Report, path: str | Path, *, pdf: str | Path | None = No
     text = html_page(report, report_svgs(report.evidence))
     atomic_text(path, text)
     if pdf is not None:
-        atomic_bytes(Path(pdf), report_pdf(report.evidence, pdf_tables(report)))
+        first, last = pdf_tables(report)
+        atomic_bytes(Path(pdf), report_pdf(report.evidence, first, last, pdf_footer(report)))
     return len(text.encode())
 
 
-def pdf_tables(report: Report) -> tuple[TextTable, ...]:
-    """The tables of a report in the order of its pages, the verdict first."""
-    verdict = (
-        ("verdict", report.verdict.upper()),
-        ("", report.detail),
-        *((label, value) for value, label in report.tiles),
-    )
+def pdf_tables(report: Report) -> tuple[tuple[TextTable, ...], tuple[TextTable, ...]]:
+    """The tables of a report before and after its certificate and figures, in the order of its pages."""
     opinion = report.opinion
-    return (
-        TextTable("Verdict", (), verdict, failing=() if report.ok else (0, 1)),
-        report.task,
-        report.cargo,
-        certificate_table(report.certificate, everything=False),
-        TextTable("A second opinion", (), ((opinion.message,),)) if opinion.table is None else opinion.table,
+    second = TextTable("A second opinion", (), ((opinion.message,),)) if opinion.table is None else opinion.table
+    last = (
+        report.warnings,
+        second,
         report.joints,
         report.planning,
         TextTable("What the certificate does not prove", (), NOT_PROVEN),
         report.versions,
         certificate_table(report.certificate, everything=True),
     )
+    return (report.task, report.cargo), last
+
+
+def pdf_footer(report: Report) -> str:
+    """What stands at the foot of every sheet: the name, the verdict, the checksum of the trajectory."""
+    return f"{report.evidence.plan.scene.name} · {report.verdict} · SHA-256 of trajectory.csv {report.checksum[:16]}"

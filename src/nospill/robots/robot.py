@@ -30,6 +30,9 @@ class Robot:
         reach: m, or None.
         sources: quantity -> where the figure comes from.
         not_known: quantities nobody states for this arm, in words.
+        base_frame: which frame its root is, in words; empty where nobody states it.
+        controller_base_turn: turn of the controller's own base frame against the root about z, rad, or None where it is
+            not known.
         notes: what was assumed when its description was read, one sentence each, for people.
     """
 
@@ -51,3 +54,5 @@ class Robot:
     inertias_known: bool = False
     home: np.ndarray | None = None
     notes: tuple[str, ...] = ()
+    base_frame: str = ""
+    controller_base_turn: float | None = None

@@ -1,6 +1,7 @@
 """The only reader and writer of scenario files."""
 
-from nospill.scenario.reader import read_scenario as read_scenario
+from nospill.scenario.loading import load as load
+from nospill.scenario.loading import read_scenario as read_scenario
 from nospill.scenario.reader import scenario_schema as scenario_schema
 from nospill.scenario.reader import scenario_text as scenario_text
 from nospill.scenario.reader import scene_from_table as scene_from_table

@@ -11,7 +11,7 @@ from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.robot import Robot
-from nospill.scenario.fields import ANGLE, JointValues, Measured, Table, WordOr
+from nospill.scenario.fields import JOINT_ANGLE, JointValues, Measured, Table, WordOr
 from nospill.scene.scene import ApproachRules
 
 HOME = "home"
@@ -33,7 +33,7 @@ class ApproachTable(Table):
 
     start: Annotated[
         str | tuple[float, ...],
-        WordOr(word=HOME, entry=ANGLE, several=True),
+        WordOr(word=HOME, entry=JOINT_ANGLE, several=True),
         Field(alias="from", description='where the arm is: "home", or one angle for each moving joint'),
     ]
     tray: Annotated[

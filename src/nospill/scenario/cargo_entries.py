@@ -67,8 +67,18 @@ class CargoTable(Table):
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
     max_slosh_height: Annotated[
         float | None,
-        Measured(dimension="length", above=0.0, at_most=10.0),
-        Field(description="how far the surface may rise above its rest level; to the rim when not given"),
+        Measured(dimension="length", kind="size", above=0.0, at_most=10.0),
+        Field(
+            description="how far the surface may rise above its rest level; to the rim less freeboard_reserve when not "
+            "given"
+        ),
+    ] = None
+    freeboard_reserve: Annotated[
+        Reserve | None,
+        Field(
+            description="fraction of the way from the liquid at rest to the rim that max_slosh_height leaves where "
+            "it is not given, 0.1 when not given; a max_slosh_height that leaves less is warned of"
+        ),
     ] = None
     damping: Annotated[
         float | None,

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
@@ -17,6 +18,9 @@ from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
+
+FREEBOARD_RESERVE = 0.1
+"""Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
 
 _SAME_MASS = 1e-9
 """Relative difference below which two masses count as equal."""
@@ -76,7 +80,7 @@ def read_cargo(
         footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
     )
-    allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity, slosh_modes=slosh_modes)
+    allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
     return dataclasses.replace(cargo, tolerance=allowed)
 
 
@@ -84,7 +88,7 @@ def _check_keys(entry: CargoTable) -> None:
     if entry.liquid is None:
         stray = [
             key
-            for key in ("liquid_height", "max_slosh_height", "damping", "empty_mass")
+            for key in ("liquid_height", "max_slosh_height", "freeboard_reserve", "damping", "empty_mass")
             if getattr(entry, key) is not None
         ]
         if stray:
@@ -108,9 +112,11 @@ def _liquid(value: str | LiquidTable) -> Liquid:
             "custom", value.density, value.kinematic_viscosity, value.surface_tension, source="given in the scenario"
         )
     if value not in LIQUIDS:
+        near = nearest(value, LIQUIDS)
+        hint = f'; did you mean "{near}"?' if near else ""
         raise ScenarioError(
             f"liquid {as_written(value)} is unknown; choose {listed(tuple(LIQUIDS))}, "
-            "or give { density = ..., kinematic_viscosity = ... }"
+            f"or give {{ density = ..., kinematic_viscosity = ... }}{hint}"
         )
     return LIQUIDS[value]
 
@@ -127,7 +133,8 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
                 entry.name, rim, level, entry.max_slosh_height, heaviest=_heaviest_fill(entry, container, liquid)
             ),
         )
-    limit = room if entry.max_slosh_height is None else entry.max_slosh_height
+    reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
+    limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
@@ -137,7 +144,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
             ),
         )
     modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
-    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes)
+    return Filling(liquid=liquid, liquid_height=level, max_slosh_height=limit, modes=modes, freeboard_reserve=reserve)
 
 
 def _heaviest_fill(entry: CargoTable, container: Container, liquid: Liquid) -> float:

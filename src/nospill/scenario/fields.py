@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -30,11 +31,33 @@ def refuse(sentence: str) -> PydanticCustomError:
     return PydanticCustomError(SENTENCE, "{sentence}", {"sentence": sentence})
 
 
+PLAUSIBLE: dict[str, tuple[float, float, str]] = {
+    "size": (0.0, 2.0, "mm"),
+    "length": (0.0, 10.0, "mm"),
+    "angle": (0.0, 4.0 * math.pi, "deg"),
+    "angular_speed": (0.0, 30.0, "deg/s"),
+    "angular_acceleration": (0.0, 1000.0, "deg/s^2"),
+    "mass": (0.0, 100.0, "g"),
+    "density": (50.0, 25e3, "kg/l"),
+    "kinematic_viscosity": (0.0, 0.01, "mm^2/s"),
+    "surface_tension": (0.0, 1.0, "mN/m"),
+    "ratio": (0.0, 5.0, "%"),
+}
+"""Kind of a quantity -> least and greatest size (SI) of a bare number, and the unit that is probably meant beyond.
+
+A bare number is in SI units, and a cup of radius 35 is no cup of 35 m: numbers beyond are refused without a unit. Zero
+and what has a unit may go to the bounds of each key."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """A quantity of one dimension within bounds (SI). Metadata for `Annotated[float, ...]`."""
+    """A quantity of one dimension within bounds (SI). Metadata for `Annotated[float, ...]`.
+
+    `kind` is its key in `PLAUSIBLE` where that is not the dimension.
+    """
 
     dimension: str
+    kind: str | None = None
     above: float | None = None
     at_least: float | None = None
     below: float | None = None
@@ -46,15 +69,35 @@ class Measured:
             number = quantity(value, self.dimension)
         except ScenarioError as error:
             raise refuse(str(error)) from None
-        if (
-            (self.above is not None and not number > self.above)
-            or (self.at_least is not None and not number >= self.at_least)
-            or (self.below is not None and not number < self.below)
-            or (self.at_most is not None and not number <= self.at_most)
-        ):
+        if not isinstance(value, str):
+            self._require_plausible(value, number)
+        if not self._holds(number):
             allowed = self._range(unit_written(value, self.dimension))
             raise refuse(f"{as_written(value)} is out of range: it must be {allowed}")
         return number
+
+    def _holds(self, number: float) -> bool:
+        return (
+            (self.above is None or number > self.above)
+            and (self.at_least is None or number >= self.at_least)
+            and (self.below is None or number < self.below)
+            and (self.at_most is None or number <= self.at_most)
+        )
+
+    def _require_plausible(self, value: object, number: float) -> None:
+        """Refuse a bare number that is hardly meant in SI units."""
+        least, greatest, meant = PLAUSIBLE.get(self.kind or self.dimension, (0.0, math.inf, ""))
+        if number == 0.0 or least <= abs(number) <= greatest:
+            return
+        units, shown = DIMENSIONS[self.dimension].units, as_written(value)
+        si = next(iter(units))
+        meanings = [f'"{shown} {unit}"' for unit in (meant, si) if unit and self._holds(number * float(units[unit]))]
+        if not meanings:
+            return
+        bare = f"a bare number is in {si}" if si else "a bare number is a part of 1"
+        sense, bound = ("below", least) if abs(number) < least else ("above", greatest)
+        limit = format_quantity(bound, self.dimension, unit=si, digits=3)
+        raise refuse(f"{shown} has no unit: {bare}, and this is {sense} {limit}; write {' or '.join(meanings)}")
 
     def _range(self, unit: str) -> str:
         """The bounds in words and in one unit, as the value beside them."""
@@ -80,7 +123,8 @@ class Measured:
         }
         number = {"type": "number", **{key: bound for key, bound in bounds.items() if bound is not None}}
         units = "|".join(re.escape(unit) for unit in kind.units if unit)
-        pattern = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*" + (f"({units})?" if units else "") + r"\s*$"
+        unit = f"({units}){'?' if '' in kind.units else ''}" if units else ""
+        pattern = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*" + unit + r"\s*$"
         return {"anyOf": [number, {"type": "string", "pattern": pattern}]}
 
 
@@ -191,7 +235,7 @@ class SafeName:
 _COORDINATE = Measured(dimension="length", at_least=-100.0, at_most=100.0)
 
 # Least values keep squares and quotients of sizes far from the ends of the floating-point range.
-SIDE = Measured(dimension="length", at_least=1e-4, at_most=10.0)
+SIDE = Measured(dimension="length", kind="size", at_least=1e-4, at_most=10.0)
 """What a size is: nothing smaller than a tenth of a millimetre."""
 
 Name = Annotated[str, SafeName()]
@@ -199,6 +243,8 @@ Size = Annotated[float, SIDE]
 ANGLE = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
 """What an angle is, wherever nothing narrower is said."""
 Angle = Annotated[float, ANGLE]
+JOINT_ANGLE = Measured(dimension="angle", kind="joint angle", at_least=-1000.0, at_most=1000.0)
+"""Position of a joint, of which some turn many times: bare numbers in rad are plausible far beyond one turn."""
 Mass = Annotated[float, Measured(dimension="mass", at_least=1e-6, at_most=1000.0)]
 Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
 Reserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]

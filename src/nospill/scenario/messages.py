@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, get_args
 
@@ -14,6 +15,7 @@ from nospill.errors import Reason, ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
 from nospill.scenario.fields import SENTENCE
 from nospill.scenario.model import Scenario
+from nospill.scenario.other_names import meant
 from nospill.scenario.path_entries import PATH_TABLES
 from nospill.scenario.tolerance_entry import ToleranceTable
 
@@ -75,6 +77,12 @@ def _one_of(choices: str) -> str:
     return choices.replace("'", '"')
 
 
+def _not_one_of(shown: str, choices: str) -> str:
+    expected = _one_of(choices)
+    near = nearest(shown, re.findall(r'"[^"]*"', expected), likeness=0.7)
+    return f"{shown} is not one of {expected}" + (f"; did you mean {near}?" if near else "")
+
+
 def _entries(context: Mapping[str, Any]) -> str:
     least, given = context["min_length"], context["actual_length"]
     needed = "1 is needed" if least == 1 else f"{least} are needed"
@@ -105,7 +113,7 @@ def _choices(context: Mapping[str, Any]) -> tuple[str, list[str]]:
 
 
 _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
-    "literal_error": lambda shown, context: f"{shown} is not one of {_one_of(context['expected'])}",
+    "literal_error": lambda shown, context: _not_one_of(shown, context["expected"]),
     "string_type": lambda shown, context: f"{shown} is not text; put it in quotes",
     "int_type": lambda shown, context: f"{shown} is not a whole number; write one without quotes or decimal point",
     "greater_than_equal": lambda shown, context: f"{shown} is out of range: it must be at least {context['ge']}",
@@ -181,6 +189,9 @@ def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
     key = str(keys[-1])
     allowed = list(_fields(model)) if model else []
     text = f"unknown key {as_written(key)}" + (f" in {_key_path(keys[:-1])}" if len(keys) > 1 else "")
+    other = meant(key, allowed)
+    if other:
+        return f"{text}; {other}"
     near = nearest(key, allowed, likeness=0.7)
     if near:
         return f'{text}; did you mean "{near}"?'

@@ -138,7 +138,16 @@ class PlanningTable(Table):
         ),
     ] = 1
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
-    slosh_modes: Annotated[int, Field(strict=True, ge=1, le=10, description="liquid modes in each direction")] = 1
+    slosh_modes: Annotated[
+        int,
+        Field(
+            strict=True,
+            ge=1,
+            le=10,
+            description="liquid modes in each direction that the last problem carries at least and the record has; "
+            "at full fidelity the judge has twenty",
+        ),
+    ] = 1
 
 
 class OutputTable(Table):

@@ -1,4 +1,4 @@
-"""Reading a scenario into a Scene, and writing it back as a file that needs no other."""
+"""From the table of a scenario file to a Scene, and back to a file that needs no other."""
 
 from __future__ import annotations
 
@@ -15,57 +15,44 @@ import tomli_w
 from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
-from nospill.core.files import UnreadableError, atomic_text, bounded_text
-from nospill.core.suggestions import nearest
+from nospill.core.files import atomic_text
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
-from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene
+from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene, mode_count
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
-_LARGEST_FILE = 10_000_000
-_KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
+MOST_REST_SAMPLES = 200_000
+"""Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
+
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
 
 
-def read_scenario(path: str | os.PathLike[str]) -> Scene:
-    """Read a scenario file, or a bundled example by its name.
-
-    Args:
-        path: a TOML file, or a key of `nospill.scenario.examples.EXAMPLES` (a file of that very name wins).
-
-    Raises:
-        ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
-            file, the place in it, the value and what is allowed.
-    """
-    label = os.fsdecode(path)
-    file = _locate(label)
-    return _scene(_parsed(file, label), label=label, name=file.stem, folder=file.parent)
-
-
-def scene_from_table(table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".") -> Scene:
+def scene_from_table(
+    table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".", label: str | None = None
+) -> Scene:
     """Build a scene from the parsed content of a scenario file.
 
     Args:
         table: keys and values as in the file; it is not changed.
-        name: the scene's name where the table has none, and what messages call it.
+        name: the scene's name where the table has none.
         folder: where files that the table names are looked up.
+        label: what messages call it; the name when left out.
 
     Raises:
         ScenarioError: as for `read_scenario`.
     """
-    return _scene(table, label=name, name=name, folder=FilePath(folder))
+    return _scene(table, label=name if label is None else label, name=name, folder=FilePath(folder))
 
 
 def scenario_text(scene: Scene) -> str:
@@ -87,50 +74,6 @@ def write_scenario(scene: Scene, path: str | FilePath) -> None:
 def scenario_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a scenario file."""
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
-
-
-def _locate(label: str) -> FilePath:
-    if not label.strip():
-        raise report(as_written(label), [("", f"names no scenario; {_KNOWN_EXAMPLES}")])
-    file = FilePath(label)
-    try:
-        if file.is_file():
-            return file
-        if label in EXAMPLES:
-            return example_path(label)
-        if file.is_dir():
-            raise report(label, [("", "is a folder; name the scenario file in it")])
-        exists = file.exists()
-    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
-        raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
-    if exists:
-        raise report(label, [("", "is not a regular file; give a TOML file")])
-    near = nearest(label, EXAMPLES)
-    hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
-    raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
-
-
-def _parsed(file: FilePath, label: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(bounded_text(file, _LARGEST_FILE))
-    except UnreadableError as error:
-        raise report(label, [("", str(error))]) from None
-    except tomllib.TOMLDecodeError as error:
-        raise report(label, [("", _syntax(str(error)))]) from None
-    except RecursionError:
-        raise report(label, [("", "is not a scenario: it is nested too deeply")]) from None
-    except ValueError as error:  # a whole number of thousands of digits
-        raise report(label, [("", f"cannot be read: {_reason(error)}")]) from None
-
-
-def _syntax(message: str) -> str:
-    if "Cannot overwrite a value" in message or "Cannot declare" in message:
-        message += "; the same key or table is given twice"
-    return f"is not valid TOML: {message}"
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 @contextmanager
@@ -162,6 +105,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     )
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
+    with _at(label, "[motion]"):
+        _check_rest(scenario)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
@@ -205,7 +150,7 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         friction_reserve=scenario.tray.friction_reserve,
         footprint_reserve=scenario.tray.footprint_reserve,
         fidelity=scenario.fidelity,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=mode_count(scenario.fidelity, scenario.planning.slosh_modes),
         tolerance=scenario.tolerance,
     )
 
@@ -235,9 +180,7 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
 
 
 def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario: Scenario, label: str) -> None:
-    load = sum(
-        greatest_mass(item, fidelity=scenario.fidelity, slosh_modes=scenario.planning.slosh_modes) for item in cargo
-    )
+    load = sum(greatest_mass(item, fidelity=scenario.fidelity) for item in cargo)
     at_most = "at most " if any(item.tolerance for item in cargo) else ""
     if robot.payload is not None and tray.mass + load > robot.payload * (1.0 + 1e-9):  # rounding of the sum
         raise report(
@@ -253,6 +196,15 @@ def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario:
                 )
             ],
             payload_reason(robot, tray, cargo, tray.mass + load - robot.payload),
+        )
+
+
+def _check_rest(scenario: Scenario) -> None:
+    samples = scenario.output.rate * (scenario.motion.hold_before + scenario.motion.hold_after)
+    if samples > MOST_REST_SAMPLES:
+        raise ScenarioError(
+            f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
+            f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
         )
 
 

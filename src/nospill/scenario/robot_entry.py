@@ -23,7 +23,7 @@ from nospill.robots.description.limits import (
 )
 from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standalone_urdf
 from nospill.robots.robot import Robot
-from nospill.scenario.fields import ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
+from nospill.scenario.fields import ANGLE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
 
 _LARGEST_URDF = 10_000_000
 _SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"
@@ -36,7 +36,6 @@ _Scale = Annotated[
     Measured(dimension="ratio", above=0.0, at_most=1.0),
     Field(description="factor on this limit, for example 0.8 or 80 %"),
 ]
-_Positions = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
 
 
 def _limit(dimension: str, at_most: float) -> JointValues:
@@ -47,10 +46,10 @@ class LimitsTable(Table):
     """`[robot.limits]`: joint limits in place of the robot's data; a list with one value a joint, or one for all."""
 
     lower: Annotated[
-        float | tuple[float, ...] | None, JointValues(entry=_Positions), Field(description="lower ends of the joints")
+        float | tuple[float, ...] | None, JointValues(entry=JOINT_ANGLE), Field(description="lower ends of the joints")
     ] = None
     upper: Annotated[
-        float | tuple[float, ...] | None, JointValues(entry=_Positions), Field(description="upper ends of the joints")
+        float | tuple[float, ...] | None, JointValues(entry=JOINT_ANGLE), Field(description="upper ends of the joints")
     ] = None
     speed: Annotated[
         float | tuple[float, ...] | None, _limit("angular_speed", 100.0), Field(description="joint speed")
@@ -125,7 +124,8 @@ class RobotTable(Table):
         dict[str, Any], Field(description='joints that stand still, for example { joint_3 = "30 deg" }')
     ] = {}  # noqa: RUF012 # pydantic copies it and the table is frozen
     home: Annotated[
-        list[Angle] | None, Field(description="configuration the arm starts from, one angle for each moving joint")
+        list[Annotated[float, JOINT_ANGLE]] | None,
+        Field(description="configuration the arm starts from, one angle for each moving joint"),
     ] = None
     limits_applied: Annotated[
         Literal["all", "position and speed"],

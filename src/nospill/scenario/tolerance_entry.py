@@ -53,7 +53,7 @@ class ToleranceTable(Table):
     friction: Annotated[float | None, _RATIO, Field(description="of the coefficient, relative, either side")] = None
     liquid_height: Annotated[
         float | None,
-        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the liquid's height at rest, either side"),
     ] = None
     damping: Annotated[
@@ -63,7 +63,7 @@ class ToleranceTable(Table):
     ] = None
     position: Annotated[
         float | None,
-        Measured(dimension="length", at_least=0.0, at_most=10.0),
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the place on the tray, either side in x and in y"),
     ] = None
     mass: Annotated[
@@ -82,7 +82,6 @@ def tolerance_of(
     own: ToleranceTable | None,
     *,
     fidelity: Fidelity,
-    slosh_modes: int,
 ) -> Tolerance | None:
     """The tolerance of an object from the table for all and its own; None where all its numbers are certain.
 
@@ -109,5 +108,5 @@ def tolerance_of(
         return None
     require_valid_fill(cargo, tolerance.liquid_height, key="tolerance.liquid_height")
     # What the slosh model does not cover is refused here rather than in the middle of planning.
-    variants(replace(cargo, tolerance=tolerance), fidelity=fidelity, slosh_modes=slosh_modes)
+    variants(replace(cargo, tolerance=tolerance), fidelity=fidelity)
     return tolerance

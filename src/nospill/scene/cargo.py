@@ -14,12 +14,21 @@ from nospill.scene.liquids import Liquid
 
 @dataclass(frozen=True, slots=True)
 class Filling:
-    """The liquid in a container: which, how high at rest (m), and how far its surface may rise (m above rest)."""
+    """The liquid in a container.
+
+    Attributes:
+        liquid: which.
+        liquid_height: at rest above the bottom, m.
+        max_slosh_height: how far its surface may rise above rest, m.
+        modes: of the liquid at rest.
+        freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
+    """
 
     liquid: Liquid
     liquid_height: float
     max_slosh_height: float
     modes: SloshModes
+    freeboard_reserve: float = 0.1
 
     @property
     def shallow(self) -> bool:
@@ -87,6 +96,16 @@ class Cargo:
     def oscillators(self) -> tuple[Oscillator, ...]:
         """Modal masses of the liquid; none of a solid."""
         return self.filling.modes.oscillators if self.filling else ()
+
+
+def with_modes(cargo: Cargo, count: int) -> Cargo:
+    """The object with this many modes of its liquid in each direction, the slowest damped as before; a solid as is."""
+    filling = cargo.filling
+    if filling is None or filling.modes.count == count:
+        return cargo
+    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    modes = cargo.container.slosh_modes(filling.liquid, filling.liquid_height, count, damping=slowest.damping)
+    return replace(cargo, filling=replace(filling, modes=modes))
 
 
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:

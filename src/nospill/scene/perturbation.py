@@ -49,16 +49,16 @@ class Perturbation:
         return ", ".join(parts)
 
 
-def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
     """Cargo with other numbers, built like one from a scenario.
 
-    The surface may rise as far as before, but never over the rim; where it may rise to the rim, it still may.
+    The surface may rise as far as before, but never over the rim; where it may rise to the rim, or to the rim less the
+    freeboard reserve, it still may.
 
     Args:
         cargo: as in the scenario.
         by: the difference.
         fidelity: of the scene.
-        slosh_modes: of the scene.
 
     Raises:
         ModelError: the slosh model does not cover the filling.
@@ -74,7 +74,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity, slosh_modes
     )
     if cargo.filling is None:
         return changed
-    filling = _refilled(cargo, cargo.filling, by, slosh_modes)
+    filling = _refilled(cargo, cargo.filling, by)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
@@ -88,19 +88,20 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
     return container.shell_properties(mass)
 
 
-def _refilled(cargo: Cargo, filling: Filling, by: Perturbation, slosh_modes: int) -> Filling:
+def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
     level = filling.liquid_height + by.liquid_height
     try:
         modes = cargo.container.slosh_modes(
             filling.liquid,
             level,
-            slosh_modes,
+            filling.modes.count,
             damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
         )
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
     before, room = cargo.container.height - filling.liquid_height, cargo.container.height - level
-    to_the_rim = filling.max_slosh_height >= before * (1.0 - _ROUNDING)
-    highest = room if to_the_rim else min(filling.max_slosh_height, room)
+    part = filling.max_slosh_height / before
+    follows = part >= 1.0 - _ROUNDING or abs(part - (1.0 - filling.freeboard_reserve)) < _ROUNDING
+    highest = min(part, 1.0) * room if follows else min(filling.max_slosh_height, room)
     return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes)

@@ -56,21 +56,21 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:
     """The cargo, each object as heavy as its tolerance allows, at its stated place."""
-    return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+    return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity) for cargo in scene.cargo)
 
 
-def greatest_mass(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> float:
+def greatest_mass(cargo: Cargo, *, fidelity: Fidelity) -> float:
     """Greatest mass of an object with its liquid that its tolerance allows, kg."""
-    return _loaded(cargo, 1.0, fidelity=fidelity, slosh_modes=slosh_modes).total.mass
+    return _loaded(cargo, 1.0, fidelity=fidelity).total.mass
 
 
-def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity, slosh_modes: int) -> Cargo:
+def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
     tolerance = cargo.tolerance
     if tolerance is None:
         return cargo
     rise = sign * tolerance.liquid_height if cargo.filling else 0.0
     by = Perturbation(liquid_height=rise, mass=sign * tolerance.mass * cargo.empty.mass)
-    return perturbed(cargo, by, fidelity=fidelity, slosh_modes=slosh_modes)
+    return perturbed(cargo, by, fidelity=fidelity)
 
 
 def require_valid_fill(cargo: Cargo, rise: float, *, key: str) -> None:

@@ -70,7 +70,7 @@ class Variant:
         return f"{self.name} at {self.text}" if self.text else self.name
 
 
-def variants(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> tuple[Variant, ...]:
+def variants(cargo: Cargo, *, fidelity: Fidelity) -> tuple[Variant, ...]:
     """Variants of an object: its stated numbers with the least friction, then the corners of its tolerance.
 
     An object without a tolerance is its own only variant.
@@ -80,10 +80,7 @@ def variants(cargo: Cargo, *, fidelity: Fidelity, slosh_modes: int) -> tuple[Var
         return (Variant(cargo.name, "", cargo),)
     stated = Perturbation(friction=-tolerance.friction)
     perturbations = dict.fromkeys([stated, *_corners(cargo, tolerance)])
-    return tuple(
-        Variant(cargo.name, by.text(cargo), perturbed(cargo, by, fidelity=fidelity, slosh_modes=slosh_modes))
-        for by in perturbations
-    )
+    return tuple(Variant(cargo.name, by.text(cargo), perturbed(cargo, by, fidelity=fidelity)) for by in perturbations)
 
 
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
@@ -142,7 +139,7 @@ def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
 
 def variants_by_object(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
     """`variants` of every object, in the order of the cargo."""
-    return tuple(variants(cargo, fidelity=scene.fidelity, slosh_modes=scene.slosh_modes) for cargo in scene.cargo)
+    return tuple(variants(cargo, fidelity=scene.fidelity) for cargo in scene.cargo)
 
 
 def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:

@@ -7,7 +7,6 @@ same laws that plan and certify: the modal masses (`nospill.laws.slosh.motion`) 
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
-from nospill.scene.cargo import Cargo
+from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup
@@ -157,12 +156,9 @@ def _filled(container: Cargo | Mapping[str, Any] | str | os.PathLike[str], modes
         return cup_from_table(container, slosh_modes=int(modes))
     if not isinstance(container, Cargo):
         return read_cup(Path(container), slosh_modes=int(modes))
-    filling = container.filling
-    if filling is None:
+    if container.filling is None:
         raise ScenarioError(f"{container.name} is solid: there is nothing to slosh; take a container with a liquid")
-    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
-    wanted = container.container.slosh_modes(filling.liquid, filling.liquid_height, int(modes), damping=slowest.damping)
-    return dataclasses.replace(container, filling=dataclasses.replace(filling, modes=wanted))
+    return with_modes(container, int(modes))
 
 
 def _is_corrected(height: str) -> bool:
@@ -188,9 +184,9 @@ def _divided(t: np.ndarray, parts: int) -> np.ndarray:
 
 
 def _level(structure: ObjectStructure, modes: SloshModes, up: np.ndarray) -> np.ndarray:
-    """Displacements (k,) of the modal masses at rest in a container that leans: f_xy + P f_z q = 0."""
+    """Displacements (k,) of the modal masses at rest in a container that leans: f_xy + (omega^2/g) f_z q = 0."""
     places = [
-        -up[axis] / (mode.curvature * up[2])
+        -up[axis] / (mode.stiffness * up[2])
         for mode, directions in zip(modes.oscillators, structure.oscillators, strict=True)
         for axis in directions
     ]

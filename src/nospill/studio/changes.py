@@ -34,7 +34,7 @@ NEW_SOLID: dict[str, Any] = {
     "height": "80 mm",
     "mass": "0.3 kg",
 }
-_ABOUT_LIQUID = ("liquid", "liquid_height", "max_slosh_height", "damping", "empty_mass")
+_ABOUT_LIQUID = ("liquid", "liquid_height", "max_slosh_height", "freeboard_reserve", "damping", "empty_mass")
 _ABOUT_PATH = ("name", "offset", "start", "through", "end", "points", "file", "control_points", "degree", "knots")
 _SOME_LENGTH, _SOME_MASS = 0.07, "0.2 kg"
 

@@ -138,9 +138,7 @@ def export_plan(plan: Plan, choice: str, *, rate: float | None = None) -> Downlo
         exporter = exporter_named(choice)
         target = Path(work) / f"{name}{exporter.suffixes[0]}"
         done = hand_over(plan, exporter, target, rate=rate)
-        verdict = (
-            "certified as its receiver plays it" if done.certificate.ok else "NOT certified as its receiver plays it"
-        )
+        verdict = f"{done.certificate.word} as its receiver plays it"
         message = f"{target.name}: {done.samples} samples at {done.rate:.6g} Hz, {verdict}"
         if target.is_dir():
             return Download(f"{target.name}.zip", _zipped(target), message)

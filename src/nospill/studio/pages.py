@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 
+from nospill.core.short_names import short_names
 from nospill.film.colours import use_colours
 from nospill.judge.verdict import Row
-from nospill.judge.wording import shown_unit
+from nospill.judge.wording import integrity_line, row_text
 from nospill.plans.plan import Plan
 from nospill.studio.checks import Fault
 from nospill.studio.planning import PlanningState
@@ -16,7 +16,7 @@ from nospill.studio.planning import PlanningState
 _TEXT = "padding:2px 10px;font-size:13px;line-height:1.4;color:#222"
 _WRONG = "#9A4300"
 _MOST_FAULTS = 8
-_COLUMNS = (("constraint", "left"), ("of", "left"), ("worst", "right"), ("limit", "right"), ("used", "right"))
+_COLUMNS = (("constraint", "left"), ("of", "left"), ("use of limit", "right"), ("value", "right"), ("limit", "right"))
 _PHASES = {
     "start": "starting",
     "kinematics": "joint paths",
@@ -94,7 +94,7 @@ def verdict(plan: Plan, *, before: float | None, stale: bool) -> str:
         change = f" <span style='font-size:13px;color:#555'>({plan.duration - before:+.3f} s)</span>"
     badge = (
         f"<span id='nospill-status' style='font-size:13px;font-weight:600;padding:2px 8px;border-radius:9px;color:#fff;"
-        f"background:{'#00684D' if good else '#A63C00'}'>{plan.status}</span>"
+        f"background:{'#00684D' if good else '#A63C00'}'>{plan.certificate.word}</span>"
     )
     note = "<div style='color:#9A4300'>The scenario was changed since.</div>" if stale else ""
     report = plan.report
@@ -107,9 +107,13 @@ def verdict(plan: Plan, *, before: float | None, stale: bool) -> str:
 
 
 def certificate_table(plan: Plan) -> str:
-    """Every row of the certificate, the fullest limit first."""
-    rows = sorted(plan.certificate.rows, key=lambda row: (row.ok, -row.use))
-    cells = "".join(_certificate_row(row) for row in rows)
+    """Every row of the certificate, the fullest limit first; the checks of the record in one line unless one fails."""
+    certificate = plan.certificate
+    rows = [row for row in certificate.rows if not (row.of_record and row.ok)]
+    rows = sorted(rows, key=lambda row: (row.ok, -row.use))
+    joints = plan.scene.robot.joints
+    short = dict(zip(joints, short_names(joints), strict=True))
+    cells = "".join(_certificate_row(row, short.get(row.label, row.label)) for row in rows)
     head = "".join(
         f"<th style='text-align:{side};padding:2px 4px;position:sticky;top:0;background:#fff'>{text}</th>"
         for text, side in _COLUMNS
@@ -117,26 +121,22 @@ def certificate_table(plan: Plan) -> str:
     return (
         f"<div id='nospill-certificate' style='max-height:62vh;overflow:auto;margin:4px 10px;border:1px solid #ddd'>"
         f"<table style='border-collapse:collapse;width:100%;font-size:12px;line-height:1.3;color:#222'>"
-        f"<thead><tr>{head}</tr></thead><tbody>{cells}</tbody></table></div>"
+        f"<thead><tr>{head}</tr></thead><tbody>{cells}</tbody></table>"
+        f"<div style='padding:2px 4px;font-size:12px'>{escape(integrity_line(certificate))}</div></div>"
     )
 
 
-def _certificate_row(row: Row) -> str:
-    factor, unit = shown_unit(row.unit, row.limit)
+def _certificate_row(row: Row, name: str) -> str:
+    text = row_text(row)
     red, green, blue = use_colours([row.use])[0]  # type: ignore[arg-type]
-    worst, limit = (f"{factor * figure:.4g}" for figure in (row.worst_value, row.limit))
-    # rounded so that it is 100 % at the very limit only
-    tenths = math.floor(1e3 * row.use) if row.ok else math.ceil(1e3 * row.use) if row.use < 10.0 else 9999
-    used = f"{tenths / 10:.1f} %"
     mark = "" if row.ok else f";color:{_WRONG};font-weight:600"
     cell = "padding:2px 4px;border-top:1px solid #eee"
+    right = f"{cell};text-align:right;white-space:nowrap"
     return (
         f"<tr style='{mark[1:]}' title='at t = {row.at_s:.3f} s'><td style='{cell}'>{escape(row.constraint)}</td>"
-        f"<td style='{cell};overflow-wrap:anywhere'>{escape(row.label)}</td>"
-        f"<td style='{cell};text-align:right;white-space:nowrap'>{worst} {escape(unit)}</td>"
-        f"<td style='{cell};text-align:right;white-space:nowrap'>{limit}</td>"
-        f"<td style='{cell};text-align:right;white-space:nowrap;border-right:5px solid rgb({red},{green},{blue})'>"
-        f"{used}</td></tr>"
+        f"<td style='{cell};overflow-wrap:anywhere'>{escape(name)}</td>"
+        f"<td style='{right};border-right:5px solid rgb({red},{green},{blue})'>{text.use}</td>"
+        f"<td style='{right}'>{text.value}</td><td style='{right}'>{escape(text.limit_and_unit)}</td></tr>"
     )
 
 

@@ -14,9 +14,10 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
 from nospill.errors import ModelError
 from nospill.laws import codegen
-from nospill.laws.parameters import Structure, parameter_count, symbolic_numbers
+from nospill.laws.kinds import motion_kind, numbers_of_object, object_kind, symbolic_object
+from nospill.laws.parameters import Structure, flatten
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.joint_paths.search import JointPath
@@ -24,6 +25,7 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held, solve_joints
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.path_expression import PathPiece, path_table, piece_degree, piece_size, span_of
 from nospill.transcription.stages import Stages, StageSamples, sample_stages
 from nospill.transcription.tray_state import tray_state
 
@@ -120,20 +122,16 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
 
 
 @lru_cache(maxsize=16)
-def _functions(structure: Structure) -> codegen.Functions:
-    """The tray's pose and motion from the chains; the liquids' crests from their displacements and the tray's motion.
-
-    Last input of both: the scene's numbers.
-    """
+def tray_function(kind: Structure) -> Any:
+    """(chains, piece of the path, gravity) -> the tray's pose and motion."""
 
     def build() -> tuple[codegen.Functions, None]:
-        parameters = SX.sym("p", parameter_count(structure))
-        numbers = symbolic_numbers(structure, parameters)
-        layout = layout_of(structure)
-        symbol = SX.sym("chains", 3 * layout.chains)
-        state = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+        layout, gravity = layout_of(kind), SX.sym("g")
+        symbol, piece = SX.sym("chains", 3 * layout.chains), SX.sym("piece", piece_size(kind.degree))
+        chains = tuple(layout.chain(symbol, index) for index in range(layout.chains))
+        state = tray_state(PathPiece.of(piece), chains, tilt_free=kind.tilt_free, gravity=gravity)
         motion, rotation = state.motion, state.rotation
-        acceleration, angular_acceleration = state.acceleration(numbers.gravity)
+        acceleration, angular_acceleration = state.acceleration(gravity)
         parts = [
             state.position,
             ca.vec(rotation.T),
@@ -145,18 +143,25 @@ def _functions(structure: Structure) -> codegen.Functions:
             motion.angular_acceleration,
             motion.specific_force,
         ]
-        made = {"tray": _dense("tray", [symbol, parameters], parts)}
-        count = coordinate_count(structure)
-        if count:
-            displacement, body = SX.sym("q", count), SX.sym("body", 9)
-            zeros = SX.zeros(count)
-            slosh = split_states(structure, displacement, zeros, zeros)
-            objects = sample_objects(structure, numbers, body_motion(body), slosh)
-            heights = [crest(item.structure, item.surface) for item in objects if item.structure.oscillators]
-            made["crests"] = _dense("crests", [displacement, body, parameters], heights)
-        return made, None
+        return {"tray": _dense("tray", [symbol, piece, gravity], parts)}, None
 
-    return codegen.functions("export", structure, build)[0]
+    return codegen.functions("export", kind, build)[0]["tray"]
+
+
+@lru_cache(maxsize=64)
+def crest_function(kind: Structure) -> Any:
+    """(displacements, the tray's motion, gravity and numbers of the object) -> crest of its liquid."""
+
+    def build() -> tuple[codegen.Functions, None]:
+        (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
+        displacement, body = SX.sym("q", count), SX.sym("body", 9)
+        slosh = split_states(kind, displacement, SX.zeros(count), SX.zeros(count))
+        (found,) = sample_objects(kind, numbers, body_motion(body), slosh)
+        return {
+            "crest": _dense("crest", [displacement, body, parameters], [crest(found.structure, found.surface)])
+        }, None
+
+    return codegen.functions("crest", kind, build)[0]["crest"]
 
 
 def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
@@ -164,8 +169,11 @@ def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
 
 
 def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
-    function = _functions(structure_of(scene))["tray"]
-    flat = evaluate(function, [chains.T], flat_numbers(scene))
+    structure, path = structure_of(scene), scene.path
+    kind = replace(motion_kind(structure), degree=piece_degree(structure))
+    pieces = path_table(path.breaks, path.coefficients, degree=kind.degree)[:, span_of(path.breaks, chains[:, 0])]
+    own = chains[:, : 3 * layout_of(kind).chains].T
+    flat = evaluate(tray_function(kind), [own, pieces], np.array([scene.gravity]))
     return TraySamples(
         position=flat[:3].T.copy(),
         rotation=flat[3:12].T.reshape(-1, 3, 3),
@@ -224,15 +232,14 @@ def smooth_where_singular(
 
 
 def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
-    structure = structure_of(scene)
-    if not coordinate_count(structure):
-        return {}
-    function = _functions(structure)["crests"]
-    table = evaluate(function, [samples.displacement.T, tray.body], flat_numbers(scene))
-    tracks = {}
-    carriers = [
-        (cargo, own) for cargo, own in zip(scene.cargo, structure.slosh_slices, strict=True) if cargo.oscillators
-    ]
-    for row, (cargo, own) in enumerate(carriers):
-        tracks[cargo.name] = SloshTrack(samples.displacement[:, own], samples.velocity[:, own], table[row])
+    structure, numbers, tracks = structure_of(scene), numbers_of(scene), {}
+    for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
+        if not cargo.oscillators:
+            continue
+        displacement, function = (
+            samples.displacement[:, own],
+            crest_function(object_kind(structure, structure.objects[index])),
+        )
+        crests = evaluate(function, [displacement.T, tray.body], flatten(numbers_of_object(numbers, index)))
+        tracks[cargo.name] = SloshTrack(displacement, samples.velocity[:, own], crests[0])
     return tracks

@@ -18,6 +18,7 @@ from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression
 from nospill.transcription.layout import IntegratorChain, Layout
+from nospill.transcription.path_expression import PathPiece
 from nospill.transcription.tray_state import TrayState, tray_state
 
 
@@ -27,9 +28,12 @@ def joint_equalities(
     stage: SX,
     layout: Layout,
     chains: tuple[IntegratorChain, ...],
+    piece: PathPiece,
     tray: TrayState,
 ) -> SX:
     """The equations (zero) of a node; `stage` (layout.size, 1) in physical units, `tray` as the chains have it.
+
+    `piece` is the path's at the node.
 
     Half the antisymmetric part of R_d^T R is sin(angle) times the axis of the remaining turn, zero only where the
     attitudes agree (or differ by half a turn).
@@ -52,7 +56,7 @@ def joint_equalities(
     if layout.orders > 2:
         jerks = stage[layout.jerks]
         equations.append(
-            _twist_jerk(structure)(*joints, numbers.tool) - _tray_jerk(structure, numbers, layout, chains, jerks)
+            _twist_jerk(structure)(*joints, numbers.tool) - _tray_jerk(structure, numbers, layout, chains, piece, jerks)
         )
     if layout.redundant:
         own = (*chains[-1], stage[layout.jerks][-1])
@@ -84,11 +88,17 @@ def _twist_jerk(structure: Structure) -> Any:
 
 
 def _tray_jerk(
-    structure: Structure, numbers: SceneNumbers, layout: Layout, chains: tuple[IntegratorChain, ...], jerks: SX
+    structure: Structure,
+    numbers: SceneNumbers,
+    layout: Layout,
+    chains: tuple[IntegratorChain, ...],
+    piece: PathPiece,
+    jerks: SX,
 ) -> SX:
     """Second time derivative (6, 1) of the tray's twist in base axes, right after the node: there the jerk jumps."""
     symbol = SX.sym("chains", 3 * layout.chains)
-    tray = tray_state(structure, numbers, tuple(layout.chain(symbol, index) for index in range(layout.chains)))
+    moving = tuple(layout.chain(symbol, index) for index in range(layout.chains))
+    tray = tray_state(piece, moving, tilt_free=structure.tilt_free, gravity=numbers.gravity)
     acceleration = ca.vertcat(*tray.acceleration(numbers.gravity))
     rates = [ca.vertcat(*chain[1:], jerks[index]) for index, chain in enumerate(chains)]
     jerk = ca.jtimes(acceleration, symbol, ca.vertcat(*rates))

@@ -27,11 +27,13 @@ class Derivatives:
     Attributes:
         outputs: (m, 1).
         jacobian: (m, n) of the outputs.
+        gradient: (n, 1) of multipliers . outputs.
         hessian: (n, n) upper triangle of that of multipliers . outputs.
     """
 
     outputs: SX
     jacobian: SX
+    gradient: SX
     hessian: SX
 
 
@@ -59,14 +61,21 @@ class LiftedVariables:
         """An expression without symbols of lifted values."""
         return ca.substitute([expression], self._symbols, self._written_out())[0] if self._symbols else expression
 
-    def derivatives(self, z: SX, outputs: SX, multipliers: SX) -> Derivatives:
-        """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1)."""
+    def derivatives(self, z: SX, outputs: SX, multipliers: SX, *, further: tuple[SX, SX] | None = None) -> Derivatives:
+        """Differentiate outputs (m, 1), written in z (n, 1) and lifted symbols, with multipliers (m, 1).
+
+        `further` are some of z and the symbols (k, 1), and a symmetric matrix (k, k) to be added to the Hessian with
+        respect to them: second derivatives of outputs that are only known as numbers.
+        """
         adjoints = [SX.sym(f"g{index}", symbol.numel()) for index, symbol in enumerate(self._symbols)]
         parts = [ca.dot(adjoint, value) for adjoint, value in zip(adjoints, self._values, strict=True)]
         lagrangian = ca.dot(multipliers, outputs) + sum(parts, SX(0))
         everything = ca.vertcat(z, *self._symbols)
         jacobian = ca.jacobian(outputs, everything)
         hessian, gradient = ca.hessian(lagrangian, everything)
+        if further is not None:
+            chosen = ca.jacobian(further[0], everything)
+            hessian += chosen.T @ (further[1] @ chosen)
         hessian = ca.triu2symm(ca.triu(hessian))
 
         end = everything.numel()
@@ -92,8 +101,9 @@ class LiftedVariables:
             )[0]
             replaced.insert(0, own)
             end = start
-        found = ca.substitute([outputs, jacobian, ca.triu(hessian)], [*self._symbols, *adjoints], [*written, *replaced])
-        return Derivatives(found[0], found[1], found[2])
+        parts = [outputs, jacobian, gradient[: z.numel()], ca.triu(hessian)]
+        found = ca.substitute(parts, [*self._symbols, *adjoints], [*written, *replaced])
+        return Derivatives(found[0], found[1], found[2], found[3])
 
     def _written_out(self) -> list[SX]:
         written: list[SX] = []

@@ -1,4 +1,4 @@
-"""The whole problem from the functions of one stage, mapped over the stages and placed by a fixed permutation.
+"""The whole problem from the blocks of a stage, mapped over the stages and placed by fixed permutations.
 
 Variables, scaled: x_0, u_0, x_1, u_1, ..., x_N. Constraints: per stage the gap x_{k+1} - F(x_k, u_k), the equalities
 and the active rows; then the active rows on x_N. Nothing of the size of the whole problem is ever differentiated.
@@ -6,7 +6,7 @@ and the active rows; then the active rows on x_N. Nothing of the size of the who
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,11 +14,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from nospill.core.batches import over_columns, thread_count
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
+from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
 from nospill.transcription.layout import Layout
 from nospill.transcription.stage import Block, RowIndex
-from nospill.transcription.stage_functions import StageFunctions, Triplets, stage_functions
+from nospill.transcription.stage_functions import StageFunctions, stage_functions
+from nospill.transcription.tray_block import Triplets
 
 MX = ca.MX
 
@@ -27,9 +28,6 @@ IndexedBackoff = Mapping[RowIndex, float]
 
 IndexedRows = frozenset[RowIndex]
 """Rows that take part, those on the final state as well."""
-
-_MOST_THREADS = 4
-"""Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +78,7 @@ class Transcription:
         return np.concatenate([flatten(numbers), scales, fractions, [self.intervals]])
 
 
-def transcribe(
-    structure: Structure,
-    intervals: int,
-    *,
-    active: IndexedRows | None = None,
-) -> Transcription:
+def transcribe(structure: Structure, intervals: int, *, active: IndexedRows | None = None) -> Transcription:
     """The transcription of a structure.
 
     Args:
@@ -98,7 +91,7 @@ def transcribe(
 
 @lru_cache(maxsize=32)
 def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | None) -> Transcription:
-    whole, layout = stage.sizes, stage.layout
+    whole = stage.sizes
     rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
     end_rows, end_blocks = _active_rows(whole.end_blocks, active, 0)
     zeros = np.zeros(whole.fixed)
@@ -106,49 +99,33 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
     lower = np.concatenate([zeros, whole.lower[chosen]])
     upper = np.concatenate([zeros, whole.upper[chosen]])
 
-    constraints, constraint_jacobian, cost_gradient, lagrangian_hessian = _over_stages(stage, intervals)
-    size, states, rows_per_stage = layout.size, layout.states, len(rows)
-    total = intervals * size + states
-    w = MX.sym("w", total)
-    p = MX.sym("p", stage.constraints.size1_in(1))
-    stages, final = ca.reshape(w[: intervals * size], size, intervals), w[intervals * size :]
-    following = ca.horzcat(stages[:states, 1:], final)
+    given = BlockCalls(stage, intervals)
+    w, p = given.w, given.p
+    gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)
+    following = w[_following(stage, intervals)]
 
-    def gather(mapped: MX) -> MX:
-        picked = mapped[rows.tolist(), :]
-        gaps = ca.vertcat(following + picked[:states, :], picked[states:, :])
-        return ca.vertcat(ca.vec(gaps), stage.end_constraints(final, p)[end_rows.tolist(), :])
+    def gathered(stacked: MX) -> MX:
+        return ca.vertcat(stacked, stacked[gap_rows] + following)[row_order]
 
-    costs, values = constraints(stages, p)
-    nlp = {"x": w, "p": p, "f": ca.sum2(costs), "g": gather(values)}
-
-    values, jacobian = constraint_jacobian(stages, p)
-    entries, end_entries, sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
-    nonzeros = ca.vertcat(
-        ca.vec(jacobian[entries.tolist(), :]),
-        MX.ones(intervals * states),
-        stage.end_constraint_jacobian(final, p)[end_entries.tolist()],
-    )
+    values, cost = gathered(given.constraints()), given.cost()
+    of_jacobian, slopes = given.constraint_jacobian()
+    sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
+    slopes = ca.vertcat(slopes, MX.ones(intervals * stage.layout.states))
     jac_g = ca.Function(
-        "nlp_jac_g", [w, p], [gather(values), MX(sparsity, nonzeros[order])], ["x", "p"], ["g", "jac_g_x"]
+        "nlp_jac_g",
+        [w, p],
+        [gathered(of_jacobian), MX(sparsity, slopes[order])],
+        ["x", "p"],
+        ["g", "jac_g_x"],
     )
-
-    costs, gradients = cost_gradient(stages, p)
-    gradient = ca.vertcat(ca.vec(gradients), MX.zeros(states))
-    grad_f = ca.Function("nlp_grad_f", [w, p], [ca.sum2(costs), gradient], ["x", "p"], ["f", "grad_f_x"])
-
-    multipliers, weight = MX.sym("lam_g", intervals * rows_per_stage + len(end_rows)), MX.sym("lam_f")
-    own, of_end = ca.vertsplit(multipliers, [0, intervals * rows_per_stage, multipliers.numel()])
-    own = ca.reshape(own, rows_per_stage, intervals)
+    grad_f = ca.Function("nlp_grad_f", [w, p], list(given.cost_gradient()), ["x", "p"], ["f", "grad_f_x"])
+    multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
     sparsity, order = _hessian_places(stage, intervals)
-    nonzeros = ca.vertcat(
-        ca.vec(lagrangian_hessian(stages, p, weight, _for_all_rows(own, rows, whole.rows_per_stage))),
-        stage.end_lagrangian_hessian(final, p, _for_all_rows(of_end, end_rows, len(whole.end_lower))),
-    )
+    curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, multipliers, rows, end_rows))
     hess_lag = ca.Function(
         "nlp_hess_l",
         [w, p, weight, multipliers],
-        [MX(sparsity, nonzeros[order])],
+        [MX(sparsity, curvature[order])],
         ["x", "p", "lam_f", "lam_g"],
         ["triu_hess_gamma_x_x"],
     )
@@ -159,25 +136,13 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
         upper=np.concatenate([np.tile(upper, intervals), whole.end_upper[end_rows]]),
         blocks=blocks,
         end_blocks=end_blocks,
-        rows_per_stage=rows_per_stage,
-        nlp=nlp,
+        rows_per_stage=len(rows),
+        nlp={"x": w, "p": p, "f": cost, "g": values},
         jac_g=jac_g,
         grad_f=grad_f,
         hess_lag=hess_lag,
-        constraint_function=ca.Function("constraints", [w, p], [nlp["g"]]),
+        constraint_function=ca.Function("constraints", [w, p], [values]),
     )
-
-
-@lru_cache(maxsize=32)
-def _over_stages(stage: StageFunctions, intervals: int) -> tuple[Any, Any, Any, Any]:
-    """Constraints, their Jacobian, cost gradient and Hessian of all stages: the same for every choice of rows."""
-    threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
-    constraints, constraint_jacobian, cost_gradient = (
-        over_columns(function, intervals, [1], threads=threads)
-        for function in (stage.constraints, stage.constraint_jacobian, stage.cost_gradient)
-    )
-    lagrangian_hessian = over_columns(stage.lagrangian_hessian, intervals, [1, 2], threads=threads)
-    return constraints, constraint_jacobian, cost_gradient, lagrangian_hessian
 
 
 def _active_rows(
@@ -192,25 +157,58 @@ def _active_rows(
     return np.array(rows, dtype=int), tuple(blocks)
 
 
-def _for_all_rows(multipliers: MX, rows: np.ndarray, count: int) -> MX:
-    """Multipliers of `count` rows, one column a stage; those of rows that are left out read an appended zero."""
-    source = np.full(count, len(rows))
-    source[rows] = np.arange(len(rows))
-    return ca.vertcat(multipliers, MX.zeros(1, multipliers.size2()))[source.tolist(), :]
+def _row_places(
+    stage: StageFunctions, active: np.ndarray, end_active: np.ndarray, intervals: int
+) -> tuple[list[int], list[int]]:
+    """Which of the stacked rows are gaps; and the order of all rows, the finished gaps behind the stacked rows."""
+    parts, entries, end_entries = row_parts(stage)
+    places, states = parts.places(entries, intervals), stage.layout.states
+    gaps = places[:, :states]
+    behind = parts.total(intervals) + len(end_entries)
+    order = places[:, active].copy()
+    order[:, :states] = behind + np.arange(gaps.size).reshape(gaps.shape)
+    return gaps.ravel().tolist(), [
+        *order.ravel().tolist(),
+        *(parts.total(intervals) + end_entries[end_active]).tolist(),
+    ]
 
 
-def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tuple[ca.Sparsity, list[int]]:
+def _following(stage: StageFunctions, intervals: int) -> list[int]:
+    """Variables that are the states at the ends of the intervals."""
+    first = (np.arange(intervals)[:, None] + 1) * stage.layout.size
+    return (first + np.arange(stage.layout.states)).ravel().tolist()  # type: ignore[no-any-return]
+
+
+def _for_all_rows(
+    stage: StageFunctions, intervals: int, multipliers: MX, rows: np.ndarray, end_rows: np.ndarray
+) -> Multipliers:
+    """Multipliers of all rows, block by block; those of rows that are left out read an appended zero."""
+    none, first = multipliers.numel(), intervals * len(rows)
+    source = np.full((intervals, stage.sizes.rows_per_stage), none)
+    source[:, rows] = np.arange(first).reshape(intervals, len(rows))
+    end_source = np.full(len(stage.sizes.end_lower), none)
+    end_source[end_rows] = first + np.arange(len(end_rows))
+    padded = ca.vertcat(multipliers, 0)
+
+    def of(own: np.ndarray) -> MX:
+        return ca.reshape(padded[source[:, own].ravel().tolist()], len(own), intervals)
+
+    ends = tuple(padded[end_source[item.end_rows].tolist()] for item in stage.objects)
+    return Multipliers(of(stage.tray.rows), tuple(of(item.rows) for item in stage.objects), ends)
+
+
+def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tuple[ca.Sparsity, np.ndarray]:
     """Sparsity of the given entries and, per stored nonzero, which entry it is."""
     order = np.lexsort((rows, columns))
-    sparsity = ca.Sparsity.triplet(*shape, rows[order].tolist(), columns[order].tolist())
-    return sparsity, order.tolist()
+    starts = np.searchsorted(columns[order], np.arange(shape[1] + 1))
+    return ca.Sparsity(*shape, starts.tolist(), rows[order].tolist()), order
 
 
 def _jacobian_places(
     stage: StageFunctions, active: np.ndarray, end_active: np.ndarray, intervals: int
-) -> tuple[np.ndarray, np.ndarray, ca.Sparsity, list[int]]:
-    """Entries of a stage's and of the end's Jacobian that take part, sparsity of the whole, order of its nonzeros."""
-    layout, sizes, count = stage.layout, stage.sizes, len(active)
+) -> tuple[ca.Sparsity, list[int]]:
+    """Sparsity of the whole Jacobian; and of each nonzero its place among the stacked ones, behind them the gaps'."""
+    layout, sizes, count, parts = stage.layout, stage.sizes, len(active), jacobian_parts(stage)
     entries, rows, columns = _active_entries(sizes.jacobian, active, sizes.rows_per_stage)
     end_entries, end_rows, end_columns = _active_entries(sizes.end_jacobian, end_active, len(sizes.end_lower))
     index, state = np.arange(intervals)[:, None], np.arange(layout.states)
@@ -220,8 +218,12 @@ def _jacobian_places(
         ((index + 1) * layout.size + state).ravel(),
         intervals * layout.size + end_columns,
     ]
+    ends = parts.total(intervals)
+    ones = ends + len(sizes.end_jacobian[0])
+    places = [parts.places(entries, intervals).ravel(), ones + np.arange(intervals * layout.states), ends + end_entries]
     whole = (intervals * count + len(end_active), intervals * layout.size + layout.states)
-    return entries, end_entries, *_place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
+    sparsity, order = _place(np.concatenate(all_rows), np.concatenate(all_columns), whole)
+    return sparsity, np.concatenate(places)[order].tolist()
 
 
 def _active_entries(triplets: Triplets, active: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -235,11 +237,13 @@ def _active_entries(triplets: Triplets, active: np.ndarray, count: int) -> tuple
 
 @lru_cache(maxsize=32)
 def _hessian_places(stage: StageFunctions, intervals: int) -> tuple[ca.Sparsity, list[int]]:
-    size, index = stage.layout.size, np.arange(intervals)[:, None]
-
-    def spread(triplets: Triplets, end: Triplets) -> Callable[[int], np.ndarray]:
-        return lambda axis: np.concatenate([(index * size + triplets[axis]).ravel(), intervals * size + end[axis]])
-
-    entries = spread(stage.sizes.hessian, stage.sizes.end_hessian)
+    """Sparsity of the whole Hessian's upper triangle, and of each nonzero its place among the stacked ones."""
+    size, index, parts = stage.layout.size, np.arange(intervals)[:, None], hessian_parts(stage)
+    own, end = stage.sizes.hessian, stage.sizes.end_hessian
+    rows, columns = (
+        np.concatenate([(index * size + own[axis]).ravel(), intervals * size + end[axis]]) for axis in range(2)
+    )
+    places = [parts.places(np.arange(len(own[0])), intervals).ravel(), parts.total(intervals) + np.arange(len(end[0]))]
     total = intervals * size + stage.layout.states
-    return _place(entries(0), entries(1), (total, total))
+    sparsity, order = _place(rows, columns, (total, total))
+    return sparsity, np.concatenate(places)[order].tolist()

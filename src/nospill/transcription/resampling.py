@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.laws.scene_parameters import numbers_of
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout
 from nospill.transcription.stages import Stages, sample_stages
+
+_FLAT_SWING = 1.0
+"""rad; the phase of a mode is then right to 0.02 rad after 70."""
 
 
 def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
@@ -31,6 +33,13 @@ def resample(stages: Stages, layout: Layout, intervals: int) -> Stages:
 
 
 def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
-    """Intervals in which no carried mode turns by more than `swing` rad over a motion of `duration` s."""
-    fastest = max((mode.frequency for item in numbers_of(scene).objects for mode in item.oscillators), default=0.0)
-    return int(np.ceil(fastest * duration / swing))
+    """Intervals in which no first mode turns by more than `swing` rad over a motion of `duration` s.
+
+    Others, whose part of a height is small, turn by 1 rad at most, or by `swing` where that is more.
+    """
+    turns = [
+        mode.frequency * duration / (swing if mode.number == 1 else max(swing, _FLAT_SWING))
+        for cargo in scene.cargo
+        for mode in cargo.oscillators
+    ]
+    return int(np.ceil(max(turns, default=0.0)))

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from nospill.laws.scene_parameters import structure_of
-from nospill.motion.trajectory import Trajectory
+from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
 from nospill.transcription.collocation import POINTS
-from nospill.transcription.layout import layout_of
+from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stages import Stages
 
 
 def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
     """An exported motion as a start: sampled linearly, slosh accelerations from differences of the velocities.
 
-    Liquids that the trajectory does not know start at rest.
+    Liquids that the trajectory does not know, or fewer modes of them, start at rest.
     """
     structure = structure_of(scene)
     layout = layout_of(structure)
@@ -24,8 +26,8 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
     times = np.linspace(0.0, duration, intervals + 1)
     interval = duration / intervals
 
-    def at(values: np.ndarray, t: np.ndarray = times) -> np.ndarray:
-        return np.column_stack([np.interp(t, trajectory.t, column) for column in values.T])
+    def at(values: np.ndarray) -> np.ndarray:
+        return _at(times, trajectory.t, values)
 
     table = np.zeros((intervals + 1, layout.size))
     chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
@@ -40,16 +42,52 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
         table[:, 3 * index : 3 * index + 3] = at(chain)
         table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
     table[:, layout.interval] = interval
-    for cargo, columns in zip(scene.cargo, structure.slosh_slices, strict=True):
-        track = trajectory.slosh.get(cargo.name)
-        if track is not None and track.displacement.shape[1] == columns.stop - columns.start:
-            table[:, layout.displacement][:, columns] = at(track.displacement)
-            table[:, layout.velocity][:, columns] = at(track.velocity)
-            change = np.gradient(track.velocity, trajectory.t, axis=0)
-            for point in range(2):
-                inside = np.minimum(times + POINTS[point] * interval, duration)
-                table[:, layout.acceleration(point)][:, columns] = at(change, inside)
+    _fill_liquids(table, scene, trajectory.t, trajectory.slosh)
     further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
     return Stages(interval, table, direction)
+
+
+def with_liquids(
+    scene: Scene, stages: Stages, layout: Layout, t: np.ndarray, slosh: Mapping[str, SloshTrack]
+) -> Stages:
+    """A motion with the liquids of another problem.
+
+    Args:
+        scene: of that problem; it differs from the one the motion answers in its liquids alone.
+        stages: the motion.
+        layout: of the motion.
+        t: (m,) s, times of the tracks.
+        slosh: the liquids along the motion by the names of the scene's cargo; others start at rest.
+    """
+    wanted = layout_of(structure_of(scene))
+    table = np.zeros((len(stages.table), wanted.size - wanted.regular))
+    chains = slice(0, layout.interval + 1)
+    table[:, chains], table[:, wanted.jerks] = stages.table[:, chains], stages.table[:, layout.jerks]
+    for order in range(layout.orders + 1):
+        table[:, wanted.joint_derivative(order)] = stages.table[:, layout.joint_derivative(order)]
+    _fill_liquids(table, scene, t, slosh)
+    return Stages(stages.interval, table, stages.self_motion)
+
+
+def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping[str, SloshTrack]) -> None:
+    """Write the liquids of a scene into a table; a track may have more modes, the first ones are the scene's."""
+    structure = structure_of(scene)
+    layout = layout_of(structure)
+    interval = table[0, layout.interval]
+    times = interval * np.arange(len(table))
+    for cargo, columns in zip(scene.cargo, structure.slosh_slices, strict=True):
+        track, count = slosh.get(cargo.name), columns.stop - columns.start
+        if track is not None and track.displacement.shape[1] >= count:
+            velocity = track.velocity[:, :count]
+            table[:, layout.displacement][:, columns] = _at(times, t, track.displacement[:, :count])
+            table[:, layout.velocity][:, columns] = _at(times, t, velocity)
+            change = np.gradient(velocity, t, axis=0)
+            for point in range(2):
+                inside = np.minimum(times + POINTS[point] * interval, times[-1])
+                table[:, layout.acceleration(point)][:, columns] = _at(inside, t, change)
+
+
+def _at(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(times, t, column) for column in values.T])

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
-from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import tray_motion
 from nospill.transcription.layout import IntegratorChain
 from nospill.transcription.lifted_variables import LiftedVariables
-from nospill.transcription.path_expression import path_expression
+from nospill.transcription.path_expression import PathPiece
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,14 +49,14 @@ class TrayState:
         return self.rotation @ self.motion.specific_force - weight, self.rotation @ self.motion.angular_acceleration
 
 
-def tray_state(structure: Structure, numbers: SceneNumbers, chains: tuple[IntegratorChain, ...]) -> TrayState:
-    """The tray frame's pose and motion from s and, where free, the tilt angles."""
+def tray_state(piece: PathPiece, chains: tuple[IntegratorChain, ...], *, tilt_free: bool, gravity: SX) -> TrayState:
+    """The tray frame's pose and motion from s and, where free, the tilt angles; `piece` is the path's at s."""
     s, speed, acceleration = chains[0]
-    value, first, second = path_expression(numbers.path_breaks, numbers.path_coefficients, s)
+    value, first, second = piece.at(s)
     rate, change = first * speed, second * speed**2 + first * acceleration
     level = (SX(0), SX(0), SX(0))
-    theta_x, theta_y = (chains[1], chains[2]) if structure.tilt_free else (level, level)
+    theta_x, theta_y = (chains[1], chains[2]) if tilt_free else (level, level)
     rotation = tray_rotation(value[3], theta_y[0], theta_x[0])
     omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
-    motion = tray_motion(rotation, change[:3], omega, alpha, numbers.gravity)
+    motion = tray_motion(rotation, change[:3], omega, alpha, gravity)
     return TrayState(value[:3], rate[:3], rotation, motion)

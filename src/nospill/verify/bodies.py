@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.laws.scene_parameters import object_numbers
-from nospill.scene.cargo import Cargo
+from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.scene import Scene
 
 RIM_POINTS = 16
@@ -74,9 +74,12 @@ class Body:
 
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
-    """Every object of a scene with its liquid moving, whatever the fidelity it was planned with."""
+    """Every object of a scene with its liquid moving, whatever the fidelity it was planned with.
+
+    A liquid has the modes that the scenario states, one unless it says otherwise; the others weigh a hundredth of it.
+    """
     full = replace(scene, fidelity="full")
-    return tuple(_body(cargo, full) for cargo in scene.cargo)
+    return tuple(_body(with_modes(cargo, scene.slosh_modes), full) for cargo in scene.cargo)
 
 
 def _body(cargo: Cargo, scene: Scene) -> Body:
@@ -115,7 +118,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
                 mass=(1.0 - stays) * mode.mass,
                 height=mode.height,
                 axes=tuple(axes[direction] for direction in mode.directions),
-                curvature=mode.curvature,
+                curvature=mode.stiffness,
                 damping=2.0 * mode.damping * mode.frequency * (1.0 - stays) * mode.mass,
             )
             for mode in oscillators

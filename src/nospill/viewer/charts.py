@@ -1,8 +1,8 @@
 """Charts beside the scene as one SVG picture, the same in the live viewer and in the file.
 
-Three panels a plan over one time axis: heights of the liquids, use of the contact limits, joint speeds; limits are
-drawn and named. The cursor over them is placed by three properties of a style sheet, so that nothing else is sent while
-time goes on.
+Four panels a plan over one time axis: which limits hold the motion back and when, heights of the liquids, use of the
+contact limits, joint speeds; limits are drawn and named. The cursor over them is placed by three properties of a style
+sheet, so that nothing else is sent while time goes on.
 """
 
 from __future__ import annotations
@@ -13,12 +13,21 @@ from html import escape
 
 import numpy as np
 
-from nospill.film.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS
+from nospill.core.short_names import cut, cut_apart, short_names
+from nospill.film.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS, use_colours
 from nospill.film.timeline import Film
+from nospill.judge.limiting import limiting_names, limiting_rows
 
 WIDTH = 320
 """Of the picture, px."""
 _LEFT, _RIGHT, _PANEL, _TITLE, _KEY, _AXIS = 34, 8, 84, 15, 12, 15
+_LANE, _MOST_LANES, _SHADES, _EVERY = 19, 6, 16, 4
+"""Height of a lane, px; lanes; steps of their colour; of so many instants of the judge one is drawn."""
+_LONGEST_NAME = 22
+_HATCH = (
+    "<defs><pattern id='nospill-hatch' width='4' height='4' patternUnits='userSpaceOnUse' "
+    "patternTransform='rotate(45)'><path d='M0 0v4' stroke='#000' stroke-width='1.6'/></pattern></defs>"
+)
 _FONT = "font-family='system-ui,-apple-system,Segoe UI,DejaVu Sans,sans-serif'"
 _RATE, _MOST_POINTS = 200.0, 420
 _CURSOR_STYLE = (
@@ -47,6 +56,25 @@ class Panel:
     limits: tuple[tuple[float, str], ...]
     low: float
     high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """A limit over time: its name, share of the time at it, times (m,) s, use (m,), and whether it is at it (m,)."""
+
+    name: str
+    share: float
+    t: np.ndarray
+    use: np.ndarray
+    at_limit: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Lanes:
+    """Limits over time, one below the other: colour is the use, hatched where the motion is at the limit."""
+
+    title: str
+    lanes: tuple[Lane, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +116,20 @@ class Charts:
 def draw_charts(films: Sequence[Film], titles: Sequence[str]) -> Charts:
     """Panels of one or several plans on one time axis; where there are several, titled, and like below like."""
     length = max(film.length for film in films)
-    found: list[tuple[int, Panel]] = []
+    found: list[tuple[int, Panel | Lanes]] = []
     for film, title in zip([film.at_rate(_RATE) for film in films], titles, strict=True):
-        found += _panels(film, f"{title}: " if len(films) > 1 else "")
-    pieces, y = [], 14.0
+        before = f"{title}: " if len(films) > 1 else ""
+        found += [*_limits(film, before), *_panels(film, before)]
+    pieces, y = [_HATCH], 14.0
     for _, panel in sorted(found, key=lambda item: item[0]):
-        pieces.append(_draw(panel, y, length))
-        y += _panel_height(panel)
-    pieces.append(_time_axis(y - 10, length))
-    height = round(y + _AXIS)
+        if isinstance(panel, Lanes):
+            pieces.append(_draw_lanes(panel, y, length))
+            y += _TITLE + _LANE * len(panel.lanes) + 10
+        else:
+            pieces.append(_draw(panel, y, length))
+            y += _panel_height(panel)
+    pieces.append(_time_axis(y - 6, length))
+    height = round(y + _AXIS + 4)
     svg = f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} {height}' {_FONT}>{''.join(pieces)}</svg>"
     return Charts(svg, height, _LEFT, WIDTH - _RIGHT, length)
 
@@ -119,6 +152,46 @@ def colour_key() -> str:
     )
 
 
+def _limits(film: Film, before: str) -> list[tuple[int, Lanes]]:
+    """What holds a plan back, with its rank; nothing where the motion comes near no limit."""
+    rows = limiting_rows(film.judgement)[:_MOST_LANES]
+    names = limiting_names([item.row for item in rows], film.plan.scene.robot.joints)
+    lanes = [
+        Lane(name, item.share, item.t[::_EVERY], item.use[::_EVERY], item.at_limit[::_EVERY])
+        for name, item in zip(names, rows, strict=True)
+    ]
+    return [(0, Lanes(f"{before}what holds it back (/// at limit)", tuple(lanes)))] if lanes else []
+
+
+def _draw_lanes(panel: Lanes, top: float, length: float) -> str:
+    """The lanes with their upper edge at `top` px: name and share of the time above each."""
+    right = WIDTH - _RIGHT
+    scale = (right - _LEFT) / length
+    pieces = [
+        f"<text x='{_LEFT}' y='{top + _TITLE - 4:.0f}' font-size='11' font-weight='600' fill='#222'>"
+        f"{escape(panel.title)}</text>"
+    ]
+    for line, lane in enumerate(panel.lanes):
+        y = top + _TITLE + _LANE * line
+        pieces.append(
+            f"<text x='{_LEFT}' y='{y + 8:.0f}' font-size='9' fill='#222'>{escape(cut(lane.name, 36))}</text>"
+            f"<text x='{right}' y='{y + 8:.0f}' font-size='9' fill='#222' text-anchor='end'>"
+            f"{100 * lane.share:.0f} % of the time</text>"
+        )
+        colours = use_colours(np.round(lane.use * _SHADES) / _SHADES)
+        keys = np.column_stack([colours, lane.at_limit])
+        starts = np.concatenate([[0], np.flatnonzero(np.any(keys[1:] != keys[:-1], axis=1)) + 1])
+        edges = np.append(lane.t[starts], lane.t[-1])
+        for start, begin, end in zip(starts, edges[:-1], edges[1:], strict=True):
+            wide = scale * (end - begin) + 0.15
+            place = f"x='{_LEFT + scale * begin:.1f}' y='{y + 10:.0f}' width='{wide:.1f}' height='7'"
+            red, green, blue = colours[start]
+            pieces.append(f"<rect {place} fill='rgb({red},{green},{blue})'/>")
+            if lane.at_limit[start]:
+                pieces.append(f"<rect {place} fill='url(#nospill-hatch)'/>")
+    return "".join(pieces)
+
+
 def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
     """A plan's panels with their rank from top to bottom."""
     panels: list[tuple[int, Panel]] = []
@@ -129,17 +202,18 @@ def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
         reached = min(max(float(np.max(line.values)) for line in lines), 1.6e3 * limits[-1])
         highest = max(1e3 * limits[-1], reached)
         named = tuple((1e3 * limit, f"{1e3 * limit:.3g} mm") for limit in limits)
-        panels.append((0, Panel(f"{before}liquid height [mm]", tuple(lines), named, 0.0, 1.15 * highest)))
+        panels.append((1, Panel(f"{before}liquid height [mm]", tuple(lines), named, 0.0, 1.15 * highest)))
     uses = [Line(name, film.t, use) for name, use in film.contact_use.items()]
     if uses:
         top = float(np.clip(1.1 * max(np.max(line.values) for line in uses), 1.15, 2.0))
-        panels.append((1, Panel(f"{before}contact, use of limit [1]", tuple(uses), ((1.0, "limit 1"),), 0.0, top)))
+        panels.append((2, Panel(f"{before}contact, use of limit [1]", tuple(uses), ((1.0, "limit 1"),), 0.0, top)))
     speeds = [
-        Line(name, film.t, film.joint_speed_use[:, index]) for index, name in enumerate(film.plan.scene.robot.joints)
+        Line(name, film.t, film.joint_speed_use[:, index])
+        for index, name in enumerate(short_names(film.plan.scene.robot.joints))
     ]
     reach = max(1.15, 1.05 * max(float(np.max(np.abs(line.values))) for line in speeds))
     both = ((1.0, "limit 1"), (-1.0, "limit -1"))
-    panels.append((2, Panel(f"{before}joint speed over limit [1]", tuple(speeds), both, -reach, reach)))
+    panels.append((3, Panel(f"{before}joint speed over limit [1]", tuple(speeds), both, -reach, reach)))
     return panels
 
 
@@ -205,16 +279,16 @@ def _key_rows(panel: Panel) -> list[list[int]]:
 
 
 def _key_width(name: str) -> float:
-    return 30 + 5.4 * min(len(name), 22)
+    return 30 + 5.4 * min(len(name), _LONGEST_NAME)
 
 
 def _key(panel: Panel, lower: float) -> str:
     pieces = []
+    names = cut_apart([line.name for line in panel.lines], _LONGEST_NAME)
     for number, row in enumerate(_key_rows(panel)):
         x, y = float(_LEFT), lower + _KEY * (number + 1) - 1
         for index in row:
-            name = panel.lines[index].name
-            short = name if len(name) <= 22 else f"{name[:13]}…{name[-8:]}"
+            name, short = panel.lines[index].name, names[index]
             pieces.append(
                 f"<line x1='{x:.0f}' x2='{x + 16:.0f}' y1='{y - 3:.0f}' y2='{y - 3:.0f}' stroke-width='1.6' "
                 f"stroke='{SERIES[index % len(SERIES)]}' stroke-dasharray='{SVG_DASHES[index % len(SVG_DASHES)]}'/>"

@@ -41,7 +41,7 @@ def title_of(film: Film) -> str:
     """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
     scene = film.plan.scene
     kind = "tilting" if scene.motion.tilt_free else "level"
-    verdict = "certified" if film.judgement.certificate.ok else "NOT certified"
+    verdict = film.judgement.certificate.word
     return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 
 

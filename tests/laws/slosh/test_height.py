@@ -1,5 +1,7 @@
 """Surface height: combination of modes, static correction, and the crest round the wall against a scan of it."""
 
+import dataclasses
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from nospill.scene.liquids import LIQUIDS
 WATER = LIQUIDS["water"]
 DEPTH = 0.049
 CUP, BOX = Cylinder(0.035, 0.1), Box(0.07, 0.05, 0.1)
-DISC, RECTANGLE = ObjectStructure(DiscFootprint, ()), ObjectStructure(RectangleFootprint, ())
+DISC, RECTANGLE = ObjectStructure(DiscFootprint, (), ()), ObjectStructure(RectangleFootprint, (), ())
 
 
 def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, ObjectStructure]:
@@ -43,12 +45,13 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         max_slosh_height=0.02,
         static_correction=modes.static_correction,
         oscillators=tuple(
-            OscillatorNumbers(mode.frequency, mode.curvature, mode.mass, mode.height, mode.damping, mode.surface_gain)
+            OscillatorNumbers(*[getattr(mode, field.name) for field in dataclasses.fields(OscillatorNumbers)])
             for mode in modes.oscillators
         ),
     )
     directions = tuple(tuple("xy".index(axis) for axis in mode.directions) for mode in modes.oscillators)
-    return constants(numbers), ObjectStructure(type(container.footprint), directions)
+    flat = tuple(mode.curvature == 0.0 for mode in modes.oscillators)
+    return constants(numbers), ObjectStructure(type(container.footprint), directions, flat)
 
 
 def states_of(structure: ObjectStructure, displacements: list[np.ndarray]) -> tuple[OscillatorState, ...]:
@@ -69,7 +72,7 @@ def test_static_tilt_gives_the_flat_surface_with_any_number_of_modes(container, 
     force = STANDARD_GRAVITY * np.cos(angle) * np.append(-lean, 1.0)
     rest = []
     for mode, directions in zip(numbers.oscillators, structure.oscillators, strict=True):
-        rest.append(lean[list(directions)] / float(mode.curvature))
+        rest.append(lean[list(directions)] / float(mode.stiffness))
     eta = surface_vector(numbers, structure, still(force), states_of(structure, rest), corrected=True)
     reach = np.array((0.035, 0.035) if container is CUP else (0.035, 0.025))
     np.testing.assert_allclose(ca.evalf(eta).full().ravel(), reach * lean, rtol=1e-9, atol=1e-15)

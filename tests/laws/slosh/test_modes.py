@@ -14,11 +14,11 @@ from nospill.scene.liquids import LIQUIDS
 WATER = LIQUIDS["water"]
 
 
-def test_curvature_is_free_of_gravity():
+def test_stiffness_is_free_of_gravity():
     for container in (Cylinder(0.035, 0.1), Box(0.07, 0.05, 0.1)):
         for mode in container.slosh_modes(WATER, 0.049, 3).oscillators:
-            assert mode.curvature == pytest.approx(mode.wave_number * np.tanh(mode.wave_number * 0.049), rel=1e-13)
-            assert mode.curvature * STANDARD_GRAVITY == pytest.approx(mode.frequency**2, rel=1e-14)
+            assert mode.stiffness == pytest.approx(mode.wave_number * np.tanh(mode.wave_number * 0.049), rel=1e-13)
+            assert mode.stiffness * STANDARD_GRAVITY == pytest.approx(mode.frequency**2, rel=1e-14)
 
 
 @settings(max_examples=40, deadline=None)
@@ -31,7 +31,7 @@ def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):
     for index, axis in enumerate(("x", "y")):
         # Equilibrium of the linear law at rest: a_x + P a_z q = 0.
         height = sum(
-            mode.surface_gain * -lateral / (mode.curvature * axial)
+            mode.surface_gain * -lateral / (mode.stiffness * axial)
             for mode in modes.oscillators
             if axis in mode.directions
         )

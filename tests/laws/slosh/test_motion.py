@@ -62,6 +62,7 @@ def random_oscillator(random: np.random.Generator) -> OscillatorNumbers:
     frequency = random.uniform(10, 60)
     return OscillatorNumbers(
         frequency=frequency,
+        stiffness=frequency**2 / STANDARD_GRAVITY,
         curvature=frequency**2 / STANDARD_GRAVITY,
         mass=random.uniform(0.01, 1.0),
         height=random.uniform(-0.05, 0.1),
@@ -207,7 +208,7 @@ def test_static_tilt_gives_the_flat_surface(angle, azimuth):
     force = STANDARD_GRAVITY * np.append(-np.sin(angle) * lean, np.cos(angle))
     total = np.zeros(2)
     for mode in modes.oscillators:
-        rest = np.tan(angle) * lean / mode.curvature
+        rest = np.tan(angle) * lean / mode.stiffness
         oscillator, _ = numbers_of(mode)
         remaining = acceleration(DISC, oscillator, np.zeros(3), np.zeros(3), force, rest, np.zeros(2))
         assert np.abs(remaining).max() < 1e-11

@@ -157,7 +157,7 @@ def test_mass_moment_inertia_and_height_sums(radius, fill, count):
     assert 0 < inertia < modes.liquid_mass * (radius**2 / 4 + h**2 / 12)
     for mode, root in zip(modes.oscillators, bessel_roots(count), strict=True):
         assert mode.directions == ("x", "y")
-        assert mode.curvature == pytest.approx(mode.wave_number * np.tanh(mode.wave_number * h), rel=1e-12)
+        assert mode.stiffness == pytest.approx(mode.wave_number * np.tanh(mode.wave_number * h), rel=1e-12)
         # The published expressions of the height: by the modal mass and by the frequency.
         by_mass = root**2 * h * mode.mass / (radius * modes.liquid_mass)
         by_frequency = 2 * radius * mode.frequency**2 / (STANDARD_GRAVITY * (root**2 - 1))

@@ -203,6 +203,7 @@ class Constraint(ABC):
         least_size: what a margin is measured by at least, in the constraint's unit, where the limit's distance from
             zero says nothing.
         limit_key: where the scenario has the limit; None where no key relaxes this constraint alone.
+        in_words: what holds a motion back where this limit does, about a "{subject}"; where it is empty, the name.
     """
 
     name: ClassVar[str]
@@ -217,6 +218,7 @@ class Constraint(ABC):
     integration_error: ClassVar[float] = 0.0
     least_size: ClassVar[float] = 0.0
     limit_key: ClassVar[LimitKey | None] = None
+    in_words: ClassVar[str] = ""
 
     @abstractmethod
     def subjects(self, scene: Scene) -> tuple[str, ...]:

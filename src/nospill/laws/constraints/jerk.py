@@ -14,6 +14,7 @@ class PathJerk(Constraint):
     unit = "1/s^3"
     role = Role.TRAY
     evaluated_at = EvaluationPoint.CONTROL
+    in_words = "path jerk"
     description = "Third time derivative of the path parameter."
     limit_key = MotionKey("path_jerk_limit", "path_jerk", largest=1e6)
 
@@ -35,6 +36,7 @@ class TiltJerk(Constraint):
     unit = "rad/s^3"
     role = Role.TRAY
     evaluated_at = EvaluationPoint.CONTROL
+    in_words = "tilt jerk {subject}"
     description = "Third time derivative of each tilt angle."
     limit_key = MotionKey("tilt_jerk_limit", "angular_jerk", largest=1e6)
 

@@ -14,6 +14,7 @@ class JointAcceleration(Constraint):
     unit = "rad/s^2"
     role = Role.JOINT
     evaluated_at = EvaluationPoint.JOINT
+    in_words = "acceleration of {subject}"
     description = "Joint acceleration inside the robot's limits, where they are set."
     backoff = 8e-3
     limit_key = JointKey("acceleration", "max_acceleration", "angular_acceleration")

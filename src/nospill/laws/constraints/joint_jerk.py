@@ -14,6 +14,7 @@ class JointJerk(Constraint):
     unit = "rad/s^3"
     role = Role.JOINT
     evaluated_at = EvaluationPoint.CONTROL
+    in_words = "jerk of {subject}"
     description = "Third difference of the joint samples inside the robot's limits, where they are set."
     limit_key = JointKey("jerk", "max_jerk", "angular_jerk")
 

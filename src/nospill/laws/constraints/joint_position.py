@@ -18,6 +18,7 @@ class JointPosition(Constraint):
     unit = "rad"
     role = Role.JOINT
     evaluated_at = EvaluationPoint.JOINT
+    in_words = "range of {subject}"
     description = "Joint angle inside the robot's limits."
     least_size = math.pi  # half a turn: a joint's zero may lie anywhere in its range
 

@@ -14,6 +14,7 @@ class JointSpeed(Constraint):
     unit = "rad/s"
     role = Role.JOINT
     evaluated_at = EvaluationPoint.JOINT
+    in_words = "speed of {subject}"
     description = "Joint speed inside the robot's limits."
     limit_key = JointKey("speed", "max_speed", "angular_speed")
 

@@ -18,6 +18,7 @@ class JointTorque(Constraint):
     unit = "N m"
     role = Role.JOINT
     evaluated_at = EvaluationPoint.JOINT
+    in_words = "torque of {subject}"
     description = "Joint torque of the rigid arm with its load inside the limits, where inertias and limits are known."
     limit_key = JointKey("torque", "max_torque", "torque", falls_with_load=True)
 

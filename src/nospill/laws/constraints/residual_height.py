@@ -6,7 +6,9 @@ import casadi as ca
 
 from nospill.core.frames import SX
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role, liquid_names
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure
 from nospill.laws.sample import ObjectSample, Sample
+from nospill.laws.slosh.motion import OscillatorState
 from nospill.laws.slosh.residual import residual_bound
 from nospill.scene.scene import Scene
 
@@ -16,13 +18,14 @@ STILL_FRACTION = 0.02
 The optimiser holds it at zero exactly; the judge integrates with another method and must find it this small."""
 
 _SMOOTHING = 0.02
-"""Of the bound, as a fraction of its limit: it adds 0.01 % for a mode that reaches it, 1.4 % for one at rest."""
+"""Of the bounds of all modes, as a fraction of the limit: it adds 0.01 % where one mode reaches it, 2 % at rest."""
 
 
 class ResidualHeight(Constraint):
     """Height for all t >= t_e below residual_fraction * max_slosh_height.
 
-    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height.
+    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height; of
+    many modes the judge plays the free motion on where that is above the limit (`judge.after_end`).
     """
 
     name = "residual height"
@@ -45,18 +48,33 @@ class ResidualHeight(Constraint):
             if not item.structure.oscillators:
                 continue
             limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
-            height = SX(0)
-            for oscillator, state in zip(item.numbers.oscillators, item.states, strict=True):
-                gain = ca.fabs(oscillator.surface_gain)
-                height += gain * residual_bound(
-                    state.displacement,
-                    state.velocity,
-                    frequency=oscillator.frequency,
-                    damping=oscillator.damping,
-                    smoothing=_SMOOTHING * limit / gain,
-                )
+            height = height_bound(item.structure, item.numbers, item.states, limit)
             budgets.append((Range(height, -limit, limit, limit),))
         return tuple(budgets)
+
+
+def height_bound(
+    structure: ObjectStructure, numbers: ObjectNumbers, states: tuple[OscillatorState, ...], limit: SX
+) -> SX:
+    """Sum of the modes' bounds, which the height never exceeds once the tray stands level, scalar, m.
+
+    Args:
+        structure: of the object.
+        numbers: of the object.
+        states: of its modes.
+        limit: m, of which the smoothing is a part.
+    """
+    height = SX(0)
+    for oscillator, state in zip(numbers.oscillators, states, strict=True):
+        gain = ca.fabs(oscillator.surface_gain)
+        height += gain * residual_bound(
+            state.displacement,
+            state.velocity,
+            frequency=oscillator.frequency,
+            damping=oscillator.damping,
+            smoothing=_SMOOTHING * limit / (gain * structure.modes),
+        )
+    return height
 
 
 class EndDisplacement(Constraint):

@@ -32,6 +32,7 @@ class Slip(Constraint):
     unit = "1"
     role = Role.CONTACT
     evaluated_at = EvaluationPoint.OBJECT
+    in_words = "friction of {subject}"
     relative = True
     description = (
         "Tangential contact force (at full fidelity with the moment about the centre of pressure) against planned "

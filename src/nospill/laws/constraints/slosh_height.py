@@ -14,6 +14,7 @@ class SloshHeight(Constraint):
     unit = "m"
     role = Role.LIQUID
     evaluated_at = EvaluationPoint.OBJECT
+    in_words = "liquid of {subject}"
     description = "Highest point of the liquid's surface at the wall above its rest level."
     backoff = 1.5e-3
     restart_backoff = 2.3e-3

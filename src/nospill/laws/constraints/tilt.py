@@ -19,6 +19,7 @@ class Tilt(Constraint):
     unit = "rad"
     role = Role.TRAY
     evaluated_at = EvaluationPoint.CONTROL
+    in_words = "tilt {subject}"
     description = "Each of the tray's two tilt angles against max_tilt."
     limit_key = MotionKey("max_tilt", "angle", largest=math.radians(59.9))
 

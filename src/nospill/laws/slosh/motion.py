@@ -1,14 +1,21 @@
 """Equation of motion of a sloshing liquid in general rigid motion, one oscillator at a time.
 
-The modal mass slides on a paraboloid about the container's axis. With q its horizontal displacement (one or two
-coordinates), rho = (D q, H + P |q|^2 / 2) its place in the container frame and a the apparent acceleration at rho
-(specific force, Euler, centrifugal, Coriolis and relative terms), the equation is J^T a + damping = 0 with
-J = d rho / d q. With f = a - rho'' it reads for a circular cup
+The modal mass slides on a paraboloid of curvature P about the container's axis. With q its horizontal displacement (one
+or two coordinates), rho = (D q, H + P |q|^2 / 2) its place in the container frame and a the apparent acceleration at
+rho (specific force, Euler, centrifugal, Coriolis and relative terms), the equation is
 
-    (I + P^2 q q^T) q'' = -f_xy - P f_z q - P^2 |q'|^2 q - 2 zeta omega (q' + P^2 (q.q') q);
+    J^T a + (kappa - P) b_z q + damping = 0,  J = d rho / d q,
 
-on a level tray it is the published 4-D equation. The stiffness comes from the apparent gravity along the axis, so P is
-free of g.
+b_z the specific force along the axis at the place of rest (0, 0, H), kappa = omega^2/g the stiffness. The first mode's
+paraboloid is its spring, P = kappa; with f = a - rho'' its equation reads for a circular cup
+
+    (I + P^2 q q^T) q'' = -f_xy - P f_z q - P^2 |q'|^2 q - 2 zeta omega (q' + P^2 (q.q') q),
+
+on a level tray the published 4-D equation. The others are flat, P = 0, and linear in q, as potential theory gives them:
+
+    q'' = -f_xy - kappa b_z q - 2 zeta omega q'.
+
+The stiffness comes from the apparent gravity along the axis, so kappa is free of g.
 """
 
 from __future__ import annotations
@@ -68,7 +75,7 @@ def motion_residual(
     *,
     damp_against_spin: bool,
 ) -> SX:
-    """J^T a + damping, shape (k, 1), m/s^2; zero on a motion of the liquid, linear in the acceleration.
+    """J^T a + (kappa - P) b_z q + damping, shape (k, 1), m/s^2; zero on a motion, linear in the acceleration.
 
     Args:
         oscillator: its numbers.
@@ -86,7 +93,10 @@ def motion_residual(
     if damp_against_spin and len(directions) == 2:
         slip_rate = qd + motion.angular_velocity[2] * ca.vertcat(-q[1], q[0])
     damping = 2 * oscillator.damping * oscillator.frequency
-    return along + curvature * q * apparent[2] + damping * (slip_rate + curvature**2 * ca.dot(q, slip_rate) * q)
+    place_of_rest = ca.vertcat(0, 0, oscillator.height)
+    axial = motion.at(place_of_rest).specific_force[2]
+    spring = curvature * q * apparent[2] + (oscillator.stiffness - curvature) * axial * q
+    return along + spring + damping * (slip_rate + curvature**2 * ca.dot(q, slip_rate) * q)
 
 
 def modal_acceleration(

@@ -49,22 +49,33 @@ def residual_bound(
 
 
 def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Slosh coordinates after the end of the motion, the tray at rest.
-
-    Args:
-        scene: with the liquids.
-        displacement: (k,) of all slosh coordinates at the end, m.
-        velocity: (k,) likewise, m/s.
-        t: (m,) since the end, s.
-
-    Returns:
-        (m, k), m.
-    """
+    """Slosh coordinates of a scene after the end of the motion, the tray at rest: the first part of `free_states`."""
     modes = [
         (mode.frequency, mode.damping) for cargo in scene.cargo for mode in cargo.oscillators for _ in mode.directions
     ]
     frequency, damping = np.array(modes).reshape(-1, 2).T
+    return free_states(frequency, damping, displacement, velocity, t)[0]
+
+
+def free_states(
+    frequency: np.ndarray, damping: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Slosh coordinates and their rates after the end of the motion, the tray at rest.
+
+    Args:
+        frequency: (k,) omega of every coordinate, rad/s.
+        damping: (k,) zeta, below 1.
+        displacement: (k,) at the end, m.
+        velocity: (k,) likewise, m/s.
+        t: (m,) since the end, s.
+
+    Returns:
+        (m, k), m and m/s.
+    """
     decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)
     quadrature = (velocity + decay * displacement) / damped
     later = t[:, None]
-    return np.exp(-decay * later) * (displacement * np.cos(damped * later) + quadrature * np.sin(damped * later))
+    envelope, cosine, sine = np.exp(-decay * later), np.cos(damped * later), np.sin(damped * later)
+    q = envelope * (displacement * cosine + quadrature * sine)
+    change = envelope * damped * (quadrature * cosine - displacement * sine)
+    return q, change - decay * q

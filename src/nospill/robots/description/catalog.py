@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -64,6 +65,8 @@ def load_robot(name: str) -> Robot:
         reach=facts.get("reach_m"),
         sources=dict(facts["sources"]),
         not_known=tuple(facts["not_known"]),
+        base_frame=facts.get("base_frame", ""),
+        controller_base_turn=math.radians(facts["controller_base_turn_deg"]) if "base_frame" in facts else None,
     )
 
 
@@ -111,7 +114,7 @@ def robot_table() -> list[dict[str, Any]]:
     Returns:
         Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
         max_speed_deg_s, max_acceleration_rad_s2, max_jerk_rad_s3, max_torque_nm (None where nobody states it),
-        inertias_known, home_deg, sources, not_known.
+        inertias_known, home_deg, base_frame, sources, not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 
@@ -133,6 +136,7 @@ def _row(robot: Robot) -> dict[str, Any]:
         "max_torque_nm": None if robot.max_torque is None else robot.max_torque.tolist(),
         "inertias_known": robot.inertias_known,
         "home_deg": None if robot.home is None else _degrees(robot.home),
+        "base_frame": robot.base_frame,
         "sources": dict(robot.sources),
         "not_known": list(robot.not_known),
     }

@@ -80,6 +80,9 @@ class UrdfArm:
     notes: tuple[str, ...]
 
 
+_MOUNT = "world_to_base"
+"""Joint that places a moved base in the world."""
+
 NO_LOCKS: Mapping[str, object] = {}
 WORLD = BasePose()
 
@@ -315,9 +318,22 @@ def _based(tree: UrdfTree, base: BasePose) -> UrdfTree:
     )
     if not base.moved():
         return replace(tree, joints=joints)
-    world, mount = _free("world", tree.links), _free("world_to_base", [joint.name for joint in joints])
+    world, mount = _free("world", tree.links), _free(_MOUNT, [joint.name for joint in joints])
     placed = UrdfJoint(mount, "fixed", world, tree.root(), position=base.position, rpy=base.rpy)
     return UrdfTree(tree.name, {world: None, **tree.links}, (placed, *joints))
+
+
+def base_pose(urdf: str) -> tuple[np.ndarray, np.ndarray]:
+    """Position (3,), m, and rotation (3, 3) of an arm's base in the world of path and gravity.
+
+    Args:
+        urdf: text as `read_arm` returns it; the world's own pose where its base was not moved.
+    """
+    tree = read_tree(urdf)
+    mounts = [joint for joint in tree.joints if joint.parent == tree.root() and joint.name.startswith(_MOUNT)]
+    if not mounts:
+        return np.zeros(3), np.eye(3)
+    return np.array(mounts[0].position), rotation_of(mounts[0].rpy)
 
 
 def _free(name: str, taken: Mapping[str, object] | Sequence[str]) -> str:

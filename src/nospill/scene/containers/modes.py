@@ -26,6 +26,7 @@ class Oscillator:
             same side.
         directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
         wave_number: k_n, 1/m.
+        number: n, 1 for the slowest mode along its directions.
     """
 
     frequency: float
@@ -35,11 +36,25 @@ class Oscillator:
     surface_gain: float
     directions: tuple[str, ...]
     wave_number: float
+    number: int
+
+    @property
+    def stiffness(self) -> float:
+        """omega_n^2/g = k_n tanh(k_n h), 1/m: restoring acceleration per displacement and apparent gravity; free of g.
+
+        The mass at rest in an apparent gravity that leans by a_xy/a_z stands at -a_xy/(a_z stiffness).
+        """
+        return self.frequency**2 / STANDARD_GRAVITY
 
     @property
     def curvature(self) -> float:
-        """P = omega_n^2/g = k_n tanh(k_n h), 1/m: curvature of the paraboloid the mass slides on; free of g."""
-        return self.frequency**2 / STANDARD_GRAVITY
+        """P_n, 1/m: curvature of the surface the mass slides on, a paraboloid for the first mode, else a plane.
+
+        On a paraboloid gravity along the axis is the spring, and P_1 is the stiffness. A fast mode would stand on a
+        slope of 1 at a displacement of a millimetre or two, where nothing but linear potential theory supports it; its
+        spring is linear.
+        """
+        return self.stiffness if self.number == 1 else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +83,11 @@ class SloshModes:
     quasi_static_gain: np.ndarray
 
     @property
+    def count(self) -> int:
+        """Number of modes in each direction."""
+        return max(mode.number for mode in self.oscillators)
+
+    @property
     def static_correction(self) -> np.ndarray:
         """Quasi-static height that the modes carried leave out, along x and y, shape (2,), m, read-only.
 
@@ -76,7 +96,7 @@ class SloshModes:
         mode of a circular cup it is (1 - 2/(xi_1^2 - 1)) R, 16 % of the radius.
         """
         carried = [
-            sum(mode.surface_gain / mode.curvature for mode in self.oscillators if axis in mode.directions)
+            sum(mode.surface_gain / mode.stiffness for mode in self.oscillators if axis in mode.directions)
             for axis in ("x", "y")
         ]
         return read_only(self.quasi_static_gain - carried)

@@ -136,6 +136,7 @@ def slosh_model(
     scale = damping / slowest.laminar_damping(liquid, liquid_height)
     oscillators = tuple(
         Oscillator(
+            number=1 + sum(slower.directions == mode.directions for slower in modes[:index]),
             frequency=mode.frequency(liquid_height),
             mass=mode.mass_fraction * frozen.mass,
             height=mode.mass_height(liquid_height),
@@ -144,7 +145,7 @@ def slosh_model(
             directions=mode.directions,
             wave_number=mode.wave_number,
         )
-        for mode in modes
+        for index, mode in enumerate(modes)
     )
     fixed_mass = frozen.mass - sum(oscillator.mass for oscillator in oscillators)
     if abs(fixed_mass) < _SMALLEST_FIXED_FRACTION * frozen.mass:

@@ -1,4 +1,4 @@
-"""The reference of scenario files, walked out of the JSON schema: meaning, type, unit, bounds, default of every key."""
+"""The page of all keys of a scenario file, walked out of the JSON schema: type, unit, default, bounds and meaning."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from nospill.core.units import DIMENSIONS
-from nospill.scenario import scenario_schema
+from nospill.scenario.reader import scenario_schema
 
 Schema = dict[str, Any]
 
-_UNITS = re.compile(r"\\s\*\(([^()]*)\)\?\\s\*\$$")
+_UNITS = re.compile(r"\\s\*\(([^()]*)\)\??\\s\*\$$")
 _LARGE_ANGLE = 50.0
 """rad; bounds beyond it are no angles people think of in degrees."""
 
@@ -32,6 +32,22 @@ class Section:
     description: str
     rows: dict[str, Schema]
     required: frozenset[str]
+
+
+INTRODUCTION = """# Keys of a scenario
+
+Every key of a scenario file, generated from the reader's own tables by `nospill schema --markdown`.
+[The scenario guide](scenario-guide.md) introduces the keys by hand.
+Unknown keys are refused.
+A quantity is a string with one of its units, or a bare number in the first of them.
+A bare number that is hardly meant in that unit, such as a radius of 35, is refused.
+A dash as default means that the meaning states what applies where the key is absent.
+"""
+
+
+def scenario_page() -> str:
+    """The page of all keys as Markdown."""
+    return INTRODUCTION + scenario_reference()
 
 
 def scenario_reference() -> str:
@@ -108,15 +124,15 @@ def _section_text(section: Section, schema: Schema) -> str:
     head = "## The top level" if section.place == "top level" else f"## {section.place}"
     about = re.sub(r"^`\[+[\w.]+\]+`(?: with [^:]*)?: ?|^`type = [^`]*`: ?", "", section.description)
     intro = f"{about[:1].upper()}{about[1:]}\n\n" if about else ""
-    lines = ["| key | meaning | type and units | bounds | default |", "|---|---|---|---|---|"]
+    lines = ["| key | type and units | default | allowed | meaning |", "|---|---|---|---|---|"]
     for name, value in section.rows.items():
         meaning = value.get("description", "selects these keys" if "const" in value else "")
         cells = (
             f"`{name}`",
-            meaning,
             type_text(value, schema),
-            "; ".join(dict.fromkeys(bounds_text(value, schema))),
             default_text(name, value, section.required),
+            "; ".join(dict.fromkeys(bounds_text(value, schema))),
+            meaning,
         )
         lines.append("| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |")
     return f"\n{head}\n\n{intro}" + "\n".join(lines) + "\n"
@@ -150,7 +166,13 @@ def _kind(item: Schema, schema: Schema) -> str:
         return f"table of names, each {type_text(item['additionalProperties'], schema)}"
     if item.get("properties"):
         return "table"
-    words = {"string": "text", "integer": "whole number", "number": "number", "boolean": "true or false"}
+    words = {
+        "string": "text",
+        "integer": "whole number",
+        "number": "number",
+        "boolean": "true or false",
+        "object": "table",
+    }
     return words.get(str(item.get("type")), str(item.get("type", "anything")))
 
 

@@ -1,0 +1,82 @@
+"""Residual height of a liquid with many modes: played on where the sum of the modes' bounds says too little.
+
+Each mode's bound holds for all time, and so does their sum; but the modes are never all at their highest at once. Where
+the sum is above the limit, the free motion is played on in closed form. At any time T after the end two numbers bound
+the height for all time together: the highest surface until T, and the sum of the bounds of the state at T, which
+decays. The least of their maximum over T is the height; at T = 0 it is the sum itself.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.batches import evaluate
+from nospill.core.frames import SX
+from nospill.laws.constraints.residual_height import height_bound
+from nospill.laws.parameters import (
+    ObjectNumbers,
+    ObjectStructure,
+    flatten,
+    object_parameter_count,
+    symbolic_object_numbers,
+)
+from nospill.laws.sample import object_states
+from nospill.laws.slosh.residual import free_states
+
+_STEP = 1e-3
+"""s; a mode at 20 Hz reaches 0.2 % more than its highest sample, and is a small part of the height."""
+_LONGEST = 4.0
+"""s; what the fast modes add has decayed by then."""
+_EVERY = 50
+"""Of the instants at which the surface is looked at, every how many the sum of the bounds is."""
+
+
+def residual_height(
+    item: ObjectStructure, numbers: ObjectNumbers, displacement: np.ndarray, velocity: np.ndarray, limit: float
+) -> float:
+    """Height that the surface of a liquid at rest and level never exceeds after the end, m.
+
+    Args:
+        item: structure of the object.
+        numbers: of the object, floats.
+        displacement: (k,) slosh coordinates at the end, m.
+        velocity: (k,) likewise, m/s.
+        limit: m, for the smoothing of the bound.
+    """
+    after = _STEP * np.arange(round(_LONGEST / _STEP) + 1)
+    modes = list(zip(numbers.oscillators, item.oscillators, strict=True))
+    frequency, damping = (
+        np.array([getattr(mode, name) for mode, axes in modes for _ in axes], dtype=float)
+        for name in ("frequency", "damping")
+    )
+    q, qd = free_states(frequency, damping, displacement, velocity, after)
+    own = np.append(flatten(numbers), limit)
+    bound = evaluate(_bound(item), [q[::_EVERY].T, qd[::_EVERY].T], own)[0]
+    highest = np.maximum.accumulate(free_heights(item, numbers, q))[::_EVERY]
+    return float(np.min(np.maximum(highest, bound)))
+
+
+def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np.ndarray) -> np.ndarray:
+    """Crest round the wall (m,) m of a liquid at rest and level, from its slosh coordinates (m, k)."""
+    gains = np.zeros((2, displacement.shape[1]))
+    column = 0
+    for mode, axes in zip(numbers.oscillators, item.oscillators, strict=True):
+        for axis in axes:
+            gains[axis, column] = mode.surface_gain
+            column += 1
+    vectors = item.footprint.crest_vectors(gains @ displacement.T)
+    return np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
+
+
+@lru_cache(maxsize=16)
+def _bound(item: ObjectStructure) -> Any:
+    """(displacements, velocities, numbers of the object with the limit) -> sum of the bounds, m."""
+    count, size = item.coordinates, object_parameter_count(item)
+    q, qd, p = SX.sym("q", count), SX.sym("qd", count), SX.sym("p", size + 1)
+    states = object_states(item, q, qd, SX.zeros(count))
+    height = height_bound(item, symbolic_object_numbers(item, p[:size]), states, p[size])
+    return ca.Function("bound", [q, qd, p], [height], {"cse": True})

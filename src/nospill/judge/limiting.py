@@ -1,0 +1,102 @@
+"""Which limits hold a motion back, and when: use over time of every limit that the motion comes near."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.core.short_names import short_names
+from nospill.judge.certificate import Judgement
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
+
+NEAR = 0.9
+"""Use above which a limit is one that the motion comes near."""
+AT_LIMIT = 0.985
+"""Use from which the motion is at a limit: what the back-off leaves free of it is less than the rest."""
+_NAMED = 3
+_LEAST_SHARE = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class Limiting:
+    """A limit that the motion comes near.
+
+    Attributes:
+        row: constraint and subject.
+        t: (m,) from 0 to the end of the motion, s.
+        use: (m,) of the limit; the largest over the tolerances of the object.
+        share: part of the time for which it is at the limit.
+    """
+
+    row: RowId
+    t: np.ndarray
+    use: np.ndarray
+    share: float
+
+    @property
+    def at_limit(self) -> np.ndarray:
+        """(m,) whether the motion is at the limit."""
+        return self.use >= AT_LIMIT
+
+
+def limiting_rows(judgement: Judgement) -> tuple[Limiting, ...]:
+    """Every limit over time that the motion comes near, the one that holds it longest first.
+
+    Limits of a single instant, such as the residual height, are left out, and the holds with them.
+    """
+    played = judgement.replay.t
+    t = played[(played >= 0.0) & (played <= judgement.end_time)]
+    found = []
+    for trace in judgement.traces:
+        if len(trace.t) < 2:
+            continue
+        row = RowId(trace.constraint, trace.subject)
+        use = np.interp(t, trace.t, trace.use)
+        if row in judgement.corner_use:
+            use = np.maximum(use, np.interp(t, played, judgement.corner_use[row]))
+        if np.max(use) >= NEAR:
+            found.append(Limiting(row, t, use, float(np.mean(use >= AT_LIMIT))))
+    return tuple(sorted(found, key=lambda item: (-item.share, -float(np.max(item.use)))))
+
+
+def share_without_limit(rows: Sequence[Limiting]) -> float:
+    """Part of the time for which the motion is at none of the limits; 1 where there are none."""
+    return 1.0 - float(np.mean(np.any([item.at_limit for item in rows], axis=0))) if rows else 1.0
+
+
+def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
+    """Rows in plain words: "liquid of c1", "friction of c1", "speed of joint 1".
+
+    Args:
+        rows: constraint and subject of each.
+        joints: of the robot, so that their names can be shortened alike.
+    """
+    short = {joint: name.replace("_", " ") for joint, name in zip(joints, short_names(joints), strict=True)}
+    names = []
+    for row in rows:
+        known = BY_NAME.get(row.constraint)
+        plain = (known.in_words if known is not None else "") or f"{row.constraint} of {{subject}}"
+        names.append(plain.format(subject=short.get(row.subject, row.subject)))
+    return names
+
+
+def held_back(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
+    """What holds the motion back, in one sentence without a full stop; empty where nothing does.
+
+    Args:
+        time_at_limit: part of the motion's time at the limit, by label of the row.
+        joints: of the robot.
+    """
+    longest = sorted(time_at_limit.items(), key=lambda item: -item[1])[:_NAMED]
+    named = [(RowId.of(label), share) for label, share in longest if share >= _LEAST_SHARE]
+    if not named:
+        return ""
+    words = limiting_names([row for row, _ in named], joints)
+    first, *others = (f"{100 * share:.0f} %" for _, share in named)
+    return ", ".join(
+        [f"{words[0]} holds {first} of the motion"]
+        + [f"{name} {share}" for name, share in zip(words[1:], others, strict=True)]
+    )

@@ -1,0 +1,50 @@
+"""What a plan rests on beyond its limits: warnings, one function each, in one table.
+
+A warning leaves the verdict as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from nospill.judge.certificate import Judgement
+from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
+from nospill.plans.warnings.liquids import (
+    crest,
+    damping,
+    density,
+    distance_to_the_rim,
+    surface_tension,
+    surface_tension_value,
+    viscosity,
+)
+from nospill.plans.warnings.record import Facts, PlanWarning, Warn
+from nospill.plans.warnings.reserves import back_off, no_reserve
+from nospill.scene.scene import Scene
+
+WARNINGS: tuple[Warn, ...] = (
+    crest,
+    distance_to_the_rim,
+    surface_tension,
+    damping,
+    density,
+    viscosity,
+    surface_tension_value,
+    no_joint_acceleration_limit,
+    below_the_base,
+    no_reserve,
+    back_off,
+)
+"""Every warning, in the order in which they are shown."""
+
+
+def plan_warnings(scene: Scene, judgement: Judgement, backoff: Mapping[str, float]) -> tuple[PlanWarning, ...]:
+    """All warnings about a judged motion.
+
+    Args:
+        scene: the task.
+        judgement: of the motion, with its replay.
+        backoff: fraction of the budget kept from the optimiser, by "constraint | subject".
+    """
+    facts = Facts(scene, judgement, backoff)
+    return tuple(warning for warn in WARNINGS for warning in warn(facts))

@@ -1,0 +1,57 @@
+"""Warnings about the arm: limits that nobody states, and the floor it stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from nospill.core.units import format_quantity
+from nospill.laws.constraints.joint_acceleration import JointAcceleration
+from nospill.plans.warnings.record import Facts, PlanWarning
+from nospill.robots.description.urdf import base_pose
+
+_BEYOND_SPEED = {"max_jerk": "jerk", "max_torque": "torque"}
+
+
+def no_joint_acceleration_limit(facts: Facts) -> Iterator[PlanWarning]:
+    """The joints accelerate without a limit."""
+    robot = facts.scene.robot
+    if robot.max_acceleration is not None:
+        return
+    largest = np.max(np.abs(facts.judgement.replay.joint_acceleration), axis=0)
+    joints = ", ".join(f"{name} {value:.2f}" for name, value in zip(robot.joints, largest, strict=True))
+    others = " and ".join(word for key, word in _BEYOND_SPEED.items() if getattr(robot, key) is None)
+    nor = f" (nor of {others})" if others else ""
+    text = (
+        f"no limit of {JointAcceleration.name}{nor} is known or applied; "
+        f"the largest planned ones in rad/s^2 are: {joints}. Compare them with the maker's data, or give "
+        "limits.acceleration under [robot]."
+    )
+    yield PlanWarning(JointAcceleration.name, robot.name, text, float(np.max(largest)))
+
+
+def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
+    """The tray or an object reaches below the plane on which the base is mounted."""
+    scene, tray = facts.scene, facts.judgement.replay.tray
+    origin, rotation = base_pose(scene.robot.urdf)
+    # in tray axes the base's z is a row; a corner c of an object is at p + R c
+    up = rotation[:, 2]
+    rise = (tray.position - origin) @ up
+    lean = np.einsum("i,mij->mj", up, tray.rotation)
+    sides = scene.tray.size / 2.0
+    corners = {"tray": np.array([(x, y, 0.0) for x in (-sides[0], sides[0]) for y in (-sides[1], sides[1])])}
+    for cargo in scene.cargo:
+        cosine, sine = np.cos(cargo.yaw), np.sin(cargo.yaw)
+        outline = cargo.position + cargo.container.outline @ np.array([[cosine, sine], [-sine, cosine]])
+        ends = [np.column_stack([outline, np.full(len(outline), z)]) for z in (0.0, cargo.container.height)]
+        corners[cargo.name] = np.vstack(ends)
+    for name, points in corners.items():
+        lowest = rise + np.min(points @ lean.T, axis=0)
+        index = int(np.argmin(lowest))
+        if lowest[index] < 0.0:
+            text = (
+                f"it reaches {format_quantity(-float(lowest[index]), 'length', digits=3)} below the plane of the arm's "
+                f"base at t = {facts.judgement.replay.t[index]:.3f} s, where a table or floor may be."
+            )
+            yield PlanWarning("below the base", name, text, float(lowest[index]), 0.0)

@@ -1,0 +1,132 @@
+"""Warnings about liquids: where the slosh model ends, what it leaves out, numbers that no liquid has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from nospill.core.units import format_quantity
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plans.warnings.record import Facts, PlanWarning
+from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.liquids import Liquid
+
+LINEAR_CREST = 1.0 / 3.0
+"""Part of the radius, or of half the side of a box, up to which a linear surface is believed (docs/slosh-model.md)."""
+
+FREQUENCY_SHIFT = 0.02
+"""Rise of the first frequency by surface tension beyond which leaving it out is warned of: over a motion of 2 s a mode
+at 2 Hz gets 0.5 rad out of step. Water reaches it in cups narrower than 25 mm in radius."""
+
+LARGEST_USUAL_DAMPING = 0.1
+"""Damping ratio beyond which the liquid hardly swings and the formula of the damping was not measured."""
+
+USUAL_DENSITY = (400.0, 4000.0)
+"""kg/m^3; from liquefied gases to heavy brines and bromides."""
+USUAL_VISCOSITY = (2e-7, 1e-3)
+"""m^2/s; from pentane to glycerol."""
+USUAL_SURFACE_TENSION = (0.008, 0.1)
+"""N/m; from fluorinated liquids to brines. 0 leaves the surface tension out and is no figure of a liquid."""
+
+_ROUNDING = 1e-9
+
+
+def _fillings(facts: Facts) -> Iterator[tuple[Cargo, Filling]]:
+    return ((cargo, cargo.filling) for cargo in facts.scene.cargo if cargo.filling is not None)
+
+
+def _mm(length: float) -> str:
+    return format_quantity(length, "length", digits=3)
+
+
+def crest(facts: Facts) -> Iterator[PlanWarning]:
+    """The liquid rises beyond what a linear surface is believed for."""
+    heights = {
+        row.subject: row.worst_value for row in facts.judgement.certificate.rows if row.constraint == SloshHeight.name
+    }
+    for cargo, filling in _fillings(facts):
+        side = float(min(filling.modes.quasi_static_gain))
+        limit, value = LINEAR_CREST * side, heights.get(cargo.name, 0.0)
+        if value > limit:
+            text = (
+                f"the crest rises {_mm(value)}, more than a third of the radius or half side ({_mm(limit)}), up to "
+                "which the linear slosh model is believed; a smaller max_slosh_height keeps to it."
+            )
+            yield PlanWarning("crest", cargo.name, text, value, limit)
+
+
+def distance_to_the_rim(facts: Facts) -> Iterator[PlanWarning]:
+    """The limit leaves less of the freeboard than the reserve."""
+    for cargo, filling in _fillings(facts):
+        freeboard = cargo.container.height - filling.liquid_height
+        left, wanted = freeboard - filling.max_slosh_height, filling.freeboard_reserve * freeboard
+        if left < wanted - _ROUNDING * freeboard:
+            text = (
+                f"max_slosh_height leaves {_mm(max(left, 0.0))} to the rim, less than the freeboard reserve of "
+                f"{100 * filling.freeboard_reserve:.3g} % ({_mm(wanted)})."
+            )
+            yield PlanWarning("distance to the rim", cargo.name, text, left, wanted)
+
+
+def surface_tension(facts: Facts) -> Iterator[PlanWarning]:
+    """Surface tension, which the slosh model leaves out, raises the first frequency.
+
+    omega^2 = (g k + sigma k^3/rho) tanh(k h) [Lamb, Hydrodynamics, sec. 267]: by sqrt(1 + 1/Bo) - 1 with the Bond
+    number Bo = rho g/(sigma k^2).
+    """
+    for cargo, filling in _fillings(facts):
+        liquid = filling.liquid
+        slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+        inverse_bond = liquid.surface_tension * slowest.wave_number**2 / (liquid.density * STANDARD_GRAVITY)
+        shift = math.sqrt(1.0 + inverse_bond) - 1.0
+        if shift > FREQUENCY_SHIFT:
+            sigma = format_quantity(liquid.surface_tension, "surface_tension", digits=3)
+            text = (
+                f"surface tension ({sigma}, Bond number {1.0 / inverse_bond:.3g}) raises the first frequency by "
+                f"{100 * shift:.2g} %, which the slosh model leaves out; use a wider cup."
+            )
+            yield PlanWarning("surface tension", cargo.name, text, shift, FREQUENCY_SHIFT)
+
+
+def damping(facts: Facts) -> Iterator[PlanWarning]:
+    """The damping ratio is beyond what was measured."""
+    for cargo, filling in _fillings(facts):
+        factor = 1.0 if cargo.tolerance is None else cargo.tolerance.damping[1]
+        ratio = factor * min(filling.modes.oscillators, key=lambda mode: mode.frequency).damping
+        if ratio > LARGEST_USUAL_DAMPING:
+            text = (
+                f"the damping ratio is {ratio:.3g}, above {LARGEST_USUAL_DAMPING:g}: so viscous a liquid hardly "
+                "swings, and no measurement supports the model there."
+            )
+            yield PlanWarning("damping", cargo.name, text, ratio, LARGEST_USUAL_DAMPING)
+
+
+def _unusual(
+    facts: Facts, name: str, key: str, value_of: Callable[[Liquid], float], usual: tuple[float, float]
+) -> Iterator[PlanWarning]:
+    low, high = usual
+    for cargo, filling in _fillings(facts):
+        value = value_of(filling.liquid)
+        if not low <= value <= high:
+            shown, least, most = (format_quantity(figure, key, digits=4) for figure in (value, low, high))
+            text = f"{key} is {shown}; liquids have {least} to {most}. Is its unit right?"
+            yield PlanWarning(name, cargo.name, text, value, low if value < low else high)
+
+
+def density(facts: Facts) -> Iterator[PlanWarning]:
+    """No liquid has this density."""
+    return _unusual(facts, "density", "density", lambda liquid: liquid.density, USUAL_DENSITY)
+
+
+def viscosity(facts: Facts) -> Iterator[PlanWarning]:
+    """Hardly a liquid that sloshes has this viscosity."""
+    return _unusual(
+        facts, "viscosity", "kinematic_viscosity", lambda liquid: liquid.kinematic_viscosity, USUAL_VISCOSITY
+    )
+
+
+def surface_tension_value(facts: Facts) -> Iterator[PlanWarning]:
+    """Hardly a liquid has this surface tension."""
+    name, key = "surface tension value", "surface_tension"
+    return _unusual(facts, name, key, lambda liquid: liquid.surface_tension, USUAL_SURFACE_TENSION)

@@ -1,0 +1,33 @@
+"""Warnings about reserves: none kept by the user, or much of a limit kept from the optimiser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from nospill.plans.warnings.record import Facts, PlanWarning
+
+LARGEST_USUAL_BACKOFF = 0.05
+"""Fraction of a limit; where more is kept from the optimiser, motion and judge disagree by as much."""
+
+
+def no_reserve(facts: Facts) -> Iterator[PlanWarning]:
+    """A reserve is set to 0."""
+    for cargo in facts.scene.cargo:
+        reserves = {"friction_reserve": cargo.friction_reserve, "footprint_reserve": cargo.footprint_reserve}
+        if cargo.filling is not None:
+            reserves["freeboard_reserve"] = cargo.filling.freeboard_reserve
+        for key, value in reserves.items():
+            if value == 0.0:
+                text = f"{key} is 0: the plan may use all of it, and nothing is left for what the model does not know."
+                yield PlanWarning(key.replace("_", " "), cargo.name, text, 0.0, 0.0)
+
+
+def back_off(facts: Facts) -> Iterator[PlanWarning]:
+    """Much of a limit had to be kept from the optimiser until the judge was content."""
+    for label, value in facts.backoff.items():
+        if value > LARGEST_USUAL_BACKOFF:
+            text = (
+                f"{100 * value:.2g} % of the limit was kept from the optimiser (constraint tightening) until the "
+                "exported motion held, which may cost duration; try more planning.intervals or a higher output.rate."
+            )
+            yield PlanWarning("back-off", label, text, value, LARGEST_USUAL_BACKOFF)

@@ -1,0 +1,98 @@
+"""Largest figures of a motion for whoever reads one line only: what it takes, what it keeps free, what it uses up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nospill.core.short_names import short_names
+from nospill.judge.verdict import Row
+from nospill.judge.wording import reserve, row_text
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.constraints.tilt import Tilt
+from nospill.plots.evidence import Evidence
+
+_HOUR = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """One figure.
+
+    Attributes:
+        value: with its unit.
+        label: what it is.
+        ok: False where the limit it is about fails.
+    """
+
+    value: str
+    label: str
+    ok: bool = True
+
+
+def tiles(evidence: Evidence) -> tuple[Tile, ...]:
+    """Duration and moves an hour, what is left, then the fullest limit of every kind."""
+    certificate, rules = evidence.judgement.certificate, evidence.plan.scene.motion
+    joints = evidence.plan.scene.robot.joints
+    short = dict(zip(joints, short_names(joints), strict=True))
+    moves = int(_HOUR / (evidence.end_time + rules.hold_before + rules.hold_after))
+    worst = certificate.worst
+    kinds = [_fullest(certificate.rows, SloshHeight.name), _fullest(certificate.rows, ResidualHeight.name)]
+    joint_limits = [
+        row
+        for row in certificate.rows
+        if row.constraint in BY_NAME
+        and BY_NAME[row.constraint].role is Role.JOINT
+        and row.constraint != JointPosition.name
+    ]
+    found = [
+        Tile(f"{evidence.end_time:.3f} s", "duration"),
+        Tile(f"{moves:,}".replace(",", "\u202f"), "moves an hour, one way"),
+        Tile(reserve(worst), f"least reserve: {worst.constraint}", worst.ok),
+        *_rim(evidence),
+        *(_height(row) for row in kinds if row is not None),
+    ]
+    tilt = _fullest(certificate.rows, Tilt.name)
+    if tilt is not None and rules.tilt_free:
+        text = row_text(tilt)
+        found.append(Tile(f"{text.value}°", f"largest tilt angle, {text.limit}° allowed", tilt.ok))
+    if joint_limits:
+        row = max(joint_limits, key=lambda item: (not item.ok, item.use))
+        found.append(Tile(row_text(row).use, f"of {row.constraint}, {short.get(row.subject, row.subject)}", row.ok))
+    found.append(Tile(f"{evidence.maxima.tray_acceleration:.3g} m/s²", "largest tray acceleration"))
+    return tuple(found)
+
+
+def liquid_tiles(evidence: Evidence) -> tuple[Tile, ...]:
+    """How high every liquid rises."""
+    rows = evidence.judgement.certificate.rows
+    return tuple(_height(row) for row in rows if row.constraint == SloshHeight.name)
+
+
+def _height(row: Row) -> Tile:
+    text = row_text(row)
+    what = "rises" if row.constraint == SloshHeight.name else "after the end"
+    return Tile(f"{text.value} mm", f"{row.subject} {what}, {text.limit} mm allowed", row.ok)
+
+
+def _rim(evidence: Evidence) -> list[Tile]:
+    """How far below its rim the liquid stays that comes nearest to it; rounded down."""
+    heights = evidence.maxima.slosh_height
+    left = {
+        cargo.name: 1e3 * (cargo.container.height - cargo.filling.liquid_height - heights[cargo.name])
+        for cargo in evidence.plan.scene.cargo
+        if cargo.filling is not None and cargo.name in heights
+    }
+    if not left:
+        return []
+    nearest = min(left, key=left.__getitem__)
+    text = f"{left[nearest] // 0.1 / 10:.1f} mm".replace("-", "−")
+    return [Tile(text, f"left to the rim of {nearest}", left[nearest] >= 0.0)]
+
+
+def _fullest(rows: tuple[Row, ...], constraint: str) -> Row | None:
+    own = [row for row in rows if row.constraint == constraint]
+    return max(own, key=lambda row: (not row.ok, row.use), default=None)

@@ -1,0 +1,132 @@
+"""Scenarios from wherever they are: a file, a bundled example, a plan folder, a dictionary."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from nospill.core.files import UnreadableError, bounded_text
+from nospill.core.suggestions import nearest
+from nospill.core.units import as_written
+from nospill.errors import ScenarioError
+from nospill.scenario.examples import EXAMPLES, example_path
+from nospill.scenario.messages import report
+from nospill.scenario.reader import scene_from_table
+from nospill.scenario.settings import with_settings
+from nospill.scene.scene import Scene
+
+ScenarioSource = str | os.PathLike[str] | Mapping[str, Any]
+"""What names or is a scenario."""
+
+KEPT_SCENARIO = "scenario.toml"
+"""Name of the scenario in a plan folder."""
+
+_LARGEST_FILE = 10_000_000
+_KNOWN_EXAMPLES = f"give a TOML file or a bundled example ({', '.join(EXAMPLES)})"
+
+
+def load(scenario: ScenarioSource, *, settings: Sequence[str] = ()) -> Scene:
+    """Read a scenario.
+
+    Args:
+        scenario: a TOML file, a plan folder, a bundled example by its name, or a dictionary with the keys of a scenario
+            file (files that it names are looked up in the working folder).
+        settings: values to replace, each as "motion.tilt=free", see `with_settings`.
+
+    Raises:
+        ScenarioError: it cannot be read, or describes no possible task; one line that names the file ("scenario" for a
+            dictionary), the place in it, the value and what is allowed.
+    """
+    if isinstance(scenario, Mapping):
+        _require_text_keys(scenario)
+        label = _label("scenario", settings)
+        return scene_from_table(with_settings(scenario, settings), name="scenario", label=label)
+    if isinstance(scenario, str | os.PathLike):
+        return read_scenario(scenario, settings=settings)
+    raise ScenarioError(
+        f"a scenario is a TOML file, a plan folder, the name of a bundled example or a dictionary, not a value of type "
+        f"{type(scenario).__name__}"
+    )
+
+
+def read_scenario(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> Scene:
+    """Read a scenario file, the one in a plan folder, or a bundled example by its name.
+
+    Args:
+        path: a TOML file, a plan folder, or a key of `nospill.scenario.examples.EXAMPLES` (a file of that very name
+            wins).
+        settings: values to replace, see `with_settings`.
+
+    Raises:
+        ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
+            file, the place in it, the value and what is allowed.
+    """
+    label = os.fsdecode(path)
+    file = _locate(label)
+    table = with_settings(_parsed(file, label), settings)
+    return scene_from_table(table, name=file.stem, folder=file.parent, label=_label(label, settings))
+
+
+def _require_text_keys(value: Any) -> None:
+    """Refuse what no file can hold, before it is taken for one."""
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            if not isinstance(key, str):
+                raise report("scenario", [("", f"key {key!r} is not text; keys are those of a scenario file")])
+            _require_text_keys(entry)
+    elif isinstance(value, list | tuple):
+        for entry in value:
+            _require_text_keys(entry)
+
+
+def _label(name: str, settings: Sequence[str]) -> str:
+    return " ".join([name, *(f"--set {setting}" for setting in settings)])
+
+
+def _locate(label: str) -> Path:
+    if not label.strip():
+        raise report(as_written(label), [("", f"names no scenario; {_KNOWN_EXAMPLES}")])
+    file = Path(label)
+    try:
+        if file.is_file():
+            return file
+        if label in EXAMPLES:
+            return example_path(label)
+        if (file / KEPT_SCENARIO).is_file():
+            return file / KEPT_SCENARIO
+        if file.is_dir():
+            raise report(label, [("", "is a folder; name the scenario file in it")])
+        exists = file.exists()
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
+    if exists:
+        raise report(label, [("", "is not a regular file; give a TOML file")])
+    near = nearest(label, EXAMPLES)
+    hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
+    raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
+
+
+def _parsed(file: Path, label: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(bounded_text(file, _LARGEST_FILE))
+    except UnreadableError as error:
+        raise report(label, [("", str(error))]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise report(label, [("", _syntax(str(error)))]) from None
+    except RecursionError:
+        raise report(label, [("", "is not a scenario: it is nested too deeply")]) from None
+    except ValueError as error:  # a whole number of thousands of digits
+        raise report(label, [("", f"cannot be read: {_reason(error)}")]) from None
+
+
+def _syntax(message: str) -> str:
+    if "Cannot overwrite a value" in message or "Cannot declare" in message:
+        message += "; the same key or table is given twice"
+    return f"is not valid TOML: {message}"
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

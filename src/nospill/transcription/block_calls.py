@@ -1,0 +1,207 @@
+"""The blocks called on all stages at once, their outputs stacked into vectors.
+
+A vector holds part after part: the tray's output, then that of every object, each stage by stage; then what belongs to
+the final state, object by object. `Stacked` says where an entry of a stage is found in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.batches import over_columns, thread_count
+from nospill.transcription.placing import PlacedObject
+from nospill.transcription.stage_functions import StageFunctions
+from nospill.transcription.tray_motion import INSTANTS
+
+MX = ca.MX
+
+_MOST_THREADS = 4
+"""Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stacked:
+    """Parts of which every stage has so many entries.
+
+    Attributes:
+        lengths: entries of each part.
+    """
+
+    lengths: tuple[int, ...]
+
+    def places(self, entries: np.ndarray, stages: int) -> np.ndarray:
+        """Where the given entries of a stage, counted through its parts, stand in the vector: (stages, m)."""
+        starts = np.cumsum([0, *self.lengths])
+        part = np.searchsorted(starts, entries, side="right") - 1
+        first, length = starts[part], np.array([*self.lengths, 0])[part]
+        return first * stages + np.arange(stages)[:, None] * length + (entries - first)
+
+    def total(self, stages: int) -> int:
+        """Length of the vector without what belongs to the final state."""
+        return sum(self.lengths) * stages
+
+
+@dataclass(frozen=True, slots=True)
+class Multipliers:
+    """Of all rows of the blocks.
+
+    Attributes:
+        tray: (m, N).
+        objects: of each object, (m, N).
+        ends: of each object, (m, 1).
+    """
+
+    tray: MX
+    objects: tuple[MX, ...]
+    ends: tuple[MX, ...]
+
+
+class BlockCalls:
+    """The blocks of a stage on N intervals, as expressions of the variables w and the parameters p."""
+
+    def __init__(self, stage: StageFunctions, intervals: int) -> None:
+        self._stage, self._intervals = stage, intervals
+        self._total = intervals * stage.layout.size + stage.layout.states
+        self.w, self.p = MX.sym("w", self._total), MX.sym("p", stage.sizes.parameters)
+        self._threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
+
+    def cost(self) -> MX:
+        """The cost."""
+        tray = self._stage.tray
+        return ca.sum2(self._map(tray.block.cost, 1)(self._tray, self._parameters(tray.parameters)))
+
+    def cost_gradient(self) -> tuple[MX, MX]:
+        """The cost, and its gradient."""
+        tray = self._stage.tray
+        costs, gradients = self._map(tray.block.cost_gradient, 1)(self._tray, self._parameters(tray.parameters))
+        places = (np.arange(self._intervals)[:, None] * self._stage.layout.size + tray.variables).ravel()
+        source = np.full(self._total, len(places))
+        source[places] = np.arange(len(places))
+        return ca.sum2(costs), ca.vertcat(ca.vec(gradients), 0)[source.tolist()]
+
+    def constraints(self) -> MX:
+        """The rows of all blocks, stacked."""
+        tray = self._stage.tray
+        values, motion = self._map(tray.block.constraints, 2)(
+            self._tray, self._pieces, self._parameters(tray.parameters)
+        )
+        parts = [values]
+        for item, own in zip(self._stage.objects, self._own, strict=True):
+            call = self._map(item.block.constraints, 3)
+            parts.append(call(motion, own, self._lengths, self._parameters(item.parameters)))
+        return self._stacked(parts, self._ends("end_constraints"))
+
+    def constraint_jacobian(self) -> tuple[MX, MX]:
+        """The rows of all blocks, stacked, and the nonzeros of their Jacobians."""
+        tray = self._stage.tray
+        values, entries, motion, slopes = self._map(tray.block.constraint_jacobian, 2)(
+            self._tray, self._pieces, self._parameters(tray.parameters)
+        )
+        rows, nonzeros = [values], [entries]
+        for item, own in zip(self._stage.objects, self._own, strict=True):
+            call = self._map(item.block.constraint_jacobian, 4)
+            values, entries = call(motion, slopes, own, self._lengths, self._parameters(item.parameters))
+            rows.append(values)
+            nonzeros.append(entries)
+        return (
+            self._stacked(rows, self._ends("end_constraints")),
+            self._stacked(nonzeros, self._ends("end_constraint_jacobian")),
+        )
+
+    def lagrangian_hessian(self, weight: MX, multipliers: Multipliers) -> MX:
+        """The nonzeros of the Hessians of all blocks, stacked; `weight` is the multiplier of the cost."""
+        tray = self._stage.tray
+        parameters = self._parameters(tray.parameters)
+        motion, slopes = self._map(tray.block.motion, 2)(self._tray, self._pieces, parameters)
+        nonzeros, shares = [], MX.zeros(tray.block.share, self._intervals)
+        for item, own, of_rows in zip(self._stage.objects, self._own, multipliers.objects, strict=True):
+            call = self._map(item.block.lagrangian_hessian, 4)
+            entries, share = call(motion, slopes, own, self._lengths, self._parameters(item.parameters), of_rows)
+            nonzeros.append(entries)
+            shares += share
+        call = self._map(tray.block.lagrangian_hessian, 2, 3)
+        of_tray = call(self._tray, self._pieces, parameters, weight, multipliers.tray, shares)
+        return self._stacked([of_tray, *nonzeros], self._ends("end_lagrangian_hessian", multipliers.ends))
+
+    @cached_property
+    def _tray(self) -> MX:
+        return self._variables(self._stage.tray.variables)
+
+    @cached_property
+    def _own(self) -> list[MX]:
+        return [self._variables(item.variables) for item in self._stage.objects]
+
+    @cached_property
+    def _lengths(self) -> MX:
+        return self._variables(np.array([self._stage.layout.interval]))
+
+    @cached_property
+    def _pieces(self) -> MX:
+        """The polynomial of the path at every instant, (pieces, N): looked up for all of them at once."""
+        tray = self._stage.tray
+        s = self._map(tray.block.instants, 1)(self._tray, self._parameters(tray.parameters))
+        span = ca.low(self.p[tray.breaks.tolist()], ca.vec(s))
+        table = ca.vertcat(self.p, 0)[tray.path.ravel(order="F").tolist()]
+        chosen = ca.reshape(table, *tray.path.shape)[:, span]
+        return ca.reshape(chosen, len(tray.path) * len(INSTANTS), self._intervals)
+
+    def _variables(self, columns: np.ndarray) -> MX:
+        """Variables of all stages, (m, N)."""
+        places = np.arange(self._intervals)[:, None] * self._stage.layout.size + columns
+        return ca.reshape(self.w[places.ravel().tolist()], len(columns), self._intervals)
+
+    def _parameters(self, places: np.ndarray) -> MX:
+        return self.p[places.tolist()]
+
+    def _ends(self, name: str, multipliers: tuple[MX, ...] = ()) -> list[MX]:
+        """A function of the blocks of the end, for every object."""
+        first, parts = self._intervals * self._stage.layout.size, []
+        for index, item in enumerate(self._stage.objects):
+            inputs = [self.w[(first + item.end_variables).tolist()], self._parameters(item.end_parameters)]
+            parts.append(getattr(item.end, name)(*inputs, *multipliers[index : index + 1]))
+        return parts
+
+    def _stacked(self, parts: list[MX], ends: list[MX]) -> MX:
+        return ca.vertcat(*[ca.vec(part) for part in parts], *ends)
+
+    def _map(self, function: Any, *shared: int) -> Any:
+        """A function of one stage as one of all; `shared` are the places of the inputs that are the same for all."""
+        return _mapped(function, self._intervals, shared, self._threads)
+
+
+def jacobian_parts(stage: StageFunctions) -> Stacked:
+    """Of the nonzeros of the Jacobians."""
+
+    def count(item: PlacedObject) -> int:
+        return len(item.block.tray_jacobian[0]) + len(item.block.own_jacobian[0])
+
+    return Stacked((len(stage.tray.block.jacobian[0]), *(count(item) for item in stage.objects)))
+
+
+def hessian_parts(stage: StageFunctions) -> Stacked:
+    """Of the nonzeros of the Hessians."""
+
+    def count(item: PlacedObject) -> int:
+        return len(item.block.cross_hessian[0]) + len(item.block.own_hessian[0])
+
+    return Stacked((len(stage.tray.block.hessian[0]), *(count(item) for item in stage.objects)))
+
+
+def row_parts(stage: StageFunctions) -> tuple[Stacked, np.ndarray, np.ndarray]:
+    """Of the rows; with the entry that each row of a stage is, and that each row on the final state is."""
+    rows, end_rows = (
+        [stage.tray.rows, *(item.rows for item in stage.objects)],
+        [item.end_rows for item in stage.objects],
+    )
+    entries = np.argsort(np.concatenate(rows))
+    return Stacked(tuple(len(own) for own in rows)), entries, np.argsort(np.concatenate([*end_rows, []]))
+
+
+@lru_cache(maxsize=256)
+def _mapped(function: Any, count: int, shared: tuple[int, ...], threads: int) -> Any:
+    return over_columns(function, count, list(shared), threads=threads)

@@ -1,0 +1,67 @@
+"""A scene to be planned, and the scenes of its problems: some variants of some objects, with some of their modes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+from nospill.laws.constraints.residual_height import EndDisplacement
+from nospill.laws.like_objects import outer_objects
+from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import heaviest
+from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
+from nospill.transcription.passages import NOT_BOUNDED, Passage
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A scene to be planned.
+
+    Attributes:
+        scene: as requested, which the certificate is about, with all modes of its liquids.
+        model: the same with one mode of each, with which a search begins.
+        variants: of each object, the stated one first; one alone where its numbers are certain.
+        payload: what the flange carries: the objects, each as heavy as its tolerance allows.
+        ignored: names of constraints that the problem leaves out.
+        passage: how the arm passes its singularities.
+    """
+
+    scene: Scene
+    model: Scene
+    variants: tuple[tuple[Variant, ...], ...]
+    payload: tuple[Cargo, ...]
+    ignored: frozenset[str] = frozenset()
+    passage: Passage = NOT_BOUNDED
+
+    @classmethod
+    def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
+        """The task of a scene, its singularities not looked at yet."""
+        model = scene.with_one_mode()
+        return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
+
+    @property
+    def searched_scene(self) -> Scene:
+        """The model, with a level tray where only that passes the singularities."""
+        scene = self.model
+        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
+
+    @property
+    def first_members(self) -> frozenset[VariantId]:
+        """What a problem begins with: the stated variants of the outer ones of like objects."""
+        outer = {cargo.name for cargo in outer_objects(self.model)}
+        return frozenset(stated.id for stated, *_ in self.variants if stated.name in outer)
+
+    def problem_scene(self, members: Collection[VariantId], refined: Collection[str]) -> Scene:
+        """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
+        scene = self.searched_scene
+        if EndDisplacement.name in self.ignored:
+            # Its equalities are bounds of the variables, which only another end condition takes away.
+            scene = replace(scene, motion=replace(scene.motion, end="residual"))
+        families = [
+            [replace(item, cargo=with_modes(item.cargo, self.scene.planned_modes)) for item in own]
+            if own[0].name in refined
+            else own
+            for own in self.variants
+        ]
+        return scene_of(scene, families, members)

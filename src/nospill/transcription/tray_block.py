@@ -1,0 +1,220 @@
+"""The tray block of a stage: path, tilt, chains and joints, and the motion of the tray that the objects read.
+
+It is the same for any cargo and for a path of any number of spans. Its share of the Lagrangian's Hessian is its own
+plus what the objects have of the tray's motion: with y the motion numbers, h the length of the interval, V = d(y, h)/dz
+and the objects' gamma = dL/dy and S = d2L/d(y, h)2, each summed over the objects,
+
+    K = K_own + sum gamma_k d2y_k/dz2 + V' S V.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from nospill.core.frames import SX
+from nospill.laws import codegen
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.kinds import symbolic_tray, tray_kind
+from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.sample import Sample
+from nospill.transcription.joint_equalities import joint_equalities
+from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.lifted_variables import LiftedVariables
+from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
+from nospill.transcription.stage import RowCollector, RowIndex, Rows
+from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
+
+Triplets = tuple[np.ndarray, np.ndarray]
+"""Row and column of every structural nonzero, column by column."""
+
+_POINTS = (EvaluationPoint.JOINT, EvaluationPoint.CONTROL)
+
+
+@dataclass(frozen=True, eq=False)
+class TrayBlock:
+    """Functions of the tray's scaled variables z, the path's pieces at `INSTANTS`, and the parameters p.
+
+    Attributes:
+        layout: of the variables; one without objects.
+        gaps: how many of the rows are gaps; the equalities of the joints and the constraints follow.
+        fixed: how many are gaps and equalities.
+        rows: of the constraints.
+        jacobian: nonzeros of the Jacobian of its rows.
+        hessian: of the upper triangle of the Lagrangian's Hessian.
+        instants: (z, p) -> s at `INSTANTS`.
+        cost: (z, p) -> cost.
+        cost_gradient: (z, p) -> cost, gradient.
+        constraints: (z, pieces, p) -> rows, motion numbers.
+        constraint_jacobian: (z, pieces, p) -> rows, nonzeros of their Jacobian, motion numbers, nonzeros of theirs.
+        motion: (z, pieces, p) -> motion numbers, nonzeros of their Jacobian.
+        lagrangian_hessian: (z, pieces, p, multiplier of the cost, of the rows, gamma and S) -> nonzeros.
+        compiled: whether they are machine code.
+    """
+
+    layout: Layout
+    gaps: int
+    fixed: int
+    rows: Rows
+    jacobian: Triplets
+    hessian: Triplets
+    instants: Any
+    cost: Any
+    cost_gradient: Any
+    constraints: Any
+    constraint_jacobian: Any
+    motion: Any
+    lagrangian_hessian: Any
+    compiled: bool
+
+    @property
+    def share(self) -> int:
+        """Length of gamma and the nonzeros of S."""
+        return int(self.lagrangian_hessian.size1_in(5))
+
+
+def tray_keys(structure: Structure) -> tuple[RowIndex, ...]:
+    """Every (constraint, subject) of the tray and the joints, in the order of their back-off among the parameters."""
+    count = max(len(structure.joints), 3)
+    names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at in _POINTS]
+    return tuple(RowIndex(name, subject) for name in names for subject in range(count))
+
+
+def tray_block(structure: Structure) -> TrayBlock:
+    """The block of a structure."""
+    return _block(replace(tray_kind(structure), degree=piece_degree(structure)))
+
+
+@lru_cache(maxsize=16)
+def _block(kind: Structure) -> TrayBlock:
+    made, data, compiled = codegen.functions("tray", kind, lambda: _build(kind))
+    jacobian, hessian = (tuple(np.array(part, dtype=int) for part in data[name]) for name in ("jacobian", "hessian"))
+    return TrayBlock(
+        layout_of(kind),
+        data["gaps"],
+        data["fixed"],
+        Rows.of(data["rows"]),
+        (jacobian[0], jacobian[1]),
+        (hessian[0], hessian[1]),
+        **made,
+        compiled=compiled,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Symbols:
+    z: SX
+    pieces: SX
+    parameters: SX
+    numbers: SceneNumbers
+    scales: SX
+    backoff: Mapping[RowIndex, SX]
+    intervals: SX
+
+
+def _symbols(structure: Structure, layout: Layout) -> _Symbols:
+    keys = tray_keys(structure)
+    flat, numbers = symbolic_tray(structure)
+    scales, fractions, count = SX.sym("scales", layout.size), SX.sym("backoff", len(keys)), SX.sym("count")
+    pieces = SX.sym("pieces", piece_size(structure.degree) * len(INSTANTS))
+    backoff = {key: fractions[index] for index, key in enumerate(keys)}
+    parameters = ca.vertcat(flat, scales, fractions, count)
+    return _Symbols(SX.sym("z", layout.size), pieces, parameters, numbers, scales, backoff, count)
+
+
+def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
+    layout, lifted = layout_of(structure), LiftedVariables()
+    given = _symbols(structure, layout)
+    z, numbers, stage = given.z, given.numbers, given.z * given.scales
+    chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
+    jerks, interval = stage[layout.jerks], stage[layout.interval]
+    pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
+    tray = tray_motions(chains, jerks, interval, pieces, lifted, tilt_free=structure.tilt_free, gravity=numbers.gravity)
+    ends = moved(chains, jerks, interval)
+    gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
+    equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
+    rows = _rows(structure, layout, numbers, stage, given.backoff)
+    own = ca.vertcat(gaps, equalities, rows.stacked()[0])
+    cost = _cost(layout, numbers, interval, jerks, given.intervals)
+
+    pattern, columns = motion_pattern(structure.tilt_free), motion_columns(layout)
+    weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
+    gamma, curvature = SX.sym("gamma", count), SX.sym("curvature", pattern.share.nnz())
+    motion = lifted.lift(tray.numbers)
+    found = lifted.derivatives(
+        z,
+        ca.vertcat(cost, own, motion),
+        ca.vertcat(weight, multipliers, gamma),
+        further=(ca.vertcat(motion, z[layout.interval]), ca.triu2symm(SX(pattern.share, curvature))),
+    )
+    values, jacobian = found.outputs[1 : 1 + own.numel()], found.jacobian[1 : 1 + own.numel(), :]
+    motion, slopes = found.outputs[1 + own.numel() :], found.jacobian[1 + own.numel() :, :]
+    assert slopes[:, columns].sparsity() == pattern.jacobian and slopes.nnz() == pattern.jacobian.nnz()
+    share = ca.vertcat(gamma, curvature)
+
+    instants = ca.vertcat(*[moved(chains[:1], jerks[:1], fraction * interval)[0][0] for fraction in INSTANTS])
+    shared = [z, given.pieces, given.parameters]
+    outputs: dict[str, tuple[list[SX], Sequence[SX]]] = {
+        "instants": ([z, given.parameters], [instants]),
+        "cost": ([z, given.parameters], [cost]),
+        "cost_gradient": ([z, given.parameters], [cost, ca.gradient(cost, z)]),
+        "constraints": (shared, [values, motion]),
+        "constraint_jacobian": (shared, [values, nonzeros(jacobian), motion, nonzeros(slopes)]),
+        "motion": (shared, [motion, nonzeros(slopes)]),
+        "lagrangian_hessian": ([*shared, weight, multipliers, share], [nonzeros(found.hessian)]),
+    }
+    data = {
+        "gaps": gaps.numel(),
+        "fixed": gaps.numel() + equalities.numel(),
+        "rows": rows.plain(),
+        "jacobian": jacobian.sparsity().get_triplet(),
+        "hessian": found.hessian.sparsity().get_triplet(),
+    }
+    return functions_of(outputs), data
+
+
+def _rows(
+    structure: Structure, layout: Layout, numbers: SceneNumbers, stage: SX, backoff: Mapping[RowIndex, SX]
+) -> RowCollector:
+    """The constraints of joints, tilt and jerks, at the node."""
+    sample = Sample(
+        structure,
+        numbers,
+        joint_position=stage[layout.joint_position],
+        joint_speed=stage[layout.joint_speed],
+        joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
+        joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
+        tilt=ca.vertcat(stage[3], stage[6]) if structure.tilt_free else None,
+        jerks=stage[layout.jerks],
+    )
+    collector = RowCollector(backoff)
+    collector.add(sample, _POINTS)
+    return collector
+
+
+def _cost(layout: Layout, numbers: SceneNumbers, interval: SX, jerks: SX, intervals: SX) -> SX:
+    """Share of the stage, s."""
+    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.tilts + layout.redundant)
+    cost: SX = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
+    return cost
+
+
+def functions_of(outputs: Mapping[str, tuple[list[SX], Sequence[SX]]]) -> codegen.Functions:
+    """CasADi functions with dense outputs."""
+    return {
+        name: ca.Function(name, inputs, [ca.densify(output) for output in results], {"cse": True})
+        for name, (inputs, results) in outputs.items()
+    }
+
+
+def nonzeros(matrix: SX) -> SX:
+    """The stored entries of a matrix, column by column."""
+    entries = matrix.nonzeros()
+    stacked: SX = ca.vertcat(*entries) if entries else SX.zeros(0, 1)  # type: ignore[call-overload]
+    return stacked

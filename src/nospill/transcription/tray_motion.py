@@ -1,0 +1,138 @@
+"""What the objects read of the tray: the motion of its frame at four instants of an interval.
+
+Each instant has nine numbers: angular velocity, angular acceleration, specific force. On a level tray some of them
+are zero at any time; the others, stacked, are the *motion numbers* y. They follow from the *motion variables*: the
+chains of s and tilt, the length of the interval, the jerks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+
+from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.transcription.collocation import POINTS, advance_chain
+from nospill.transcription.layout import IntegratorChain, Layout
+from nospill.transcription.lifted_variables import LiftedVariables
+from nospill.transcription.path_expression import PathPiece, piece_size
+from nospill.transcription.tray_state import TrayState, tray_state
+
+INSTANTS: tuple[float, ...] = (0.0, float(POINTS[0]), float(POINTS[1]), 0.5)
+"""As fractions of the interval: the node, both collocation points, the middle."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionPattern:
+    """Which numbers of the tray's motion there are and how they hang together.
+
+    Attributes:
+        entries: per instant, nine entries: the index among the motion numbers, or None where the entry is zero.
+        interval: index of the length of the interval among the motion variables.
+        jacobian: sparsity (motion numbers, motion variables).
+        share: sparsity of the upper triangle of what an object's Hessian has of the motion numbers and, last, the
+            length of the interval: no row reads two instants.
+    """
+
+    entries: tuple[tuple[int | None, ...], ...]
+    interval: int
+    jacobian: ca.Sparsity
+    share: ca.Sparsity
+
+    @property
+    def count(self) -> int:
+        """Number of motion numbers."""
+        return int(self.jacobian.size1())
+
+    def frames(self, numbers: SX) -> tuple[FrameMotion, ...]:
+        """The motion at every instant from the motion numbers (count, 1)."""
+        return tuple(
+            body_motion(ca.vertcat(*[SX(1, 1) if index is None else numbers[index] for index in instant]))
+            for instant in self.entries
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class TrayMotions:
+    """The tray over an interval.
+
+    Attributes:
+        start: at the node, every entry lifted.
+        numbers: the motion numbers.
+        entries: as in `MotionPattern`.
+    """
+
+    start: TrayState
+    numbers: SX
+    entries: tuple[tuple[int | None, ...], ...]
+
+
+def moved(chains: tuple[IntegratorChain, ...], jerks: SX, time: SX) -> tuple[IntegratorChain, ...]:
+    """The chains after a time of constant jerks."""
+    return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
+
+
+def tray_motions(
+    chains: tuple[IntegratorChain, ...],
+    jerks: SX,
+    interval: SX,
+    pieces: tuple[PathPiece, ...],
+    lifted: LiftedVariables,
+    *,
+    tilt_free: bool,
+    gravity: SX,
+) -> TrayMotions:
+    """The tray over an interval, `pieces` the path's at each of `INSTANTS`."""
+    start = tray_state(pieces[0], chains, tilt_free=tilt_free, gravity=gravity).lifted(lifted)
+    motions = [start.motion]
+    for piece, fraction in zip(pieces[1:], INSTANTS[1:], strict=True):
+        later = moved(chains, jerks, fraction * interval)
+        later = tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in later)
+        motions.append(tray_state(piece, later, tilt_free=tilt_free, gravity=gravity).motion)
+    numbers: list[SX] = []
+    entries: list[tuple[int | None, ...]] = []
+    for motion in motions:
+        places: list[int | None] = []
+        for entry in ca.vertsplit(
+            ca.densify(ca.vertcat(motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
+        ):
+            places.append(None if entry.is_zero() else len(numbers))
+            if not entry.is_zero():
+                numbers.append(entry)
+        entries.append(tuple(places))
+    return TrayMotions(start, ca.vertcat(*numbers), tuple(entries))
+
+
+@lru_cache(maxsize=2)
+def motion_pattern(tilt_free: bool) -> MotionPattern:
+    """The pattern of a level or of a tilting tray; the motion variables are all variables of this layout's stage."""
+    layout = Layout(tilts=2 if tilt_free else 0, redundant=0, coordinates=0, joints=0, orders=1)
+    z, lifted = SX.sym("z", layout.size), LiftedVariables()
+    chains = tuple(layout.chain(z, index) for index in range(layout.chains))
+    pieces = tuple(PathPiece.of(SX.sym("piece", piece_size(3))) for _ in INSTANTS)
+    found = tray_motions(
+        chains, z[layout.jerks], z[layout.interval], pieces, lifted, tilt_free=tilt_free, gravity=SX.sym("g")
+    )
+    count = found.numbers.numel()
+    jacobian = lifted.derivatives(z, found.numbers, SX.zeros(count)).jacobian.sparsity()
+    rows, columns = [count] * (count + 1), list(range(count + 1))
+    for instant in found.entries:
+        own = [index for index in instant if index is not None]
+        pairs = [(row, column) for row in own for column in own if row >= column]
+        rows, columns = [*rows, *(row for row, _ in pairs)], [*columns, *(column for _, column in pairs)]
+    share = ca.Sparsity.triplet(count + 1, count + 1, columns, rows)  # their transpose: the upper triangle
+    return MotionPattern(found.entries, layout.interval, jacobian, share)
+
+
+def with_interval(slopes: SX, interval: int) -> SX:
+    """V = d(y, h)/dz from that of y, `interval` the place of the scaled h among z."""
+    last = SX(1, slopes.shape[1])
+    last[0, interval] = 1
+    return ca.vertcat(slopes, last)
+
+
+def motion_columns(layout: Layout) -> list[int]:
+    """Where the motion variables stand among the variables of a stage."""
+    chains = 1 + layout.tilts
+    return [*range(3 * chains), layout.interval, *range(layout.jerks.start, layout.jerks.start + chains)]

@@ -1,0 +1,1 @@
+"""Compiling beforehand what plans usually need."""

@@ -1,0 +1,80 @@
+"""Which limits hold a motion back: shares of time against closed forms, and the words for them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.judge.certificate import Judgement, judge
+from nospill.judge.limiting import AT_LIMIT, NEAR, held_back, limiting_names, limiting_rows, share_without_limit
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import RowId
+
+
+@pytest.fixture(scope="module")
+def judgement(smooth_motion) -> Judgement:
+    motion = smooth_motion("matrix-rigid", cargo=1, stretch=1.3, tilt=(0.05, -0.03))
+    return judge(motion.trajectory, motion.scene)
+
+
+def trace(constraint: str, subject: str, t: np.ndarray, use: np.ndarray) -> Trace:
+    return Trace(constraint, subject, "1", t, use, np.ones_like(use), 1.0 - use)
+
+
+def made_of(judgement: Judgement, *traces: Trace) -> Judgement:
+    return replace(judgement, traces=traces, corner_use={})
+
+
+def test_share_of_a_ramp_and_of_a_sine(judgement: Judgement) -> None:
+    t, end = judgement.replay.t, judgement.end_time
+    ramp, wave = t / end, np.sin(np.pi * t / end)
+    made = made_of(
+        judgement, trace("tip", "c1", t, ramp), trace("slip", "c1", t, wave), trace("lift", "c1", t, 0.89 * wave)
+    )
+    rows = limiting_rows(made)
+    assert [item.row for item in rows] == [RowId("slip", "c1"), RowId("tip", "c1")]
+    assert rows[0].share == pytest.approx(1 - 2 * np.arcsin(AT_LIMIT) / np.pi, abs=2e-3)
+    assert rows[1].share == pytest.approx(1 - AT_LIMIT, abs=2e-3)
+    assert share_without_limit(rows) == pytest.approx(1 - rows[0].share - rows[1].share, abs=2e-3)
+    assert all(item.t[0] >= 0.0 and item.t[-1] <= end for item in rows)
+
+
+def test_coarse_traces_are_read_between_their_instants_and_single_ones_left_out(judgement: Judgement) -> None:
+    end = judgement.end_time
+    coarse = trace("tilt jerk", "theta_x", np.array([0.0, end / 2, end]), np.array([1.0, 0.0, 1.0]))
+    single = trace("residual height", "c1", np.array([end]), np.array([1.0]))
+    (only,) = limiting_rows(made_of(judgement, coarse, single))
+    assert only.row.constraint == "tilt jerk"
+    assert only.share == pytest.approx(1 - AT_LIMIT, abs=2e-3)
+
+
+def test_tolerances_count(judgement: Judgement) -> None:
+    t = judgement.replay.t
+    stated = trace("slip", "c1", t, np.full(len(t), 0.8))
+    made = replace(made_of(judgement, stated), corner_use={RowId("slip", "c1"): np.full(len(t), 0.99)})
+    assert limiting_rows(made_of(judgement, stated)) == ()
+    assert limiting_rows(made)[0].share == 1.0
+
+
+def test_sentence_names_the_longest_three() -> None:
+    joints = ("shoulder_pan_joint", "wrist_1_joint")
+    shares = {
+        "slosh height | c1": 0.216,
+        "joint speed | shoulder_pan_joint": 0.279,
+        "slip | c1": 0.185,
+        "tilt | theta_x": 0.06,
+    }
+    sentence = "speed of shoulder pan holds 28 % of the motion, liquid of c1 22 %, friction of c1 18 %"
+    assert held_back(shares, joints) == sentence
+    assert held_back({"slip | c1": 0.001}, joints) == held_back({}, joints) == ""
+
+
+def test_every_constraint_has_words() -> None:
+    names = limiting_names([RowId(item.name, "c1") for item in CONSTRAINTS], ("joint_1",))
+    assert len(set(names)) == len(names)
+    assert not any("{" in name for name in names)
+    assert limiting_names([RowId("splash", "c1")], ()) == ["splash of c1"]
+    assert NEAR < AT_LIMIT < 1.0

@@ -1,0 +1,70 @@
+"""What callers ask for from Python: names of scenarios, altered scenes, one name where several are wanted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nospill as ns
+from nospill.errors import NospillError, ScenarioError
+from nospill.plans.plan import Plan
+from nospill.plans.request import ignored_constraints, requested_scene
+from nospill.scenario import read_scenario, scenario_text
+
+
+def test_a_scenario_goes_by_its_name(tmp_path: Path) -> None:
+    scene = read_scenario("matrix-liquid")
+    (tmp_path / "scenario.toml").write_text(scenario_text(scene), encoding="utf-8")
+    for named in ("matrix-liquid", tmp_path / "scenario.toml", tmp_path, scene.source, scene):
+        assert requested_scene(named).name == "matrix-liquid"
+
+
+def test_one_name_may_stand_alone() -> None:
+    assert ignored_constraints("slosh height") == ignored_constraints(["slosh height"]) == {"slosh height"}
+
+
+CUP_OFF_THE_TRAY = read_scenario("matrix-liquid")
+CUP_OFF_THE_TRAY = replace(
+    CUP_OFF_THE_TRAY,
+    cargo=(replace(CUP_OFF_THE_TRAY.cargo[0], position=np.array([0.5, 0.0])), *CUP_OFF_THE_TRAY.cargo[1:]),
+)
+SCENE = read_scenario("matrix-liquid")
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: ns.plan("nowhere.toml"), "nowhere.toml: no such file"),
+        (lambda: ns.plan(3), "a scenario is a TOML file"),  # type: ignore[arg-type]
+        (lambda: ns.plan(CUP_OFF_THE_TRAY), "over the edge of the tray"),
+        (lambda: ns.Planner().plan(CUP_OFF_THE_TRAY), "over the edge of the tray"),
+        (lambda: ns.plan(SCENE, ignore="slosh heigth"), 'no constraint; there are: .*; did you mean "slosh height"'),
+        (lambda: ns.plan(SCENE, ignore=3), r"ignore: 3 is no list of constraints"),  # type: ignore[arg-type]
+        (lambda: ns.plan(SCENE, warm="out/tea"), r"an earlier plan is needed here, as load_plan"),  # type: ignore[arg-type]
+        (lambda: ns.Planner("x.toml"), r"not 'x.toml' of type str; a scenario goes to"),  # type: ignore[arg-type]
+        (lambda: ns.certify(np.zeros((9, 6)), SCENE), r"not a value of type ndarray of shape \(9, 6\): joint samples"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_wanted_is_said_in_one_sentence(call: Any, told: str) -> None:
+    with pytest.raises(ScenarioError, match=told) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def test_a_plan_is_no_scene_and_a_name_no_scene_to_judge_by(gentle_plan) -> None:
+    plan: Plan = gentle_plan("matrix-liquid")
+    with pytest.raises(NospillError, match=r"its scene is plan\.scene"):
+        ns.plan(plan)  # type: ignore[arg-type]
+    with pytest.raises(NospillError, match=r"not by a value of type str"):
+        ns.certify(plan.trajectory, "matrix-liquid")  # type: ignore[arg-type]
+
+
+def test_an_altered_scene_is_kept_as_it_is(gentle_plan, tmp_path: Path) -> None:
+    plan: Plan = gentle_plan("matrix-liquid")
+    rules = replace(plan.scene.motion, max_duration=7.0)
+    replace(plan, scene=replace(plan.scene, motion=rules)).save(tmp_path / "out")
+    assert ns.load_plan(tmp_path / "out").scene.motion.max_duration == 7.0

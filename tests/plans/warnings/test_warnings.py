@@ -1,0 +1,189 @@
+"""Every warning: a scene and a motion that give cause for it, and the same without the cause."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from nospill.judge.certificate import Judgement, judge
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan, judged_plan
+from nospill.plans.warnings import WARNINGS, plan_warnings
+from nospill.plans.warnings.record import PlanWarning, warning_lines
+from nospill.scene.containers.modes import STANDARD_GRAVITY
+
+NAME = "mixed-tray"
+"""Its first object is a cup of 35 mm radius and 99.1 mm height, 49 mm of water, limit 15 mm; the third is a box."""
+
+
+@pytest.fixture(scope="module")
+def judgement(smooth_motion) -> Judgement:
+    """Of a smooth motion; no solver is involved."""
+    motion = smooth_motion(NAME)
+    return judge(motion.trajectory, motion.scene)
+
+
+@pytest.fixture(scope="module")
+def found(changed_scene, judgement) -> Callable[..., dict[tuple[str, str], PlanWarning]]:
+    """Warnings by name and subject of the example with changes, for the same motion."""
+
+    def make(
+        changes: Mapping[str, Any] | None = None, *, backoff: Mapping[str, float] | None = None, **evidence: Any
+    ) -> dict[tuple[str, str], PlanWarning]:
+        scene = changed_scene(NAME, changes or {})
+        warnings = plan_warnings(scene, replace(judgement, **evidence), backoff or {})
+        return {(item.name, item.subject): item for item in warnings}
+
+    return make
+
+
+def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
+    quiet: dict[str, Any] = {
+        "robot.limits_applied": "all",
+        "tray.footprint_reserve": 0.05,
+        "robot.base_position": ["0 m", "0 m", "0 m"],
+    }
+    assert len(WARNINGS) == 11
+    assert found(quiet) == {}
+
+
+@pytest.mark.parametrize(("crest", "warned"), [(0.0116, False), (0.0118, True)])
+def test_a_crest_above_a_third_of_the_radius(found, judgement: Judgement, crest: float, warned: bool) -> None:
+    rows = tuple(
+        replace(row, worst_value=crest) if (row.constraint, row.subject) == ("slosh height", "cup") else row
+        for row in judgement.certificate.rows
+    )
+    warnings = found(certificate=replace(judgement.certificate, rows=rows))
+    assert (("crest", "cup") in warnings) == warned
+    if warned:
+        assert warnings["crest", "cup"].limit == pytest.approx(0.035 / 3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "left"), [({"max_slosh_height": "45 mm"}, None), ({"max_slosh_height": 0.0455}, 4.6e-3)]
+)
+def test_a_limit_too_near_the_rim(found, changes: dict[str, Any], left: float | None) -> None:
+    warnings = found({f"cargo.0.{key}": value for key, value in changes.items()})
+    warning = warnings.get(("distance to the rim", "cup"))
+    assert (warning is None) == (left is None)
+    if warning is not None:
+        assert warning.value == pytest.approx(left) and warning.limit == pytest.approx(5.01e-3)
+        relaxed = {"cargo.0.max_slosh_height": 0.0455, "cargo.0.freeboard_reserve": "5 %"}
+        assert ("distance to the rim", "cup") not in found(relaxed)
+
+
+def test_surface_tension_is_warned_of_from_two_per_cent_of_the_frequency(found) -> None:
+    def shift(radius: float) -> float:
+        k = 1.8411837813406595 / radius
+        plain, tension = STANDARD_GRAVITY * k, 0.0728 * k**3 / 998.2
+        return math.sqrt(plain + tension) / math.sqrt(plain) - 1.0  # tanh(k h) is in both
+
+    threshold: Any = brentq(lambda radius: shift(radius) - 0.02, 0.01, 0.05)
+    assert threshold == pytest.approx(0.025, abs=0.001)
+    small = {"cargo.0.height": "60 mm", "cargo.0.liquid_height": "30 mm"}
+    wide = found(small | {"cargo.0.radius": threshold * 1.001})
+    narrow = found(small | {"cargo.0.radius": threshold * 0.999})
+    assert ("surface tension", "cup") not in wide
+    assert narrow["surface tension", "cup"].value == pytest.approx(shift(threshold * 0.999))
+
+
+@pytest.mark.parametrize(("damping", "warned"), [(0.1, False), (0.101, True)])
+def test_a_damping_ratio_above_a_tenth(found, damping: float, warned: bool) -> None:
+    assert (("damping", "cup") in found({"cargo.0.damping": damping})) == warned
+
+
+def test_the_tolerance_of_the_damping_counts(found) -> None:
+    robust = {"cargo.0.damping": 0.06, "cargo.0.tolerance": {"damping": [0.5, 2.0]}}
+    assert found(robust)["damping", "cup"].value == pytest.approx(0.12)
+
+
+LIQUID = {"density": "998 kg/m^3", "kinematic_viscosity": "1 mm^2/s", "surface_tension": "72.8 mN/m"}
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        ({"density": "1.05 kg/m^3"}, "density"),
+        ({"density": "7.9 kg/l"}, "density"),
+        ({"kinematic_viscosity": "0.1 mm^2/s"}, "viscosity"),
+        ({"kinematic_viscosity": "1100 mm^2/s"}, "viscosity"),
+        ({"surface_tension": "0.2 N/m"}, "surface tension value"),
+        ({"surface_tension": "0 N/m"}, "surface tension value"),
+        ({}, None),
+    ],
+)
+def test_numbers_that_no_liquid_has(found, change: dict[str, str], name: str | None) -> None:
+    names = {"density", "viscosity", "surface tension value"}
+    warnings = found({"cargo.0.liquid": LIQUID | change, "cargo.0.damping": 0.01})
+    assert {key for key in warnings if key[0] in names} == ({(name, "cup")} if name else set())
+
+
+def test_joints_without_a_limit_of_acceleration(found, judgement: Judgement) -> None:
+    assert not any(name == "joint acceleration" for name, _ in found({"robot.limits_applied": "all"}))
+    warning = found()["joint acceleration", "comau-smart-six"]
+    largest = np.abs(judgement.replay.joint_acceleration).max(axis=0)
+    assert warning.value == pytest.approx(largest.max())
+    assert all(f"joint_{index + 1} {value:.2f}" in warning.text for index, value in enumerate(largest))
+
+
+def test_a_tray_below_the_base(found, judgement: Judgement, smooth_motion) -> None:
+    assert not any(name == "below the base" for name, _ in found())
+    lowest = judgement.replay.tray.position[:, 2].min()
+    raised = {"robot.base_position": ["0 m", "0 m", f"{lowest + 0.01} m"]}
+    scene, motion = found(raised), smooth_motion(NAME)
+    assert scene["below the base", "tray"].value == pytest.approx(-0.01, abs=1e-6)
+    assert {subject for name, subject in scene if name == "below the base"} == {
+        "tray",
+        *(cargo.name for cargo in motion.scene.cargo),
+    }
+
+
+def test_objects_reach_behind_the_plane_of_a_wall(found, judgement: Judgement) -> None:
+    """A base turned over stands above what it carries: the objects' tops count, not their bottoms."""
+    highest = judgement.replay.tray.position[:, 2].max()
+    over = {"robot.base_roll": "180 deg", "robot.base_position": ["0 m", "0 m", f"{highest + 0.02} m"]}
+    warnings = found(over)
+    assert ("below the base", "tray") not in warnings
+    assert warnings["below the base", "cup"].value == pytest.approx(0.02 - 0.0991, abs=1e-6)
+
+
+@pytest.mark.parametrize("key", ["friction_reserve", "footprint_reserve", "freeboard_reserve"])
+def test_a_reserve_of_zero(found, key: str) -> None:
+    name = key.replace("_", " ")
+    assert (name, "cup") in found({f"cargo.0.{key}": 0})
+    assert (name, "cup") not in found({f"cargo.0.{key}": 0.01})
+
+
+def test_much_back_off(found) -> None:
+    warnings = found(backoff={"slip | cup": 0.051, "tip | cup": 0.049})
+    assert warnings["back-off", "slip | cup"].value == 0.051
+    assert ("back-off", "tip | cup") not in warnings
+
+
+# --- where they go --------------------------------------------------------------------------------------------------
+
+
+def test_a_plan_keeps_its_warnings_and_its_verdict(gentle_plan, tmp_path: Path) -> None:
+    plan: Plan = gentle_plan("matrix-liquid")
+    judgement = judge(plan.trajectory, plan.scene)
+    warned = judged_plan(plan.scene, plan.trajectory, judgement, plan.report)
+    assert warned.warnings and warned.status == "certified"
+    warned.save(tmp_path / "out")
+    stated = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
+    assert [set(entry) for entry in stated] == [{"name", "subject", "text", "value", "limit"}] * len(warned.warnings)
+    assert load_plan(tmp_path / "out").warnings == warned.warnings
+
+
+def test_one_line_for_each_kind() -> None:
+    lines = warning_lines(
+        [PlanWarning("crest", "c1", "high."), PlanWarning("damping", "c1", "x."), PlanWarning("crest", "c2", "high.")]
+    )
+    assert lines == ["crest: c1: high. Likewise: c2.", "damping: c1: x."]
