@@ -287,6 +287,7 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
     solid |= {f".objects[3].static_correction.{axis}" for axis in range(2)}
     solid |= {name for name in names if name.endswith(".curvature.0")}  # that of the first mode is its stiffness
     discs = {f".objects[{index}].half_lengths.1" for index in (0, 1, 3)}
+    discs |= {f".objects[{index}].liquid_depth.0" for index in range(4)}  # no liquid is shallow
     unset = ("max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
     unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}
     assert silent == solid | discs | unlimited | {".path_breaks.7"}

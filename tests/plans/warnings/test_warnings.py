@@ -175,7 +175,7 @@ def test_a_plan_keeps_its_warnings_and_its_verdict(gentle_plan, tmp_path: Path) 
     plan: Plan = gentle_plan("matrix-liquid")
     judgement = judge(plan.trajectory, plan.scene)
     warned = judged_plan(plan.scene, plan.trajectory, judgement, plan.report)
-    assert warned.warnings and warned.status == "certified"
+    assert warned.warnings and warned.status == "certified as published"
     warned.save(tmp_path / "out")
     stated = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
     assert [set(entry) for entry in stated] == [{"name", "subject", "text", "value", "limit"}] * len(warned.warnings)
