@@ -22,8 +22,8 @@ class Oscillator:
         height: height H_n of the mass above the container's bottom at rest, m.
         damping: damping ratio zeta_n.
         surface_gain: C_n, height of the surface at the wall towards which the mass has moved, per its displacement;
-            free of g. Positive for every mode of a prism: an apparent gravity that leans moves every mass and every crest
-            to the same side; negative for some higher modes of vessels that widen.
+            free of g. Positive for every mode of a prism: an apparent gravity that leans moves every mass and every
+            crest to the same side; negative for some higher modes of vessels that widen.
         directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
         wave_number: k_n, 1/m.
     """
