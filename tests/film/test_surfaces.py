@@ -13,7 +13,9 @@ from nospill.film.geometry import wall_thickness
 from nospill.film.surfaces import liquid_surface
 from nospill.film.timeline import Film, make_film
 from nospill.judge.verdict import Trace
+from nospill.scenario.reader import read_scenario
 from nospill.scene.cargo import Cargo
+from tests.builders import VESSELS
 
 FILMS = ("tilting_film", "level_film", "mixed_film")
 
@@ -166,3 +168,29 @@ def test_film_without_liquids(tilting_film: Film) -> None:
 
     film = make_film(plan, judge(plan.trajectory, scene), rate=20.0)
     assert film.liquids == {} == film.contact_use
+
+
+@pytest.mark.parametrize("shape", sorted(VESSELS))
+def test_liquid_of_a_vessel_fills_it_and_follows_its_wall(shape: str) -> None:
+    """Edge on the wall at every height of the surface, nothing outside the vessel, nothing above the surface."""
+    vessel = VESSELS[shape]
+    level = vessel.meridian.bottom + 0.5 * (vessel.height - vessel.meridian.bottom)
+    first = read_scenario("pp-two-cups").cargo[0]
+    assert first.filling is not None
+    modes = vessel.slosh_modes(first.filling.liquid, level, 1)
+    filling = dataclasses.replace(
+        first.filling, liquid_height=level, modes=modes, floor=float(vessel.inside[0, 1]), max_slosh_height=0.005
+    )
+    surface = liquid_surface(dataclasses.replace(first, shape=shape, container=vessel, filling=filling))
+    wall = wall_thickness(vessel)
+    for q in (0.0, 0.002, -0.002):
+        vertices = surface.vertices(np.array([q, 0.0, 0.0, 0.0]))
+        edge = vertices[surface.edge]
+        true = np.array([vessel.meridian.radius(z) for z in edge[:, 2]])
+        assert np.all(np.hypot(*edge[:, :2].T) < true)
+        assert np.all(np.hypot(*edge[:, :2].T) > true - 2.2 * wall)
+        below = vertices[len(surface.upper) :].reshape(-1, surface.around, 3)
+        assert np.all(below[..., 2] <= edge[:, 2] + 1e-12)
+        assert vertices[:, 2].min() >= surface.floor - 1e-12 > vessel.meridian.bottom - 1e-12
+        rise = surface.rise(np.array([q, 0.0, 0.0, 0.0]))[surface.edge]
+        assert np.max(rise) == pytest.approx(modes.oscillators[0].surface_gain * abs(q), rel=1e-6)

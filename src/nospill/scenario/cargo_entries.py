@@ -262,8 +262,13 @@ class ProfileTable(VesselTable):
 
     def container(self) -> Container:
         """See `CargoTable`; the points are at hand, `standalone` comes first."""
-        sizes = {field.name: getattr(self, field.name) for field in dataclasses.fields(Profile) if field.init}
-        return Profile(**sizes | {"profile": tuple((point[0], point[1]) for point in self.profile or [])})
+        return Profile(
+            wall=self.wall,
+            base_radius=self.base_radius,
+            base_inner_radius=self.base_inner_radius,
+            profile=tuple((point[0], point[1]) for point in self.profile or []),
+            profile_spline=self.profile_spline,
+        )
 
 
 CARGO_TABLES: dict[str, type[CargoTable]] = {

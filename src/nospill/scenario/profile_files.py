@@ -13,7 +13,7 @@ MOST_POINTS = 400
 """Points of a profile."""
 
 _LARGEST_FILE = 1_000_000
-_UNITS = {("r", "z"): 1.0, ("r_m", "z_m"): 1.0, ("r_mm", "z_mm"): 1e-3}
+_UNITS: dict[tuple[str, ...], float] = {("r", "z"): 1.0, ("r_m", "z_m"): 1.0, ("r_mm", "z_mm"): 1e-3}
 
 
 def read_profile(csv_path: FilePath) -> list[tuple[float, float]]:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -208,7 +209,7 @@ def _cubic(points: np.ndarray) -> np.ndarray:
 
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     # A smooth bottom is level on the axis.
-    ends = ((1, 0.0), "not-a-knot") if points[0, 0] <= _SAME else "not-a-knot"
+    ends: Any = ((1, 0.0), "not-a-knot") if points[0, 0] <= _SAME else "not-a-knot"
     r = CubicSpline(along, points[:, 0], bc_type="not-a-knot" if len(points) > 3 else "natural")
     z = CubicSpline(along, points[:, 1], bc_type=ends if len(points) > 3 else "natural")
     step = np.diff(along)

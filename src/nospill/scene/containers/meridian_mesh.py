@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import Delaunay, KDTree
 
 from nospill.errors import ModelError
 from nospill.scene.containers.meridian import Meridian
@@ -128,7 +128,7 @@ def _inner(corners: np.ndarray, wall: np.ndarray, spacing: _Spacing) -> np.ndarr
         r = np.arange(0.5 if number % 2 else 1.0, reach / step, 1.0) * step
         rows.append(np.column_stack([r, np.full(len(r), z)]))
     points = np.concatenate(rows) if rows else np.zeros((0, 2))
-    distance = cKDTree(corners).query(points)[0]
+    distance = KDTree(corners).query(points)[0]
     return points[distance > _CLEAR * spacing.at(points[:, 1])]
 
 

@@ -22,8 +22,8 @@ class Oscillator:
         height: height H_n of the mass above the container's bottom at rest, m.
         damping: damping ratio zeta_n.
         surface_gain: C_n, height of the surface at the wall towards which the mass has moved, per its displacement;
-            free of g. Positive for every mode: an apparent gravity that leans moves every mass and every crest to the
-            same side.
+            free of g. Positive for every mode of a prism: an apparent gravity that leans moves every mass and every
+            crest to the same side; negative for some higher modes of vessels that widen.
         directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
         wave_number: k_n, 1/m.
         number: n, 1 for the slowest mode along its directions.
@@ -59,7 +59,7 @@ class Oscillator:
 
 @dataclass(frozen=True, slots=True)
 class SloshModes:
-    """Equivalent mechanical model of a liquid: a fixed part and modal masses [slosh theory, upright prism].
+    """Equivalent mechanical model of a liquid: a fixed part and modal masses [slosh theory].
 
     Attributes:
         oscillators: ordered mode by mode; a box gives x then y for every mode.
@@ -67,11 +67,11 @@ class SloshModes:
         liquid_height: h at rest, m.
         fixed_mass: m_0 = m_F - sum m_n, kg. Negative in a shallow box, whose modes along x and along y both leave it
             although each is carried rigidly across its own direction; m_0 plus those masses is never negative.
-        fixed_height: H_0 above the bottom from sum m_i H_i = m_F h/2, m.
+        fixed_height: H_0 above the bottom from sum m_i H_i = m_F H_C (h/2 in a prism), m.
         fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); zero about the
             vertical.
         quasi_static_gain: (2,), m: height at the wall per lateral/axial apparent gravity with all modes, along x and y
-            (R, or half the side of a box).
+            (radius of the rest surface, or half the side of a box).
     """
 
     oscillators: tuple[Oscillator, ...]

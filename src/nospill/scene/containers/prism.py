@@ -189,12 +189,12 @@ def slosh_model(
 
 def prism_inside(height: float) -> np.ndarray:
     """Bottom and wall of a prism as `Container.inside` gives them, (3, 2)."""
-    return read_only(((0.0, 0.0), (1.0, 0.0), (1.0, height)))
+    return read_only(np.array(((0.0, 0.0), (1.0, 0.0), (1.0, height))))
 
 
 def prism_outside(height: float) -> np.ndarray:
     """The wall of a prism as `Container.outside` gives it, (2, 2)."""
-    return read_only(((1.0, 0.0), (1.0, height)))
+    return read_only(np.array(((1.0, 0.0), (1.0, height))))
 
 
 def check_size(value: float, name: str) -> None:

@@ -72,20 +72,17 @@ class Vessel(ABC):
     """An open body of revolution; subclasses say what its inside looks like.
 
     Attributes:
+        height: of the rim above the tray, m.
         wall: thickness of the wall, m, by which the outside is wider than the inside; the masses of the empty vessel
             follow from `empty_mass`.
         base_radius: outer radius of the surface on which it stands, m; None for that of a flat bottom and the wall.
         base_inner_radius: inner radius of that surface where it is a ring, m.
     """
 
+    height: float
     wall: float = 0.0
     base_radius: float | None = None
     base_inner_radius: float = 0.0
-
-    @property
-    @abstractmethod
-    def height(self) -> float:
-        """Height of the rim above the tray, m."""
 
     @property
     @abstractmethod

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
@@ -21,13 +21,16 @@ class Profile(Vessel):
 
     Attributes:
         profile: points (r, z) of the inside from the bottom's centre to the rim, m.
+        height: that of the last point, m.
         profile_spline: whether a smooth curve joins the points; a point given twice in a row stays a corner.
     """
 
     profile: tuple[tuple[float, float], ...]
     profile_spline: bool = False
+    height: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "height", self.profile[-1][1])
         for number, (before, point) in enumerate(zip(self.profile[:-1], self.profile[1:], strict=True), start=2):
             if before == point and not self.profile_spline:
                 raise ScenarioError(f"profile entry {number} repeats the one before; leave it out")
@@ -35,11 +38,6 @@ class Profile(Vessel):
             raise ScenarioError("profile has no length: two different points are needed at least")
         check_meridian(self.meridian)
         check_base(self)
-
-    @property
-    def height(self) -> float:
-        """That of the last point."""
-        return self.profile[-1][1]
 
     @property
     def meridian(self) -> Meridian:
@@ -59,7 +57,6 @@ class Tapered(Vessel):
 
     bottom_radius: float
     top_radius: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("bottom_radius", "top_radius", "height"):
@@ -84,7 +81,6 @@ class Bowl(Vessel):
 
     radius: float
     bottom_radius: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("radius", "bottom_radius", "height"):
@@ -117,7 +113,6 @@ class WineGlass(Vessel):
     radius: float
     rim_radius: float
     bowl_height: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("radius", "rim_radius", "bowl_height", "height"):
@@ -153,7 +148,6 @@ class ConicalFlask(Vessel):
     bottom_radius: float
     neck_radius: float
     shoulder_height: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("bottom_radius", "neck_radius", "shoulder_height", "height"):
@@ -183,7 +177,6 @@ class RoundFlask(Vessel):
     radius: float
     bottom_radius: float
     neck_radius: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("radius", "bottom_radius", "neck_radius", "height"):
@@ -223,7 +216,6 @@ class TestTube(Vessel):
     __test__ = False
 
     radius: float
-    height: float
 
     def __post_init__(self) -> None:
         for name in ("radius", "height"):
