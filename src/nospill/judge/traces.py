@@ -82,8 +82,8 @@ def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -
             yield trace
             continue
         limit = float(trace.limit[0])
-        parts = (part[own, 0] for part in state)
-        value = np.array([residual_height(item, numbers.objects[index], *parts, abs(limit))])
+        q, qd = (part[own, 0] for part in state)
+        value = np.array([residual_height(item, numbers.objects[index], q, qd, abs(limit))])
         yield replace(trace, value=value, margin=abs(trace.limit) - value)
 
 
