@@ -184,7 +184,7 @@ def _play_on(
     if ResidualHeight.name not in names or item.modes < 2:
         return
     column = names.index(ResidualHeight.name)
-    for index in np.flatnonzero(margin[:, column] < 0.0):
+    for index in map(int, np.flatnonzero(margin[:, column] < 0.0)):
         q, qd = np.split(states[index], 2)
         allowed = abs(float(limit[index, column]))
         margin[index, column] = allowed - residual_height(item, batch[index], q, qd, allowed)
