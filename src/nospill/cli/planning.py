@@ -73,7 +73,7 @@ def plan(
         page: Path | None = None
         try:
             try:
-                outcome = find_plan(scene, progress=progress.show).timed("import", loading)
+                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_full_model()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if output is not None:

@@ -1,4 +1,7 @@
-"""What the whole physics say of a motion judged by the published equations: a warning beside its certificate."""
+"""What the full model says of a motion judged with less: a warning beside its certificate.
+
+The full model has the physics of full fidelity and so many modes of each liquid that one more changes nothing.
+"""
 
 from __future__ import annotations
 
@@ -11,27 +14,32 @@ from nospill.laws.constraints.base import Role
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import with_modes
-from nospill.scene.scene import Scene, mode_count
+from nospill.scene.scene import FULL_MODES, Scene
 
 
 def full_scene(scene: Scene) -> Scene:
     """The scene with the whole physics: moving liquids with all their modes, contact that shares its friction."""
-    count = mode_count("full", scene.slosh_modes)
-    return replace(scene, fidelity="full", cargo=tuple(with_modes(cargo, count) for cargo in scene.cargo))
+    count = max(scene.slosh_modes, FULL_MODES)
+    cargo = tuple(with_modes(item, count) for item in scene.cargo)
+    return replace(scene, fidelity="full", cargo=cargo, slosh_modes=count)
 
 
 def with_full_model(
     certificate: Certificate, trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None
 ) -> Certificate:
-    """A certificate with the rows on objects that the same motion breaks under the whole physics.
+    """A certificate with the rows on objects that the same motion breaks in the full model.
 
-    As it is at full fidelity.
+    As it is where they are known.
 
     Raises:
         ModelError: the liquids cannot be integrated.
     """
-    if not certificate.published:
+    if certificate.full_model is not None:
         return certificate
+    if (scene.fidelity == "full" and scene.slosh_modes >= FULL_MODES) or not any(
+        cargo.filling for cargo in scene.cargo
+    ):
+        return replace(certificate, full_model=())
     rows = judge_motion(trajectory, full_scene(scene), motion=motion).certificate.rows
     broken = (row for row in rows if not row.ok and row.constraint in BY_NAME)
     of_objects = tuple(row for row in broken if BY_NAME[row.constraint].role in (Role.LIQUID, Role.CONTACT))

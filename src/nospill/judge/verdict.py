@@ -96,15 +96,15 @@ class Certificate:
         grid_hz: rate of the grid the trajectory was judged on.
         rows: one per constraint and subject.
         published: whether the physics are the published ones (`fidelity = "deliverable"`).
-        full_model: where they are, and it was asked: rows that the whole physics break in the same motion. No part of
-            `ok`.
+        full_model: rows on objects that the full model breaks in the same motion (see `judge.full_model`), no part of
+            `ok`; None where nobody has looked.
     """
 
     ok: bool
     grid_hz: float
     rows: tuple[Row, ...]
     published: bool = False
-    full_model: tuple[Row, ...] = ()
+    full_model: tuple[Row, ...] | None = None
 
     @property
     def word(self) -> str:
@@ -136,10 +136,11 @@ class Certificate:
         return replace(self, ok=self.ok and other.ok, grid_hz=grid_hz, rows=self.rows + other.rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """For certificate.json: ok, grid_hz, rows; of the published physics also what the full model breaks."""
+        """For certificate.json: ok, grid_hz, rows, published, and what the full model breaks where it is known."""
         table: dict[str, Any] = {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
-        if self.published:
-            table |= {"published": True, "full_model": [_plain(row) for row in self.full_model]}
+        table["published"] = self.published
+        if self.full_model is not None:
+            table["full_model"] = [_plain(row) for row in self.full_model]
         return table
 
 

@@ -17,6 +17,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
+from nospill.scene.scene import FULL_MODES
 
 _DENSE = 200.0
 """Hz; at this rate and above the spline through the samples of a planned motion is as good as the motion."""
@@ -149,7 +150,7 @@ def full_model_note(certificate: Certificate) -> str:
     106 %`.
     """
     worst: dict[str, Row] = {}
-    for row in certificate.full_model:
+    for row in certificate.full_model or ():
         if row.constraint not in worst or row.use > worst[row.constraint].use:
             worst[row.constraint] = row
     heights, others = [], []
@@ -163,7 +164,8 @@ def full_model_note(certificate: Certificate) -> str:
             others.append(f'{name} of "{row.label}" {100 * row.use:.0f} %')
     if not worst:
         return ""
-    return "the full model sees " + "; ".join(heights + others)
+    who = "the full model sees" if certificate.published else f"{FULL_MODES} modes of each liquid see"
+    return f"{who} " + "; ".join(heights + others)
 
 
 def remedy(row: Row, rate: float) -> str:

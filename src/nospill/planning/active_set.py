@@ -15,7 +15,7 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, Role, RowId, liquid_names
+from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
@@ -139,13 +139,11 @@ class ActiveSet:
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
-        """Members whose liquid breaks a limit; all with liquid where the scenario states more modes than one."""
-        scene = self.task.scene
-        if scene.planned_modes == 1:
+        """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
+        if self.task.scene.planned_modes == 1:
             return frozenset()
         broken = {row.subject for row in rows if row.constraint in _OF_LIQUIDS and row.shortfall > 0.0}
-        wanted = liquid_names(scene) if scene.slosh_modes > 1 else broken
-        return frozenset(name for name, _ in self.members).intersection(wanted)
+        return frozenset(name for name, _ in self.members).intersection(broken)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
-from nospill.judge.full_model import with_full_model
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
@@ -92,9 +91,8 @@ def _planned(
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    certificate = with_full_model(judged.judgement.certificate, judged.trajectory, scene)
     record = with_recorded_modes(judged.trajectory, scene)
-    found = judged_plan(scene, record, replace(judged.judgement, certificate=certificate), report)
+    found = judged_plan(scene, record, judged.judgement, report)
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(

@@ -54,11 +54,8 @@ def judged(plan: Plan) -> Judgement:
         ModelError: the liquids cannot be integrated.
     """
     judgement = plan.judgement or judge(plan.trajectory, plan.scene)
-    if judgement.certificate.published:
-        noted = (
-            plan.certificate if plan.judgement else with_full_model(judgement.certificate, plan.trajectory, plan.scene)
-        )
-        judgement = replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
+    noted = with_full_model(plan.certificate if plan.judgement else judgement.certificate, plan.trajectory, plan.scene)
+    judgement = replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
     if plan.approach is None or plan.scene.approach is None:
         return judgement
     rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])

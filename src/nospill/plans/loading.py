@@ -42,7 +42,7 @@ def load_plan(folder: str | Path) -> Plan:
                 grid_hz=certificate["grid_hz"],
                 rows=_rows(certificate["rows"]),
                 published=bool(certificate.get("published", False)),
-                full_model=tuple(Row(**row) for row in certificate.get("full_model", [])),
+                full_model=_broken(certificate),
             ),
             maxima=maxima,
             report=report,
@@ -62,6 +62,11 @@ def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | N
     return read_segment(
         place / APPROACH_FILE, scene.robot.joints, loaded=scene.approach.loaded, stretch=float(recorded["stretch"])
     )
+
+
+def _broken(certificate: dict[str, Any]) -> tuple[Row, ...] | None:
+    found = certificate.get("full_model")
+    return None if found is None else tuple(Row(**row) for row in found)
 
 
 def _rows(found: list[dict[str, Any]]) -> tuple[Row, ...]:

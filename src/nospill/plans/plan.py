@@ -12,6 +12,7 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
+from nospill.judge.full_model import with_full_model
 from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, remedy
@@ -164,6 +165,10 @@ class Plan:
         """The same plan with the time of one more phase in its report."""
         return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
 
+    def with_full_model(self) -> Plan:
+        """The plan with what the full model sees beside its certificate."""
+        return replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
+
     def save(
         self, folder: str | Path, *, extra: Callable[[Path], None] | None = None, time_writing: bool = False
     ) -> None:
@@ -178,13 +183,14 @@ class Plan:
             PlanFolderError: the folder holds something else or cannot be written, or no scenario
                 describes the scene.
         """
+        plan = self.with_full_model()
         write_folder(
             folder,
-            scene=self.scene,
-            trajectory=self.trajectory,
-            certificate=self.certificate,
-            approach=self.approach,
-            summary=lambda seconds: (self.timed("write", seconds) if time_writing else self).summary(),
+            scene=plan.scene,
+            trajectory=plan.trajectory,
+            certificate=plan.certificate,
+            approach=plan.approach,
+            summary=lambda seconds: (plan.timed("write", seconds) if time_writing else plan).summary(),
             extra=extra,
         )
 

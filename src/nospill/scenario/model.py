@@ -143,9 +143,9 @@ class PlanningTable(Table):
         Field(
             strict=True,
             ge=1,
-            le=10,
-            description="liquid modes in each direction that the last problem carries at least and the record has; "
-            "at full fidelity the judge has twenty",
+            le=20,
+            description="liquid modes in each direction that are judged and recorded; a search begins with one and "
+            "ends with up to three at full fidelity",
         ),
     ] = 1
 

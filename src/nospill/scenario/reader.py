@@ -28,7 +28,7 @@ from nospill.scenario.model import Scenario
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene, mode_count
+from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
@@ -154,7 +154,7 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         friction_reserve=scenario.tray.friction_reserve,
         footprint_reserve=scenario.tray.footprint_reserve,
         fidelity=scenario.fidelity,
-        slosh_modes=mode_count(scenario.fidelity, scenario.planning.slosh_modes),
+        slosh_modes=scenario.planning.slosh_modes,
         tolerance=scenario.tolerance,
     )
 

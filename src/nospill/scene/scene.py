@@ -15,18 +15,12 @@ from nospill.scene.tray import Tray
 Fidelity = Literal["deliverable", "full"]
 
 FULL_MODES = 20
-"""Modes of a liquid in each direction at full fidelity. One more changes no peak by half a percent of its limit."""
+"""Modes of a liquid in each direction in the full model. One more changes no peak by half a percent of its limit."""
 EndCondition = Literal["still", "published", "residual"]
 
 
 _PLANNED_MODES = 3
-"""Modes that the optimiser carries at full fidelity once the judge has objected to one: the faster ones together are
-less than what is kept back."""
-
-
-def mode_count(fidelity: Fidelity, stated: int) -> int:
-    """Modes of a liquid in each direction: those stated where the physics are as published, else all that matter."""
-    return stated if fidelity == "deliverable" else max(stated, FULL_MODES)
+"""Most modes that the optimiser carries at full fidelity: the faster ones together are less than what is kept back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +103,7 @@ class Scene:
         planning: how it is looked for.
         output_rate: rate of the exported samples, Hz.
         gravity: m/s^2.
-        slosh_modes: modes of a liquid in each direction that are recorded, and that the last problem of a search
-            carries at least; the cargo has all that are judged.
+        slosh_modes: modes of a liquid in each direction that are judged and recorded.
         source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
             which `scenario.write_scenario` writes the copy that is kept with a plan.
         approach: how the arm gets to the start, or None where the scenario has no [approach].
@@ -136,7 +129,7 @@ class Scene:
     @property
     def planned_modes(self) -> int:
         """Modes of a liquid in each direction that the optimiser carries in the end, where the judge objects."""
-        return self.slosh_modes if self.fidelity == "deliverable" else max(self.slosh_modes, _PLANNED_MODES)
+        return self.slosh_modes if self.fidelity == "deliverable" else min(self.slosh_modes, _PLANNED_MODES)
 
     def with_one_mode(self) -> Scene:
         """The scene with one mode of each liquid in each direction, with which a search begins."""
