@@ -29,7 +29,7 @@ def test_check_prints_warnings_and_leaves_the_verdict(stand_in: StandIn, plan_fo
     stand_in.warnings = tuple(PlanWarning("crest", name, "it is high.") for name in ("c1", "c2"))
     result = nospill("check", "tea")
     assert result.exit_code == 0
-    assert result.stdout.endswith("warning: crest: c1: it is high. Likewise: c2.\n")
+    assert "\nwarning: crest: c1: it is high. Likewise: c2.\n" in result.stdout
 
 
 def test_check_and_plot_do_not_load_the_optimiser(stand_in: StandIn, plan_folder: Path) -> None:

@@ -53,7 +53,7 @@ def test_a_file_beside_the_plan_with_its_verdict(folder, name):
     assert target.exists()
     assert sorted(folder.parent.iterdir()) == sorted([folder, target])
     assert result.stdout.startswith(f"written to {target}: ")
-    assert "certified: all" in result.stdout
+    assert "certified as published: all" in result.stdout
     said = "500 Hz is for e-Series controllers; CB3 ones play it at another pace and need --rate 125."
     assert result.stderr == (f"{target}: {said}\n" if name == "urscript" else "")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before, "the plan folder is left as it is"
@@ -156,7 +156,7 @@ def test_check_notices_a_changed_joint_and_names_it(folder):
     joints_changed(folder / "robot.csv", row=900, column=2, change=0.01)
     result = nospill("check", str(folder))
     assert result.exit_code == 1
-    assert "certified: all" in result.stdout, "the trajectory itself is as it was"
+    assert "certified as published: all" in result.stdout, "the trajectory itself is as it was"
     # Row 901 of the file is instant 401: 500 rows of rest, then the first sample.
     assert "robot.csv is not the motion of the trajectory: joint_3 differs by 0.01 rad at t = 0.80" in result.stderr
     assert result.stderr.count("\n") == 1

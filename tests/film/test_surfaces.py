@@ -13,7 +13,7 @@ from nospill.film.geometry import wall_thickness
 from nospill.film.surfaces import liquid_surface
 from nospill.film.timeline import Film, make_film
 from nospill.judge.verdict import Trace
-from nospill.scenario.reader import read_scenario
+from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from tests.builders import VESSELS
 

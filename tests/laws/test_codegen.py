@@ -120,7 +120,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     for name, theirs in plain.items():
         _same(fast[name], theirs)
     again = plan(small)
-    assert (again.status, slow.status) == ("certified", "certified")
+    assert again.certificate.ok and slow.certificate.ok
     assert again.duration == pytest.approx(slow.duration, rel=1e-6)
     assert again.report.iterations == slow.report.iterations
     assert set(endings(tmp_path)) == {".json", ".so", ".sum"}

@@ -19,6 +19,7 @@ from nospill.motion.interpolation import resampled
 from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.scenario import read_scenario
 from nospill.scene.scene import MotionRules, Scene
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
@@ -171,8 +172,9 @@ def test_the_folder_holds_them_and_is_compared_with_them(held_plan, tmp_path):
     assert compare_plan_files(back.trajectory, other, tmp_path / "out")["robot.csv"] is not None
 
 
-def test_a_scene_with_other_holds_than_its_source_is_not_saved(held_plan, tmp_path):
+def test_a_scene_with_other_holds_than_its_source_is_saved_as_what_it_is(held_plan, tmp_path):
     plan = held_plan()
     altered = replace(plan, scene=replace(plan.scene, motion=rules_of(plan.scene, 0.0, 0.0)))
-    with pytest.raises(PlanFolderError, match="changed after it was read"):
-        altered.save(tmp_path / "out")
+    altered.save(tmp_path / "out")
+    saved = read_scenario(tmp_path / "out" / "scenario.toml").motion
+    assert (saved.hold_before, saved.hold_after) == (0.0, 0.0)

@@ -125,7 +125,7 @@ def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
             active.after(judgement(row("slip", "c1", margin))).backoff[RowId("slip", "c1")]
             - active.backoff[RowId("slip", "c1")]
         )
-        assert min(missing, 0.3 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.3 + 1e-12)
+        assert min(missing, 0.1 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.1 + 1e-12)
 
 
 def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:

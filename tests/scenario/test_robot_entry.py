@@ -270,7 +270,14 @@ def test_schema_knows_the_keys() -> None:
 def test_listing_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:
     app(["robots"], standalone_mode=False)
     text = capsys.readouterr().out
-    for words in ("franka-fr3", "ur10e", "position, speed, acceleration", "jerk, torque", "not known", "joint jerk"):
+    for words in (
+        "franka-fr3",
+        "ur10e",
+        "position, speed and",
+        "acceleration, jerk, torque",
+        "not known",
+        "joint jerk",
+    ):
         assert words in " ".join(text.split())
 
 

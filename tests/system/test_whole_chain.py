@@ -56,7 +56,7 @@ def test_a_real_plan(rigid: tuple[Path, subprocess.CompletedProcess[str]]) -> No
     summary = json.loads(result.stdout)
     assert tuple(summary) == SUMMARY_KEYS
     assert result.stdout == (place / "summary.json").read_text()
-    assert (summary["scenario"], summary["status"]) == ("matrix-rigid", "certified")
+    assert (summary["scenario"], summary["status"]) == ("matrix-rigid", "certified as published")
     assert summary["duration_s"] == pytest.approx(1.40, rel=0.01)
     assert set(summary["certificate"]) == {"ok", "worst_constraint", "worst_margin"}
     assert sorted(os.listdir(place)) == [
@@ -79,7 +79,7 @@ def test_a_real_plan_is_checked_and_drawn_again(
     checked = real("check", str(copy))
     assert checked.returncode == 0 and checked.stderr == ""
     rows = len(json.loads((copy / "certificate.json").read_text())["rows"])
-    assert f"certified: all {rows} rows hold on a grid of 2000 Hz" in checked.stdout
+    assert f"certified as published: all {rows} rows hold on a grid of 2000 Hz" in checked.stdout
     drawn = real("plot", str(copy))
     assert drawn.returncode == 0, drawn.stderr
     assert {Path(line).name for line in drawn.stdout.splitlines()} == {

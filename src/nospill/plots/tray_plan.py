@@ -52,7 +52,7 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
     axes.set_ylim(-sides[1] / 2, sides[1] / 2)
     axes.set_xlabel("x of the tray [mm]")
     axes.set_ylabel("y of the tray [mm]")
-    key = "full line: liquid, fill of rim height in mm; dashed: solid; thin line: widest section; arrow: x axis"
+    key = "full line: liquid, fill of rim height in mm; dashed: solid; thin: widest section; arrow: x"
     figure.text(0.5, 0.08 / total, key, size=SMALL, ha="center", va="bottom", color=INK)
     return figure
 

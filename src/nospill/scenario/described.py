@@ -135,8 +135,8 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
     keys = {"position": "offset", "yaw": "yaw_on_flange"}
     _join(table, "tray", tray | {keys[name]: value for name, value in tool.items()})
     limits = _changed(scene.robot, original.robot, {name: dimension for name, (_, dimension) in _LIMITS.items()})
-    if limits:
-        _join(table["robot"], "limits", {_LIMITS[name][0]: value for name, value in limits.items()})
+    stated = {_LIMITS[name][0]: value for name, value in limits.items() if value is not None}  # none: no key says so
+    _join(table["robot"], "limits", stated)
     _join(table, "robot", _changed(scene.robot, original.robot, {"home": "angle"}))
     if scene.approach is None:
         table.pop("approach", None)

@@ -154,7 +154,7 @@ def test_ten_megabytes_of_waypoints_are_refused(tmp_path: Path) -> None:
     (tmp_path / "way.csv").write_text("\n".join(",".join(map(repr, row)) for row in points.tolist() * 180))
     assert (tmp_path / "way.csv").stat().st_size > 10e6
     message = refusal(changed("path", {"type": "waypoints", "file": "way.csv"}), tmp_path)
-    assert "180000 points, at most 500 are allowed" in message
+    assert "180000 points, at most 20000 are allowed" in message
 
 
 def test_a_plan_writes_into_its_folder_and_nowhere_else(
