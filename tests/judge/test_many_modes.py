@@ -207,7 +207,7 @@ def test_what_one_mode_allows_twenty_refuse() -> None:
 
 def test_modes_are_those_the_scenario_states(changed_scene) -> None:
     counts = [
-        scene.cargo[0].filling.modes.count
+        structure_of(scene).objects[0].modes
         for scene in (
             read_scenario("matrix-liquid-tilt"),
             changed_scene("matrix-liquid-tilt", {"planning.slosh_modes": 3}),
