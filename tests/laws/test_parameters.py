@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.judge.full_model import full_scene
 from nospill.laws.parameters import blank_numbers, constants, flatten, parameter_count, symbolic
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
@@ -100,10 +101,11 @@ def test_structures_are_keys_and_say_what_differs():
         RectangleFootprint,
         DiscFootprint,
     ]
-    assert [item.coordinates for item in mixed.objects] == [40, 40, 40, 0]
-    assert mixed.objects[2].oscillators == ((0,), (1,)) * 20
-    assert mixed.objects[2].flat == (False,) * 2 + (True,) * 38
-    assert [item.modes for item in (*level.objects, *mixed.objects)] == [1] * 4 + [20] * 3 + [0]
+    assert [item.coordinates for item in mixed.objects] == [2, 2, 2, 0]
+    many = structure_of(full_scene(read_scenario("mixed-tray"))).objects
+    assert many[2].oscillators == ((0,), (1,)) * 20
+    assert many[2].flat == (False,) * 2 + (True,) * 38
+    assert [item.modes for item in (*level.objects, *mixed.objects, *many)] == [1] * 7 + [0] + [20] * 3 + [0]
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

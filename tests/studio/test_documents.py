@@ -80,4 +80,4 @@ def test_exports_are_what_the_command_line_writes(tmp_path: Path, example_plan: 
             assert load_plan(tmp_path / "matrix-rigid").duration == plan.duration
         elif not EXPORTERS[choice].suffixes[0].startswith("."):
             assert found.name.endswith(".zip")
-        assert plan.status == "certified" and "ertified" in found.message
+        assert plan.status == "certified as published" and "ertified" in found.message

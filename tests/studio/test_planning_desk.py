@@ -62,7 +62,7 @@ def test_progress_comes_at_once_and_the_answer_is_the_planners(table: dict[str, 
     assert watched.states  # said before anything is planned
     assert not watched.desk.start(scene)  # one at a time
     ended = watched.ended()
-    assert ended.stage == "planned" and ended.plan is not None and ended.plan.status == "certified"
+    assert ended.stage == "planned" and ended.plan is not None and ended.plan.status == "certified as published"
     assert ended.plan.duration == pytest.approx(plan(scene).duration, abs=1e-9)
     phases = [state.phase for state in watched.states]
     assert [phase for phase in ("start", "kinematics", "build", "solve", "certify") if phase in phases] == [

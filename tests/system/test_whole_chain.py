@@ -58,7 +58,7 @@ def test_a_real_plan(rigid: tuple[Path, subprocess.CompletedProcess[str]]) -> No
     assert result.stdout == (place / "summary.json").read_text()
     assert (summary["scenario"], summary["status"]) == ("matrix-rigid", "certified as published")
     assert summary["duration_s"] == pytest.approx(1.40, rel=0.01)
-    assert set(summary["certificate"]) == {"ok", "worst_constraint", "worst_margin"}
+    assert set(summary["certificate"]) == {"ok", "worst_constraint", "worst_margin", "full_model"}
     assert sorted(os.listdir(place)) == [
         "certificate.json",
         "robot.csv",
@@ -67,7 +67,7 @@ def test_a_real_plan(rigid: tuple[Path, subprocess.CompletedProcess[str]]) -> No
         "trajectory.csv",
     ]
     certificate = json.loads((place / "certificate.json").read_text())
-    assert list(certificate) == ["ok", "grid_hz", "rows"]
+    assert list(certificate) == ["ok", "grid_hz", "rows", "published", "full_model"]
     keys = ["constraint", "subject", "unit", "limit", "worst_value", "worst_margin", "at_s", "ok"]
     assert all(list(row) == keys for row in certificate["rows"])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -104,7 +104,7 @@ class Certificate:
     grid_hz: float
     rows: tuple[Row, ...]
     published: bool = False
-    full_model: tuple[Row, ...] | None = None
+    full_model: tuple[Row, ...] | None = field(default=None, compare=False)
 
     @property
     def word(self) -> str:
