@@ -19,8 +19,6 @@ from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 
-_NODES, _WEIGHTS = (0.5 * part for part in np.polynomial.legendre.leggauss(8))
-_NODES = _NODES + 0.5
 _SAMPLES = 12
 """Straight parts that stand for a cubic where it is checked or drawn."""
 
@@ -115,7 +113,7 @@ class Meridian:
         for piece in _cubics(self):
             place, slope = _at_nodes(piece)
             radius, z = place[..., 0], place[..., 1]
-            band = radius * np.linalg.norm(slope, axis=-1) * _WEIGHTS
+            band = radius * np.linalg.norm(slope, axis=-1) * _quadrature()[1]
             sums += [float(np.sum(band * part)) for part in (1.0, z, z * z, radius * radius)]
         area, first, second, across = sums
         centre = first / area
@@ -128,7 +126,7 @@ class Meridian:
         for piece in self.wetted(level):
             place, slope = _at_nodes(piece)
             radius, z = place[..., 0], place[..., 1]
-            slab = np.pi * radius**2 * slope[..., 1] * _WEIGHTS
+            slab = np.pi * radius**2 * slope[..., 1] * _quadrature()[1]
             sums += [float(np.sum(slab * part)) for part in (1.0, z, z * z, radius * radius)]
         return sums
 
@@ -235,8 +233,9 @@ def _sampled(piece: np.ndarray) -> np.ndarray:
 def _at_nodes(piece: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places and derivatives at the Gauss points of each cubic, (k, 8, 2)."""
     power = np.arange(4)[:, None]
-    place = np.einsum("kpx,pn->knx", piece, _NODES**power)
-    slope = np.einsum("kpx,pn->knx", piece[:, 1:], power[1:] * _NODES ** (power[1:] - 1))
+    nodes, _ = _quadrature()
+    place = np.einsum("kpx,pn->knx", piece, nodes**power)
+    slope = np.einsum("kpx,pn->knx", piece[:, 1:], power[1:] * nodes ** (power[1:] - 1))
     return place, slope
 
 
@@ -272,3 +271,10 @@ def _cross(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def _shown(point: np.ndarray) -> str:
     r, z = (format_quantity(float(x) if math.isfinite(x) else 0.0, "length", digits=4) for x in point)
     return f"r = {r}, z = {z}"
+
+
+@lru_cache(maxsize=1)
+def _quadrature() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss nodes and weights on [0, 1], made when a vessel needs them: NumPy loads its polynomials for it."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    return 0.5 * nodes + 0.5, 0.5 * weights
