@@ -47,7 +47,7 @@ def moved(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {}, "none", {}, "start (1, 2) deg")
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement)
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_full_model()
 
     return make
 
@@ -201,6 +201,7 @@ def test_without_ruckig_nothing_is_begun(whole, monkeypatch):
     require_ruckig_if_needed(replace(whole.scene, approach=None))
 
 
+@pytest.mark.slow
 def test_export_and_check_tell_of_it(whole, tmp_path):
     runner = CliRunner()
     whole.save(tmp_path / "out")

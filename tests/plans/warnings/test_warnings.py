@@ -171,6 +171,7 @@ def test_much_back_off(found) -> None:
 # --- where they go --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_plan_keeps_its_warnings_and_its_verdict(gentle_plan, tmp_path: Path) -> None:
     plan: Plan = gentle_plan("matrix-liquid")
     judgement = judge(plan.trajectory, plan.scene)
