@@ -75,10 +75,13 @@ class ApproachRules:
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts."""
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts.
 
-    path_jerk_weight: float
-    tilt_jerk_weight: float
+    A weight that is None follows from the duration (`transcription.problem`).
+    """
+
+    path_jerk_weight: float | None
+    tilt_jerk_weight: float | None
     intervals: int
     linear_solver: str
     max_iterations: int
