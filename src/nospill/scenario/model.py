@@ -90,6 +90,11 @@ class MotionTable(Table):
         Measured(dimension="ratio", above=0.0, at_most=1.0),
         Field(description="greatest surface height after the end, as a fraction of max_slosh_height"),
     ] = 0.2
+    duration: Annotated[
+        float | None,
+        Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
+        Field(description="how long the motion takes: the gentlest one of this duration in the place of the shortest"),
+    ] = None
     max_duration: Annotated[
         float,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),

@@ -248,6 +248,7 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         max_duration=rules.max_duration,
         hold_before=rules.hold_before,
         hold_after=rules.hold_after,
+        duration=rules.duration,
     )
 
 

@@ -37,6 +37,7 @@ class MotionRules:
         max_duration: longest motion that is considered, s.
         hold_before: how long the arm stands still at the start of an exported motion, s.
         hold_after: likewise, at its end.
+        duration: of the motion, s; None for the shortest that keeps the limits.
     """
 
     tilt_free: bool
@@ -48,6 +49,12 @@ class MotionRules:
     max_duration: float
     hold_before: float = 0.0
     hold_after: float = 0.0
+    duration: float | None = None
+
+    @property
+    def longest(self) -> float:
+        """What the motion may take, s."""
+        return self.max_duration if self.duration is None else self.duration
 
 
 @dataclass(frozen=True, slots=True)

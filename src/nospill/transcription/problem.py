@@ -35,6 +35,9 @@ _SMOOTHNESS = 1.2e-7
 """Weight of a jerk per duration^7, 1/s^6, where none is stated. A short motion from 0 to 1 in T has jerks of some
 60 / T^3, so its smoothness costs the same small part of T at every T: measured, 0.002 to 0.005 of it."""
 
+_ALL_THAT_COUNTS = 1e3
+"""How much larger the weights are where the duration is given: smoothness costs about as much as time."""
+
 _LARGEST_WEIGHT = 1e-5
 """Of a jerk, where none is stated: long motions have the jerks of short ones at their ends and where liquids swing."""
 
@@ -164,7 +167,9 @@ def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
 
 
 def _weights(scene: Scene, duration: float) -> dict[str, float]:
-    """Weights of the jerks in the cost."""
+    """Weights of the jerks in the cost; of a motion of given duration nothing else counts."""
+    if scene.motion.duration is not None:
+        return dict.fromkeys(("path_jerk_weight", "tilt_jerk_weight"), _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
     stated = {name: getattr(scene.planning, name) for name in ("path_jerk_weight", "tilt_jerk_weight")}
     usual = min(_SMOOTHNESS * duration**7, _LARGEST_WEIGHT)
     return {name: usual if weight is None else weight for name, weight in stated.items()}
@@ -213,7 +218,9 @@ def _bounds(
     upper = np.full((intervals + 1, layout.size), np.inf)
     lower[:, 1] = 0.0
     lower[:, layout.interval] = _SHORTEST / intervals
-    upper[:, layout.interval] = scene.motion.max_duration / intervals
+    upper[:, layout.interval] = scene.motion.longest / intervals
+    if scene.motion.duration is not None:
+        lower[0, layout.interval] = upper[0, layout.interval]  # all intervals are alike
     ends = (lower[0], upper[0], lower[-1], upper[-1])
     if layout.redundant:
         # No constraint of the table limits this jerk: the bound only keeps the self-motion smooth.
