@@ -39,7 +39,7 @@ def held_plan(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_full_model()
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
 
     return make
 

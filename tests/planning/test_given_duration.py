@@ -32,7 +32,7 @@ def test_the_gentlest_motion_of_a_given_duration(changed_scene, example_plan, tm
         assert found.duration == pytest.approx(factor * fastest.duration, rel=1e-7)
         jerks.append(mean_square_jerk(found))
     assert jerks[0] > 1.5 * jerks[1] > 5 * jerks[2]
-    # The least of all motions from rest to rest is that of the quintic, 720 / T^6; liquids at rest at the end cost more.
+    # The least of all from rest to rest is that of the quintic, 720 / T^6; liquids at rest at the end cost more.
     assert 1.0 < jerks[2] * found.duration**6 / 720 < 1.1
     found.save(tmp_path / "out")
     assert load_plan(tmp_path / "out").scene.motion.duration == pytest.approx(1.5 * fastest.duration)

@@ -47,7 +47,7 @@ def moved(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {}, "none", {}, "start (1, 2) deg")
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_full_model()
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
 
     return make
 

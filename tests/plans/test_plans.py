@@ -37,7 +37,7 @@ def judged() -> tuple[Plan, Judgement]:
     starts = Starts(2, 2, 1, (1.8, 1.9))
     report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})
     maxima = motion_maxima(judgement, scene)
-    plan = Plan(scene, trajectory, judgement.certificate, maxima, report, judgement).with_full_model()  # once
+    plan = Plan(scene, trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()  # once
     return plan, judgement
 
 

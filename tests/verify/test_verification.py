@@ -34,7 +34,7 @@ def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
-    return plan.with_full_model()
+    return plan.with_second_looks()
 
 
 @pytest.fixture

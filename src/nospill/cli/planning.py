@@ -73,7 +73,7 @@ def plan(
         page: Path | None = None
         try:
             try:
-                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_full_model()
+                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_second_looks()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if output is not None:
@@ -94,13 +94,13 @@ def plan(
         saved = output / SUMMARY_FILE if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
-        _print_plan(outcome, output, page)
+        print_plan(outcome, output, page)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1
 
 
-def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
+def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
     certificate = outcome.certificate
     _print_certificate(certificate, outcome.scene.robot.joints)
@@ -126,16 +126,19 @@ def check(
     Nothing is optimised or written.
     """
     from nospill.export.plan_files import compare_plan_files
+    from nospill.judge.other_speeds import uses_at
     from nospill.judge.wording import describe
     from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
     from nospill.plans.warnings import plan_warnings
+    from nospill.plans.warnings.speeds import other_speeds
 
     saved = load_plan(folder)
     judgement = judge_whole(saved)
     certificate = judgement.certificate
     _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
-    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
+    slower = other_speeds(uses_at(saved.trajectory, saved.scene))
+    _print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")

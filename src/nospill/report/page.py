@@ -17,6 +17,7 @@ _CAPTIONS = {
     "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
     "tray": "The tray from above, to scale.",
     "path": "The way of the tray's centre, with the tray at a few instants.",
+    "other-speeds": "Largest use of a limit on liquids and contacts when the same motion is played more slowly.",
     "slosh-heights": "How high every liquid rises at its wall, in the joints' motion as judged; then it swings freely.",
     "margins": "Contact of every object with the tray: what is used of each limit.",
     "joints": "Joint positions, and what is used of every limit of the joints.",

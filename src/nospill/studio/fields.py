@@ -143,7 +143,11 @@ def _motion(draft: Draft) -> list[Field]:
         *([Field(("motion", "max_tilt"), "Largest tilt", hint="below 60 deg; 30 deg when empty")] if free else []),
         Field(("motion", "end"), "End", "choice", ("residual", "published", "still"), "what the liquids do at the end"),
         Field(("motion", "residual_fraction"), "Residual", hint="height after the end over the limit; 0.2 when empty"),
-        Field(("motion", "path_jerk_limit"), "Path jerk", hint="bound on s''' in 1/s^3; follows from the path's length when empty"),
+        Field(
+            ("motion", "path_jerk_limit"),
+            "Path jerk",
+            hint="bound on s''' in 1/s^3; from max_jerk when empty",
+        ),
         *([Field(("motion", "tilt_jerk_limit"), "Tilt jerk", hint="rad/s^3; 1000 when empty")] if free else []),
         Field(("motion", "max_duration"), "Longest", hint="longest motion that is considered; 20 s when empty"),
     ]
