@@ -35,7 +35,7 @@ def plan(
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
     all_figures: Annotated[
-        bool, typer.Option("--all-figures", help="Draw every figure, not the sheet and the limits alone.")
+        bool, typer.Option("--all-figures", help="Draw every figure, not the summary sheet alone.")
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,

@@ -34,7 +34,8 @@ def annotated_certificate(evidence: Evidence) -> Figure:
     words(
         over,
         (0.1, 0.42),
-        f"The fullest row, {fullest.constraint} of {fullest.subject}, is nearest to its limit. A use is rounded down where\n"
+        f"The fullest row, {fullest.constraint} of {fullest.subject}, is nearest to its limit. "
+        "A use is rounded down where\n"
         "the limit holds, so 99.9 % is never a broken limit. Rows about the file itself stand in the last line.",
         size=8.5,
     )

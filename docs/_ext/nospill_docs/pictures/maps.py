@@ -65,7 +65,7 @@ def plan_folder() -> Figure:
             GREEN,
         ),
         (("robot.csv",), "the controller; other formats: nospill export", ORANGE),
-        (("figures/",), "people: summary.png, limits.png", GREY),
+        (("figures/",), "people: summary.png, and all figures after nospill plot", GREY),
     )
     y = 1.9
     for names, reader, colour in rows:
