@@ -107,6 +107,7 @@ def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
     _print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
+    lines += [outcome.would_save] if outcome.would_save else []
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []
