@@ -35,7 +35,7 @@ def plan(
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
     all_figures: Annotated[
-        bool, typer.Option("--all-figures", help="Draw every figure, not the sheet and the limits alone.")
+        bool, typer.Option("--all-figures", help="Draw every figure, not the summary sheet alone.")
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
@@ -107,6 +107,7 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     _print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
+    lines += [outcome.would_save] if outcome.would_save else []
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []

@@ -13,7 +13,7 @@ import numpy as np
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.full_model import with_full_model
-from nospill.judge.limiting import held_back, limiting_rows
+from nospill.judge.limiting import held_back, limiting_rows, would_save
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, remedy
@@ -96,6 +96,8 @@ class PlanningReport:
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
         linear_solvers: of every solve; where one failed, the one after it and its own name.
+        savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
+            that hold the motion back longest.
     """
 
     plan_time: float
@@ -109,6 +111,7 @@ class PlanningReport:
     branch: str = ""
     base_yaw: str | None = None
     linear_solvers: tuple[str, ...] = ()
+    savings: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +163,11 @@ class Plan:
     def held_back(self) -> str:
         """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
         return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
+
+    @property
+    def would_save(self) -> str:
+        """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
+        return would_save(self.report.savings, self.scene.robot.joints)
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -303,6 +311,8 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
     "largest_use_at_lower_speeds": _Computed(_largest_uses),
+    "would_save": _Computed(lambda plan: plan.would_save),
+    "savings_s": _Kept("report", "savings", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),

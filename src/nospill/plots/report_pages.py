@@ -85,7 +85,9 @@ def _heading(evidence: Evidence) -> Figure:
     write(0.12, 0.78, verdict_line(certificate).partition(": ")[2], size=7.5)
     if evidence.held_back:
         write(2.3, 0.53, "What holds it back", size=7, color=INK)
-        for line, words in enumerate(textwrap.wrap(evidence.held_back, 84)[:2]):
+        for line, words in enumerate(
+            textwrap.wrap("; ".join(filter(None, (evidence.held_back, evidence.plan.would_save))), 96)[:2]
+        ):
             write(2.3, 0.67 + 0.125 * line, words, size=7)
     shown = tiles(evidence)
     for index, tile in enumerate(shown):

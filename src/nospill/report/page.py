@@ -86,8 +86,9 @@ def _heading(report: Report) -> str:
 
 
 def _held_back(report: Report) -> str:
-    sentence = report.evidence.held_back
-    return f"<p>What holds it back: {escape(sentence)}.</p>" if sentence else ""
+    sentence, saved = report.evidence.held_back, report.evidence.plan.would_save
+    more = f" {escape(saved[:1].upper() + saved[1:])}." if saved else ""
+    return f"<p>What holds it back: {escape(sentence)}.{more}</p>" if sentence else ""
 
 
 def _banner(ok: bool | None, verdict: str, detail: str) -> str:
