@@ -25,6 +25,7 @@ from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import Scenario
+from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
@@ -113,6 +114,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
+    obstacles = read_obstacles(scenario.obstacle, robot=robot, cargo=cargo, path=path, label=label)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -136,6 +138,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         source=_plain(source),
         approach=approach,
         start_near=_start_near(scenario, robot, approach),
+        obstacles=obstacles,
     )
 
 
