@@ -19,7 +19,7 @@ _THICK, _THIN = 0.05, 0.03
 """Radius at the base and at the flange as a fraction of the chain's length, where nobody states any."""
 ESTIMATED = (
     f"estimated: along the chain, radii from {100 * _THICK:g} % of its length at the base to {100 * _THIN:g} % at "
-    "the flange"
+    "the flange; state the arm's own as [[robot.capsule]]"
 )
 
 

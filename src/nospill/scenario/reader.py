@@ -92,7 +92,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     except ValidationError as error:
         raise report(label, faults_of(error, table)) from None
     with _at(label, "[robot]"):
-        described = scenario.robot.standalone(folder)
+        described = scenario.robot.standalone(folder, capsules=bool(scenario.obstacle))
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
