@@ -186,10 +186,8 @@ def _choices(found: Plan) -> list[str]:
     if segment is not None:
         tray = "loaded" if segment.loaded else "empty"
         slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
-        lines.append(
-            f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}; "
-            "nothing checks for collisions, here or on the way after it"
-        )
+        unchecked = "" if found.scene.obstacles else "; nothing checks for collisions, here or on the way after it"
+        lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
         wait = settling_time(found)
         if wait > 0.0:
             lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")

@@ -28,7 +28,8 @@ NOT_PROVEN = (
      "that bends come on top."),
     ("That the numbers are right", "Friction, fill heights, masses and frames are believed as the scenario gives them; "
      "nospill margins DIR says what is left when they are off."),
-    ("What is not a row", "Collisions, and any joint quantity that has no row in the table, are not judged."),
+    ("What is not a row", "Collisions where the scenario states no obstacles, and any joint quantity that has no row "
+     "in the table, are not judged."),
     ("The liquid beyond its model", "A linear surface is believed up to about a third of the radius: no breaking "
      "waves, drops, foam or floating things."),
     ("Contact beyond the model", "A flat footprint, pressed linearly, and Coulomb friction with one coefficient: "

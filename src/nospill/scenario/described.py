@@ -15,6 +15,7 @@ from nospill.robots.robot import Robot
 from nospill.scenario.reader import scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import ApproachRules, Scene
 
 _SAME = 1e-9
@@ -79,6 +80,7 @@ def _require_kinds(scene: Scene, original: Scene) -> None:
     """Refuse a part of another kind, which has none of the attributes that are read below."""
     parts = [(name, getattr(scene, name), type(getattr(original, name))) for name in _PARTS]
     parts += [("cargo", item, Cargo) for item in scene.cargo]
+    parts += [("obstacles", item, Obstacle) for item in scene.obstacles]
     parts += [("approach", scene.approach, ApproachRules)] if scene.approach is not None else []
     wrong = [(name, part) for name, part, wanted in parts if not isinstance(part, wanted)]
     if wrong:
@@ -97,7 +99,7 @@ def difference(first: Any, second: Any, place: str = "") -> str | None:
     elif isinstance(first, tuple) and isinstance(second, tuple):
         if len(first) != len(second):
             return place
-        named = [item.name if isinstance(item, Cargo) else str(index) for index, item in enumerate(second)]
+        named = [item.name if isinstance(item, Cargo | Obstacle) else str(index) for index, item in enumerate(second)]
         pairs = list(zip(named, first, second, strict=True))
     else:
         return None if _same(first, second) else place
@@ -147,6 +149,7 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
         _join(table, "approach", _approach(scene.approach, original.approach))
     known = {cargo.name: cargo for cargo in original.cargo}
     entries = {entry["name"]: entry for entry in table["cargo"]}
+    _place_obstacles(table, scene.obstacles, original.obstacles)
     table["cargo"] = [_entry(item, known.get(item.name), entries.get(item.name, {})) for item in scene.cargo]
     return table
 
@@ -209,6 +212,29 @@ def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dic
     if item.tolerance != (original.tolerance if original else None):
         values["tolerance"] = _tolerance(item, item.tolerance or Tolerance())
     return kept | values
+
+
+_SIZES = {"box": ("size",), "cylinder": ("radius", "height"), "sphere": ("radius",), "capsule": ("radius", "height")}
+"""Shape of an obstacle -> the keys of its sizes; the sides of a box are one list."""
+
+
+def _place_obstacles(table: dict[str, Any], obstacles: tuple[Obstacle, ...], original: tuple[Obstacle, ...]) -> None:
+    """Write the entries of the obstacles into a table; one that is as it was keeps its own."""
+    known = {item.name: (item, entry) for item, entry in zip(original, table.get("obstacle", []), strict=True)}
+    entries = []
+    for item in obstacles:
+        before, entry = known.get(item.name, (None, {}))
+        if before is not None and difference(item, before) is None:
+            entries.append(entry)
+            continue
+        sizes = [_written(size, "length") for size in item.shape.sizes]
+        keys = _SIZES.get(item.shape.kind, ())
+        values = {"name": item.name, "shape": item.shape.kind, "at": _written(item.position, "length")}
+        values |= {keys[0]: sizes} if keys == ("size",) else dict(zip(keys, sizes, strict=True))
+        values |= dict(zip(("roll", "pitch", "yaw"), _written(item.rpy, "angle"), strict=True))
+        entries.append(values | {"clearance": _written(item.clearance, "length")})
+    table.pop("obstacle", None)
+    table.update({"obstacle": entries} if entries else {})
 
 
 def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:

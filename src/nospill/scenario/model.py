@@ -10,6 +10,7 @@ from pydantic import Field
 from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
+from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
@@ -194,6 +195,10 @@ class Scenario(Table):
         Field(min_length=1, max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each"),
     ]
     path: Annotated[PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline or waypoints")]
+    obstacle: Annotated[
+        list[ObstacleEntry],
+        Field(max_length=MOST_OBSTACLES, description="what stands around the arm, one [[obstacle]] each"),
+    ] = []  # noqa: RUF012 # pydantic copies it and the table is frozen
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
     tolerance: Annotated[
         ToleranceTable | None,

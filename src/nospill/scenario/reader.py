@@ -26,6 +26,7 @@ from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
+from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
@@ -92,7 +93,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     except ValidationError as error:
         raise report(label, faults_of(error, table)) from None
     with _at(label, "[robot]"):
-        described = scenario.robot.standalone(folder)
+        described = scenario.robot.standalone(folder, capsules=bool(scenario.obstacle))
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
@@ -114,6 +115,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
+    obstacles = read_obstacles(scenario.obstacle, robot=robot, cargo=cargo, path=path, label=label)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -137,6 +139,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         source=_plain(source),
         approach=approach,
         start_near=_start_near(scenario, robot, approach),
+        obstacles=obstacles,
     )
 
 

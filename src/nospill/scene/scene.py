@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.paths import Path
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import Tray
 
 Fidelity = Literal["deliverable", "full"]
@@ -119,6 +120,7 @@ class Scene:
         approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
+        obstacles: what stands around the arm; without any, nothing is judged for collisions.
     """
 
     name: str
@@ -135,6 +137,7 @@ class Scene:
     source: dict[str, object] = field(repr=False)
     approach: ApproachRules | None = None
     start_near: np.ndarray | None = None
+    obstacles: tuple[Obstacle, ...] = ()
 
     @property
     def planned_modes(self) -> int:
