@@ -15,19 +15,19 @@ from nospill.laws.constraints.trough import Trough
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
-from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.weights import weigh_too_much
 
 Options = Mapping[str, Any]
 """Fields of `SolveOptions` that differ from those of the scene."""
 
 BARRIERS = (1e-5, 1e-4, 0.1)
 """First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
-_NO_PUSH, _NEAR_AT_START, _LEAST_TIME, _MUCH_SHORTER = 1e-6, 0.75, 10.0, 0.6
+_NO_PUSH, _NEAR_AT_START, _LEAST_TIME = 1e-6, 0.75, 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,12 +135,6 @@ def solved(
     return Candidate(active, solution)
 
 
-def weighs_too_much(scene: Scene, start: Stages, candidate: Candidate) -> bool:
-    """Whether the smoothness, weighted for the duration of the start, holds back an answer that is much shorter."""
-    weights = (scene.planning.path_jerk_weight, scene.planning.tilt_jerk_weight)
-    return None in weights and candidate.stages.duration < _MUCH_SHORTER * start.duration
-
-
 def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
     """Solve; what the answer breaks joins, and it is solved again from there, until it breaks no row."""
     while True:
@@ -149,7 +143,7 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
             return candidate
         slack = slack_of(active, candidate.stages)
         broken = active.near(slack, -FEASIBLE)
-        if broken <= active.rows and not weighs_too_much(active.scene, start, candidate):
+        if broken <= active.rows and not weigh_too_much(active.scene, start.duration, candidate.stages.duration):
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active, start = active.with_rows(active.rows | broken), candidate.stages
         options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}

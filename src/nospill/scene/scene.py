@@ -85,7 +85,7 @@ class ApproachRules:
 class PlanningOptions:
     """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts.
 
-    A weight that is None follows from the duration (`transcription.problem`).
+    A weight that is None follows from the duration (`transcription.weights`).
     """
 
     path_jerk_weight: float | None

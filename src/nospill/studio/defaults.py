@@ -14,6 +14,9 @@ _NO_VALUE = ("-", "**required**", "0 rad")
 _MEANT: dict[tuple[str, str], str] = {
     ("", "name"): "the file's name",
     ("robot.limits", "speed_scale"): "1",
+    ("motion", "duration"): "the shortest",
+    ("motion", "max_jerk"): "2000 m/s^3",
+    ("motion", "path_jerk_limit"): "from max jerk",
     ("cargo", "friction"): "the tray's",
     ("cargo", "max_slosh_height"): "to the rim less a reserve",
     ("cargo", "mass"): "of its parts",

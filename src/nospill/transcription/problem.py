@@ -21,6 +21,7 @@ from nospill.transcription.layout import Layout
 from nospill.transcription.nlp import Transcription, transcribe
 from nospill.transcription.stage import RowIndex
 from nospill.transcription.stages import Stages
+from nospill.transcription.weights import jerk_weights
 
 _SHORTEST = 0.05
 """Shortest motion considered, s: keeps the interval away from zero."""
@@ -30,16 +31,6 @@ _LARGEST_SLOSH_SCALE = 0.02
 
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
-
-_SMOOTHNESS = 1.2e-7
-"""Weight of a jerk per duration^7, 1/s^6, where none is stated. A short motion from 0 to 1 in T has jerks of some
-60 / T^3, so its smoothness costs the same small part of T at every T: measured, 0.002 to 0.005 of it."""
-
-_ALL_THAT_COUNTS = 1e3
-"""How much larger the weights are where the duration is given: smoothness costs about as much as time."""
-
-_LARGEST_WEIGHT = 1e-5
-"""Of a jerk, where none is stated: long motions have the jerks of short ones at their ends and where liquids swing."""
 
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
@@ -132,7 +123,7 @@ def build_problem(
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
-    numbers = replace(numbers, **_weights(scene, nominal_duration))
+    numbers = replace(numbers, **jerk_weights(scene, nominal_duration))
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
@@ -164,15 +155,6 @@ def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
     for constraint in CONSTRAINTS:
         for index, subject in enumerate(constraint.subjects(scene)):
             yield index, RowId(constraint.name, subject)
-
-
-def _weights(scene: Scene, duration: float) -> dict[str, float]:
-    """Weights of the jerks in the cost; of a motion of given duration nothing else counts."""
-    if scene.motion.duration is not None:
-        return dict.fromkeys(("path_jerk_weight", "tilt_jerk_weight"), _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
-    stated = {name: getattr(scene.planning, name) for name in ("path_jerk_weight", "tilt_jerk_weight")}
-    usual = min(_SMOOTHNESS * duration**7, _LARGEST_WEIGHT)
-    return {name: usual if weight is None else weight for name, weight in stated.items()}
 
 
 def _indexed(rows: Mapping[RowIndex, RowId], backoff: Backoff) -> dict[RowIndex, float]:
