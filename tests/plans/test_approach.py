@@ -21,12 +21,12 @@ from nospill.plans.approach import (
     hand_over_approach,
     judge_whole,
     require_ruckig_if_needed,
-    settling_time,
     starts_alike,
     with_approach,
 )
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, PlanningReport, Starts, failed_summary, motion_maxima
+from nospill.plans.settling import AFTER_APPROACH, settling_time
 from nospill.scenario import write_scenario
 
 EXAMPLE = "matrix-liquid-soft-end"
@@ -160,9 +160,9 @@ def test_a_loaded_tray_that_leans_too_far_is_refused_and_the_constraint_named(mo
 
 
 def test_the_liquid_needs_time_after_a_loaded_approach(whole, loaded):
-    assert settling_time(whole) == 0.0
-    wait = settling_time(loaded)
-    row = next(item for item in loaded.certificate.rows if item.constraint == "approach residual height")
+    assert settling_time(whole.scene, whole.certificate, AFTER_APPROACH) == 0.0
+    wait = settling_time(loaded.scene, loaded.certificate, AFTER_APPROACH)
+    row = next(item for item in loaded.certificate.rows if item.constraint == AFTER_APPROACH)
     cargo = loaded.scene.cargo[0]
     assert cargo.filling is not None
     decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)

@@ -174,7 +174,7 @@ def plot(
 
 def _choices(found: Plan) -> list[str]:
     """What was chosen for the arm, and how it gets to the start, a line each."""
-    from nospill.plans.approach import settling_time
+    from nospill.plans.settling import AFTER_APPROACH, settling_time
 
     lines = [f"branch: {found.report.branch}"]
     if found.report.base_yaw is not None:
@@ -188,9 +188,12 @@ def _choices(found: Plan) -> list[str]:
         slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
         unchecked = "" if found.scene.obstacles else "; nothing checks for collisions, here or on the way after it"
         lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
-        wait = settling_time(found)
+        wait = settling_time(found.scene, found.certificate, AFTER_APPROACH)
         if wait > 0.0:
             lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")
+    settling = settling_time(found.scene, found.certificate)
+    if settling > 0.0:
+        lines.append(f"next motion: after {settling:.1f} s, when the liquids are at rest (2 % of their limits)")
     return lines
 
 

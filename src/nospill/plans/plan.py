@@ -22,6 +22,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
+from nospill.plans.settling import settling_time
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plans.warnings.speeds import other_speeds
@@ -268,6 +269,11 @@ def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | N
     return None if found is None else tuple(SpeedUse(**item) for item in found)
 
 
+def _settling(plan: Plan) -> float | None:
+    found = settling_time(plan.scene, plan.certificate)
+    return found if np.isfinite(found) else None
+
+
 def _largest_uses(plan: Plan) -> dict[str, float] | None:
     uses = plan.maxima.other_speeds
     return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
@@ -311,6 +317,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
     "largest_use_at_lower_speeds": _Computed(_largest_uses),
+    "settling_s": _Computed(_settling),
     "would_save": _Computed(lambda plan: plan.would_save),
     "savings_s": _Kept("report", "savings", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
