@@ -20,7 +20,7 @@ from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
 from nospill.film.views import View, arrangement
 from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
-from nospill.viewer.names import letters_height, name_boxes
+from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
 
 
@@ -170,14 +170,17 @@ def test_scene_of_two_plans(tilting_film: Film, level_film: Film) -> None:
 def test_names_cover_no_other_whatever_the_window(view: View, tilting_film: Film, level_film: Film) -> None:
     for films, titles in (([tilting_film], [""]), ([level_film, tilting_film], ["level", "tilting"])):
         places, camera = arrangement(films, view, aspect=1.05)
-        letters = letters_height(films, titles, places, view, camera)
-        assert letters is not None or view in (View.ARM, View.ABOVE)  # near the cups there is room
+        letters = letters_of(films, titles, places, view, camera)
+        assert letters.apart or view in (View.ARM, View.ABOVE)  # near the cups there is room
         centres, sizes = name_boxes(films, titles, places, view, camera)
         assert centres.shape[1] == sum(len(film.plan.scene.cargo) for film in films) + sum(map(bool, titles))
-        if letters is None:
+        if not letters.apart:
             continue
         for one, other in combinations(range(centres.shape[1]), 2):
-            apart = np.abs(centres[:, one] - centres[:, other]) >= letters * (sizes[:, one] + sizes[:, other]) / 2.0001
+            apart = (
+                np.abs(centres[:, one] - centres[:, other])
+                >= letters.names * (sizes[:, one] + sizes[:, other]) / 2.0001
+            )
             assert np.all(np.any(apart, axis=1))
 
 
@@ -186,7 +189,7 @@ def test_names_are_hidden_where_they_would_cover_each_other(tilting_film: Film) 
     scene = replace(tilting_film.plan.scene, cargo=(crowded, *tilting_film.plan.scene.cargo[1:]))
     film = replace(tilting_film, plan=replace(tilting_film.plan, scene=scene))
     places, camera = arrangement([film], View.ARM, aspect=1.05)
-    assert letters_height([film], [""], places, View.ARM, camera) is None
+    assert not letters_of([film], [""], places, View.ARM, camera).apart
     with running_server(port=0) as server:
         shown = show_plans(server, [film], view=View.ARM)
         assert not shown.named

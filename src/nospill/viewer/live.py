@@ -16,7 +16,8 @@ from nospill.film.views import CLOSE, View, arrangement
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
-from nospill.viewer.names import letters_height
+from nospill.viewer.names import letters_of
+from nospill.viewer.phone import PAGE, PHONE_STYLE
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView, prepare
 
@@ -89,7 +90,7 @@ def aim(server: viser.ViserServer, shown: Shown, view: View) -> bool:
     """
     films = [item.film for item in shown.views]
     places, camera = arrangement(films, view, aspect=_ASPECT)
-    letters = letters_height(films, [item.title for item in shown.views], places, view, camera)
+    letters = letters_of(films, [item.title for item in shown.views], places, view, camera)
     with server.atomic():
         for item, place in zip(shown.views, places, strict=True):
             item.ride(view, place)
@@ -101,7 +102,7 @@ def aim(server: viser.ViserServer, shown: Shown, view: View) -> bool:
         for client in server.get_clients().values():
             now = client.camera
             now.position, now.look_at, now.fov = camera.position, camera.look_at, camera.angle
-    return letters is not None
+    return letters.apart
 
 
 @contextmanager
@@ -145,7 +146,10 @@ def live_viewer(
         server.gui.main_panel.dock_right()
         server.gui.set_panel_label("nospill")
         lines = "<br>".join(escape(title_of(film)) for film in films)
-        server.gui.add_html(f"<div style='padding:4px 8px;font-size:14px;line-height:1.4'>{lines}</div>")
+        server.gui.add_html(
+            f"<div id='{PAGE}' style='padding:4px 8px;font-size:14px;line-height:1.4'>"
+            f"<style>{PHONE_STYLE}</style>{lines}</div>"
+        )
         shown = show_plans(server, films, visuals=visuals, view=view)
         player = Player(
             server.gui,

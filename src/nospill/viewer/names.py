@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -30,10 +31,25 @@ def title_height(film: Film) -> float:
     return tallest + ABOVE_RIM + _LEAN * float(np.hypot(*scene.tray.size)) / 2 + 0.03
 
 
-def letters_height(
+@dataclass(frozen=True, slots=True)
+class Letters:
+    """Heights of letters.
+
+    Attributes:
+        names: of the objects' names, m.
+        titles: of the plans' titles, m.
+        apart: whether no name covers another; where they would, they are hidden.
+    """
+
+    names: float
+    titles: float
+    apart: bool
+
+
+def letters_of(
     films: Sequence[Film], titles: Sequence[str], places: Sequence[np.ndarray], view: View, camera: Camera
-) -> float | None:
-    """Height of the letters of names, m, or None where there is no room for them.
+) -> Letters:
+    """Letters as large as there is room for them all the time.
 
     Letters in metres keep their proportion to the objects whatever the size of the window, so what is apart in one
     window is apart in all.
@@ -52,7 +68,9 @@ def letters_height(
         apart = np.abs(centres[:, one] - centres[:, other])
         needed = (sizes[:, one] + sizes[:, other]) / 2
         room = min(room, float(np.min(np.max(apart / needed, axis=1))))
-    return room if room >= _SMALLEST * high else None
+    if room < _SMALLEST * high:
+        return Letters(_SMALLEST * high, _LARGEST * high, False)
+    return Letters(room, room, True)
 
 
 def name_boxes(

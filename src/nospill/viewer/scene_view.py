@@ -23,7 +23,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
 from nospill.viewer.gravity import against, arrow, free_spot
-from nospill.viewer.names import ABOVE_RIM, title_height
+from nospill.viewer.names import ABOVE_RIM, Letters, title_height
 
 if TYPE_CHECKING:
     import trimesh
@@ -304,13 +304,12 @@ class PlanView:
         shown, self._shown = self._shown, -1
         self.show(float(self.film.t[shown]))
 
-    def write_names(self, letters: float | None) -> None:
-        """Show the names of objects and plan in letters of this height, m; hide those of objects where it is None."""
-        self.tray.show_names(letters is not None)
-        if letters is not None:
-            self.tray.set_letters(letters)
-            if self._title is not None:
-                self._title.font_scene_height = letters
+    def write_names(self, letters: Letters) -> None:
+        """Write the names of objects and plan in these letters; names that would cover each other are hidden."""
+        self.tray.show_names(letters.apart)
+        self.tray.set_letters(letters.names)
+        if self._title is not None:
+            self._title.font_scene_height = letters.titles
 
     def show_path(self, wanted: bool) -> None:
         """Show or hide the path; seen from close by it would cut through the cups and is hidden in any case."""
