@@ -44,7 +44,8 @@ def summary_figure(evidence: Evidence) -> Figure:
     _draw_heading(figure, evidence)
     draw_path(figure, evidence, (0.015, 0.36, 0.455, 0.455))
     draw_use_table(figure.add_axes((0.485, 0.36, 0.49, 0.455)), evidence)
-    bottom, height, width = 0.06, 0.215, 0.24
+    # Of the height at which their titles stand beside that of the limits.
+    bottom, height, width = 0.06, 0.224, 0.24
     limits = figure.add_axes((0.128, bottom, 0.207, 0.195))
     panels = [figure.add_axes((left, bottom, width, height)) for left in (0.435, 0.735)]
     draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=22)
