@@ -94,6 +94,7 @@ class PlanningReport:
         linear_solvers: of every solve; where one failed, the one after it and its own name.
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
             that hold the motion back longest.
+        compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
     """
 
     plan_time: float
@@ -108,6 +109,7 @@ class PlanningReport:
     base_yaw: str | None = None
     linear_solvers: tuple[str, ...] = ()
     savings: dict[str, float] = field(default_factory=dict)
+    compared: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +166,14 @@ class Plan:
     def would_save(self) -> str:
         """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
         return would_save(self.report.savings, self.scene.robot.joints)
+
+    @property
+    def sooner(self) -> tuple[str, ...]:
+        """How much sooner it is than what it was compared with, a line each."""
+        return tuple(
+            f"{name}: {other:.3f} s; this motion is {_sooner(other - self.duration, other)}"
+            for name, other in self.report.compared.items()
+        )
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -235,6 +245,11 @@ class _Kept:
         return self.to_json(getattr(getattr(plan, self.record), self.name))
 
 
+def _sooner(saved: float, whole: float) -> str:
+    word = "sooner" if saved >= 0.0 else "later"
+    return f"{abs(saved):.3f} s ({100 * abs(saved) / whole:.0f} %) {word}"
+
+
 def _degrees(angle: float) -> float:
     return float(np.degrees(angle))
 
@@ -289,6 +304,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "would_save": _Computed(lambda plan: plan.would_save),
     "savings_s": _Kept("report", "savings", from_json=_fractions),
+    "compared_s": _Kept("report", "compared", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),

@@ -57,7 +57,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
 
 def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
     """Every object: size, place, mass, friction, contents and how high its liquid came."""
-    columns = ("object", "size", "at x, y", "mass", "friction", "contents", "slosh height", "residual height")
+    columns = ("object", "size", "at x, y", "mass", "friction", "contents", SloshHeight.name, ResidualHeight.name)
     return TextTable(
         "On the tray",
         columns,
