@@ -25,7 +25,7 @@ from nospill.plots.style import (
     line_key,
     plain,
 )
-from nospill.plots.tiles import tiles
+from nospill.plots.tiles import MOST_IN_A_ROW, tiles
 from nospill.plots.use_table import draw_use_table
 from nospill.scene.tolerances import is_uncertain
 
@@ -34,7 +34,6 @@ SHEET = (11.69, 8.27)
 
 _TILE_LETTERS = 20
 """Of a line below a headline figure."""
-_MOST_TILES = 9
 _MOST_LIMITS = 7
 """Rows of the panel of limits."""
 
@@ -82,7 +81,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
     figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
-    shown = tiles(evidence)[:_MOST_TILES]
+    shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = 0.03 + 0.95 * index / len(shown)
         figure.text(x, 0.895, tile.value, size=14, weight="bold", va="top", color=BLUE if tile.ok else DARK_RED)

@@ -16,6 +16,8 @@ from nospill.laws.constraints.tilt import Tilt
 from nospill.plots.evidence import Evidence
 
 _HOUR = 3600.0
+MOST_IN_A_ROW = 9
+"""Tiles for which a sheet has room beside each other; the last ones are left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,7 @@ def _height(row: Row) -> Tile:
 def _sooner(evidence: Evidence) -> list[Tile]:
     """Seconds saved against what the plan was compared with."""
     saved = {name: other - evidence.end_time for name, other in evidence.plan.report.compared.items()}
-    return [Tile(f"{seconds:.2f} s".replace("-", "−"), f"less than {name}") for name, seconds in saved.items()]
+    return [Tile(f"{seconds:.2f} s".replace("-", "−"), f"less than a {name}") for name, seconds in saved.items()]
 
 
 def _rim(evidence: Evidence) -> list[Tile]:
