@@ -40,6 +40,7 @@ class StandIn:
     held_back = "friction of c1 holds 31 % of the motion"
     would_save = "a limit wider by 10 % would save about 0.05 s (friction of all)"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
+    sooner: tuple[str, ...] = ()
     approach = None
     warnings: tuple[PlanWarning, ...] = ()
 

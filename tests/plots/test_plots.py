@@ -162,7 +162,8 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
         if path.suffix == ".png":
             with Image.open(path) as image:
                 image.load()
-                assert image.info["dpi"] == pytest.approx((150, 150), abs=0.1)
+                dots = figures.SHEET_RESOLUTION if path.stem == "summary" else figures.RESOLUTION
+                assert image.info["dpi"] == pytest.approx((dots, dots), abs=0.1)
                 assert min(image.size) > 600
                 assert np.asarray(image.convert("L")).std() > 20  # not blank
         else:

@@ -23,6 +23,7 @@ OTHER_MEANINGS = {
         "studio/changes.py": "link of a robot",
     },
     "tilt": {
+        "comparison/compared.py": "key of a scenario",
         "judge/record_checks.py": "column of a trajectory",
         "judge/traces.py": "name of a symbol",
         "plans/plan.py": "attribute of the largest figures",

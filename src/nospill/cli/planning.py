@@ -39,6 +39,9 @@ def plan(
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="State what is saved against a level tray and a trapezoid profile.")
+    ] = False,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -76,6 +79,10 @@ def plan(
                 outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_second_looks()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
+            if compare:
+                from nospill.comparison import compared
+
+                outcome = compared(outcome, say=lambda name: say(f"compared with a {name} ..."))
             if output is not None:
                 progress.say(FILES)
                 drawing = functools.partial(_write_figures, outcome, progress, pdf=pdf, everything=all_figures)
@@ -108,6 +115,7 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
     lines += [outcome.would_save] if outcome.would_save else []
+    lines += outcome.sooner
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []

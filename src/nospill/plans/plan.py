@@ -99,6 +99,7 @@ class PlanningReport:
         linear_solvers: of every solve; where one failed, the one after it and its own name.
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
             that hold the motion back longest.
+        compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
     """
 
     plan_time: float
@@ -113,6 +114,7 @@ class PlanningReport:
     base_yaw: str | None = None
     linear_solvers: tuple[str, ...] = ()
     savings: dict[str, float] = field(default_factory=dict)
+    compared: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +171,14 @@ class Plan:
     def would_save(self) -> str:
         """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
         return would_save(self.report.savings, self.scene.robot.joints)
+
+    @property
+    def sooner(self) -> tuple[str, ...]:
+        """How much sooner it is than what it was compared with, a line each."""
+        return tuple(
+            f"{name}: {other:.3f} s; this motion is {_sooner(other - self.duration, other)}"
+            for name, other in self.report.compared.items()
+        )
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
@@ -243,6 +253,11 @@ class _Kept:
     def written(self, plan: Plan) -> Any:
         """The value as it is written."""
         return self.to_json(getattr(getattr(plan, self.record), self.name))
+
+
+def _sooner(saved: float, whole: float) -> str:
+    word = "sooner" if saved >= 0.0 else "later"
+    return f"{abs(saved):.3f} s ({100 * abs(saved) / whole:.0f} %) {word}"
 
 
 def _degrees(angle: float) -> float:
@@ -320,6 +335,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "settling_s": _Computed(_settling),
     "would_save": _Computed(lambda plan: plan.would_save),
     "savings_s": _Kept("report", "savings", from_json=_fractions),
+    "compared_s": _Kept("report", "compared", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),

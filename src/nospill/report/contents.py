@@ -102,12 +102,11 @@ def make_report(
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
     digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
-    note = full_model_note(certificate)
     return Report(
         evidence=evidence,
         ok=certificate.ok,
         verdict=certificate.word,
-        detail=detail + (f" Judged by the published equations; {note}." if note else ""),
+        detail=detail + _beyond(certificate),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
@@ -118,6 +117,15 @@ def make_report(
         versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),
     )
+
+
+def _beyond(certificate: Certificate) -> str:
+    """What the full model sees beyond the limits, as a sentence; empty where it sees nothing."""
+    note = full_model_note(certificate)
+    if not note:
+        return ""
+    by = "Judged by the published equations; " if certificate.published else ""
+    return f" {by}{note if by else note[:1].upper() + note[1:]}."
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
