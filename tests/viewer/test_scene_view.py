@@ -22,6 +22,7 @@ from nospill.film.views import View, arrangement
 from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
 from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
+from tests.films import film_of
 
 
 @pytest.fixture(scope="module")
@@ -220,3 +221,17 @@ def test_nothing_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     with running_server(port=0) as server:
         prepare(server.scene)
     assert capsys.readouterr().out == ""
+
+
+def test_obstacles_stand_in_the_frame_of_the_path(server: viser.ViserServer, changed_scene) -> None:
+    """The column's corners and the robot's foot in one world; the table at the height of the ground is not drawn."""
+    pytest.importorskip("coal")
+    film = film_of(changed_scene("cups-past-a-column", {"planning.slosh_modes": 1, "obstacle.0.yaw": "90 deg"}))
+    view = PlanView(server.scene, film, root="/cell", position=(0.5, -1.0, 0.0))
+    corners = np.array([[0.785, -0.075, 0.0], [0.935, 0.075, 0.9]])
+    handle = server.scene.get_handle_by_name("/cell/world/obstacles/column")
+    drawn = world(server, "/cell/world/obstacles", np.asarray(handle.vertices, dtype=float))
+    assert drawn.min(axis=0) == pytest.approx(corners[0] + (0.5, -1.0, 0.0), abs=1e-6)
+    assert drawn.max(axis=0) == pytest.approx(corners[1] + (0.5, -1.0, 0.0), abs=1e-6)
+    assert server.scene.get_handle_by_name("/cell/world/obstacles/table") is None
+    view.remove()
