@@ -40,7 +40,7 @@ from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
-APPLYING = {"slosh-heights", "margins", "joints", "tilt", "summary"}
+APPLYING = {"slosh-heights", "margins", "joints", "other-speeds", "tilt", "summary"}
 """Figures of every plan that tilts with liquids and has no obstacles; limits where it comes near any."""
 
 
@@ -198,7 +198,7 @@ def test_no_pyplot_anywhere() -> None:
 
 
 def test_which_figures_apply(pictures: dict[str, Figure], crowded_pictures: dict[str, Figure]) -> None:
-    assert set(pictures) | {"limits"} == APPLYING | {"limits"} == set(figures.FIGURES) - {"clearance"}
+    assert set(pictures) | {"limits"} == APPLYING | {"limits"} == set(figures.FIGURES) - {"distances"}
     assert set(crowded_pictures) == (APPLYING | {"limits"}) - {"tilt"}
 
 

@@ -32,7 +32,7 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "joints": joints_figure,
     "tilt": tilt_figure,
     "other-speeds": other_speeds_figure,
-    "clearance": clearance_figure,
+    "distances": clearance_figure,
     "summary": summary_figure,
 }
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""
