@@ -17,7 +17,8 @@ from nospill.judge.certificate import judge
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import plan
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene

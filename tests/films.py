@@ -9,7 +9,8 @@ import pytest
 
 from nospill.film.timeline import Film, make_film
 from nospill.judge.certificate import judge
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start

@@ -23,7 +23,8 @@ from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.approach import judge_whole
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import ApproachRules, Scene
 from nospill.transcription.starting_motions import Start

@@ -26,7 +26,8 @@ from nospill.margins import FACTORS, Ranges, margins, probability
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import draw
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
 
 NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)

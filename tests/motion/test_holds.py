@@ -18,7 +18,8 @@ from nospill.motion.holds import held_samples, held_trajectory, hold_periods
 from nospill.motion.interpolation import resampled
 from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.scene import MotionRules, Scene
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from nospill.planning.starts import attempts
-from nospill.plans.plan import Starts
+from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import USUAL_START
 

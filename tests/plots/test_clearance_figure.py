@@ -11,7 +11,8 @@ import pytest
 from nospill import diagnosis
 from nospill.collisions.over_time import nearest_over_time
 from nospill.judge.certificate import judge
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plots.clearance import clearance_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import LOOK

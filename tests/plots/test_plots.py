@@ -25,7 +25,8 @@ from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence

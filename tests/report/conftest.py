@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from nospill.judge.certificate import judge
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report
 from nospill.scenario import scene_from_table
 from nospill.transcription.starting_motions import Start

@@ -20,7 +20,8 @@ from nospill.film.props import standing
 from nospill.film.writing import Format
 from nospill.judge.certificate import judge
 from nospill.planning.planner import plan
-from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene

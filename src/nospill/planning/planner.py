@@ -19,7 +19,8 @@ from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
-from nospill.plans.plan import Plan, PlanningReport, Starts, judged_plan
+from nospill.plans.plan import Plan, judged_plan
+from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base

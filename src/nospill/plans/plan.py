@@ -1,120 +1,27 @@
-"""The record of one planning task: question, answer, verdict, cost, and its summary."""
+"""The record of one planning task: question, answer, verdict and cost."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, asdict, dataclass, field, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.full_model import with_full_model
-from nospill.judge.limiting import held_back, limiting_rows, would_save
-from nospill.judge.other_speeds import SpeedUse, uses_at
+from nospill.judge.limiting import held_back, would_save
+from nospill.judge.other_speeds import uses_at
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, full_model_note, remedy
-from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.judge.wording import describe, remedy
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
-from nospill.plans.names import APPROACH_FILE
-from nospill.plans.settling import settling_time
+from nospill.plans.records import MotionMaxima, PlanningReport, motion_maxima
+from nospill.plans.summary import summary_of
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plans.warnings.speeds import other_speeds
 from nospill.scene.scene import Scene
-
-
-@dataclass(frozen=True, slots=True)
-class MotionMaxima:
-    """Largest figures of a motion, as the judge saw it.
-
-    Attributes:
-        tray_acceleration: of the tray's centre, m/s^2.
-        tray_angular_acceleration: rad/s^2.
-        tilt: of the tray's normal from the vertical, rad.
-        joint_speed_use: largest joint speed as a fraction of its limit.
-        slosh_height: m, by object with liquid.
-        residual_height: m, by object with liquid.
-        time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
-        other_speeds: uses of the limits on objects at lower speeds; None where nobody has looked.
-    """
-
-    tray_acceleration: float
-    tray_angular_acceleration: float
-    tilt: float
-    joint_speed_use: float
-    slosh_height: dict[str, float]
-    residual_height: dict[str, float]
-    time_at_limit: dict[str, float] = field(default_factory=dict)
-    other_speeds: tuple[SpeedUse, ...] | None = None
-
-
-_AGREED = 5e-3
-
-
-@dataclass(frozen=True, slots=True)
-class Starts:
-    """What the starting points led to.
-
-    Attributes:
-        tried: how many.
-        converged: how many of them.
-        agreed: how many ended within 0.5 % of the best.
-        durations: end time of each that converged on the coarse grid, s.
-    """
-
-    tried: int
-    converged: int
-    agreed: int
-    durations: tuple[float, ...]
-
-    @classmethod
-    def of(cls, starts: Sequence[float | None]) -> Starts:
-        """What starts led to, by the end time of each, s; None where it did not converge."""
-        durations = tuple(duration for duration in starts if duration is not None)
-        agreed = sum(duration <= min(durations) * (1 + _AGREED) for duration in durations)
-        return cls(len(starts), len(durations), agreed, durations)
-
-
-@dataclass(frozen=True, slots=True)
-class PlanningReport:
-    """What planning cost.
-
-    Attributes:
-        plan_time: s.
-        solve_time: in the solver, s.
-        iterations: of all solves.
-        rounds: of tightening.
-        starts: what the starting points led to.
-        phases: s, by name.
-        solver_status: status of the last solve.
-        backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
-        branch: the start configuration in words.
-        base_yaw: which one was taken if the scenario left it free, or None.
-        linear_solvers: of every solve; where one failed, the one after it and its own name.
-        savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
-            that hold the motion back longest.
-        compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
-    """
-
-    plan_time: float
-    solve_time: float
-    iterations: int
-    rounds: int
-    starts: Starts
-    phases: dict[str, float]
-    solver_status: str
-    backoff: dict[str, float]
-    branch: str = ""
-    base_yaw: str | None = None
-    linear_solvers: tuple[str, ...] = ()
-    savings: dict[str, float] = field(default_factory=dict)
-    compared: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +89,7 @@ class Plan:
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
-        return {key: entry.written(self) for key, entry in _SUMMARY.items()}
+        return summary_of(self)
 
     def timed(self, phase: str, seconds: float) -> Plan:
         """The same plan with the time of one more phase in its report."""
@@ -223,170 +130,9 @@ class Plan:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class _Computed:
-    """An entry of the summary that follows from the plan.
-
-    Attributes:
-        written: the plan -> its value.
-    """
-
-    written: Callable[[Plan], Any]
-
-
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    """An entry of the summary that a plan folder is read back from.
-
-    Attributes:
-        record: attribute of the plan, "maxima" or "report".
-        name: attribute of that record.
-        to_json: its value -> what is written.
-        from_json: what is written -> its value.
-    """
-
-    record: str
-    name: str
-    to_json: Callable[[Any], Any] = lambda value: value
-    from_json: Callable[[Any], Any] = lambda value: value
-
-    def written(self, plan: Plan) -> Any:
-        """The value as it is written."""
-        return self.to_json(getattr(getattr(plan, self.record), self.name))
-
-
 def _sooner(saved: float, whole: float) -> str:
     word = "sooner" if saved >= 0.0 else "later"
     return f"{abs(saved):.3f} s ({100 * abs(saved) / whole:.0f} %) {word}"
-
-
-def _degrees(angle: float) -> float:
-    return float(np.degrees(angle))
-
-
-def _radians(angle: float) -> float:
-    return float(np.radians(angle))
-
-
-def _starts(found: Mapping[str, Any]) -> Starts:
-    return Starts(found["tried"], found["converged"], found["agreed"], tuple(found["durations"]))
-
-
-def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
-    return {name: float(value) for name, value in dict(found).items()}
-
-
-def _speeds_written(uses: tuple[SpeedUse, ...] | None) -> list[dict[str, Any]] | None:
-    return None if uses is None else [asdict(item) for item in uses]
-
-
-def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | None:
-    return None if found is None else tuple(SpeedUse(**item) for item in found)
-
-
-def _settling(plan: Plan) -> float | None:
-    found = settling_time(plan.scene, plan.certificate)
-    return found if np.isfinite(found) else None
-
-
-def _largest_uses(plan: Plan) -> dict[str, float] | None:
-    uses = plan.maxima.other_speeds
-    return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
-
-
-def _certificate_summary(plan: Plan) -> dict[str, Any]:
-    worst = plan.certificate.worst
-    return {
-        "ok": plan.certificate.ok,
-        "worst_constraint": f"{worst.constraint} | {worst.label}",
-        "worst_margin": worst.worst_margin,
-        "full_model": full_model_note(plan.certificate),
-    }
-
-
-def _approach_summary(plan: Plan) -> dict[str, Any] | None:
-    segment = plan.approach
-    if segment is None:
-        return None
-    tray = "loaded" if segment.loaded else "empty"
-    return {"file": APPROACH_FILE, "duration_s": segment.duration, "tray": tray, "stretch": segment.stretch}
-
-
-_SUMMARY: dict[str, _Computed | _Kept] = {
-    "scenario": _Computed(lambda plan: plan.scene.name),
-    "status": _Computed(lambda plan: plan.status),
-    "message": _Computed(lambda plan: plan.message),
-    "duration_s": _Computed(lambda plan: plan.duration),
-    "plan_time_s": _Kept("report", "plan_time"),
-    "solve_time_s": _Kept("report", "solve_time"),
-    "iterations": _Kept("report", "iterations"),
-    "starts": _Kept("report", "starts", asdict, _starts),
-    "max_tray_acceleration_m_s2": _Kept("maxima", "tray_acceleration"),
-    "max_tray_angular_acceleration_rad_s2": _Kept("maxima", "tray_angular_acceleration"),
-    "max_tilt_deg": _Kept("maxima", "tilt", _degrees, _radians),
-    "max_joint_speed_use": _Kept("maxima", "joint_speed_use"),
-    "max_slosh_height_m": _Kept("maxima", "slosh_height"),
-    "residual_slosh_height_m": _Kept("maxima", "residual_height"),
-    "certificate": _Computed(_certificate_summary),
-    "held_back": _Computed(lambda plan: plan.held_back),
-    "time_at_limit": _Kept("maxima", "time_at_limit"),
-    "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
-    "largest_use_at_lower_speeds": _Computed(_largest_uses),
-    "settling_s": _Computed(_settling),
-    "would_save": _Computed(lambda plan: plan.would_save),
-    "savings_s": _Kept("report", "savings", from_json=_fractions),
-    "compared_s": _Kept("report", "compared", from_json=_fractions),
-    "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
-    "rounds": _Kept("report", "rounds"),
-    "backoff": _Kept("report", "backoff", from_json=_fractions),
-    "phases_s": _Kept("report", "phases"),
-    "solver_status": _Kept("report", "solver_status"),
-    "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
-    "branch": _Kept("report", "branch"),
-    "base_yaw": _Kept("report", "base_yaw"),
-    "approach": _Computed(_approach_summary),
-}
-
-SUMMARY_KEYS = tuple(_SUMMARY)
-"""Keys of the summary, in order; a failed one has them all, null from the duration on."""
-
-
-def failed_summary(scenario: str, message: str) -> dict[str, Any]:
-    """The summary of a scenario without a solution: all of `SUMMARY_KEYS`, null from the duration on."""
-    return dict.fromkeys(SUMMARY_KEYS) | {"scenario": scenario, "status": "failed", "message": message}
-
-
-def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, PlanningReport]:
-    """Largest figures and cost of planning from a summary; a key that older plans lack has its default.
-
-    Raises:
-        KeyError: a key is missing.
-    """
-    known = (*fields(MotionMaxima), *fields(PlanningReport))
-    optional = {item.name for item in known if item.default is not MISSING or item.default_factory is not MISSING}
-    found: dict[str, dict[str, Any]] = {"maxima": {}, "report": {}}
-    for key, entry in _SUMMARY.items():
-        if isinstance(entry, _Kept) and (key in summary or entry.name not in optional):
-            found[entry.record][entry.name] = entry.from_json(summary[key])
-    return MotionMaxima(**found["maxima"]), PlanningReport(**found["report"])
-
-
-def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
-    """The largest figures of a judged motion."""
-    tray = judgement.replay.tray
-    largest: dict[str, dict[str, float]] = {}
-    for trace in judgement.traces:
-        largest.setdefault(trace.constraint, {})[trace.subject] = float(np.max(np.abs(trace.value)))
-    speeds = np.abs(judgement.replay.joint_speed) / scene.robot.max_speed
-    return MotionMaxima(
-        tray_acceleration=float(np.max(np.linalg.norm(tray.acceleration, axis=1))),
-        tray_angular_acceleration=float(np.max(np.linalg.norm(tray.angular_acceleration, axis=1))),
-        tilt=float(np.max(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0)))),
-        joint_speed_use=float(np.max(speeds)),
-        slosh_height=largest.get(SloshHeight.name, {}),
-        residual_height=largest.get(ResidualHeight.name, {}),
-        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
-    )
 
 
 def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, report: PlanningReport) -> Plan:

@@ -20,7 +20,8 @@ from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
 from nospill.laws.slosh.residual import free_motion
-from nospill.plans.plan import MotionMaxima, Plan, motion_maxima
+from nospill.plans.plan import Plan
+from nospill.plans.records import MotionMaxima, motion_maxima
 
 _SPEEDS = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 28))
 """Parts of the planned speed."""
