@@ -5,18 +5,78 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from nospill.approach import Segment
 from nospill.judge.other_speeds import SpeedUse
+from nospill.judge.verdict import Certificate
 from nospill.judge.wording import full_model_note
 from nospill.plans.names import APPROACH_FILE
 from nospill.plans.records import MotionMaxima, PlanningReport, Starts
 from nospill.plans.settling import settling_time
+from nospill.plans.warnings.record import PlanWarning
+from nospill.scene.scene import Scene
 
-if TYPE_CHECKING:
-    from nospill.plans.plan import Plan
+
+class Summarised(Protocol):
+    """What a summary reads of a plan."""
+
+    @property
+    def scene(self) -> Scene:
+        """The task."""
+        ...
+
+    @property
+    def certificate(self) -> Certificate:
+        """The verdict."""
+        ...
+
+    @property
+    def maxima(self) -> MotionMaxima:
+        """Largest figures of the motion."""
+        ...
+
+    @property
+    def report(self) -> PlanningReport:
+        """What planning cost."""
+        ...
+
+    @property
+    def approach(self) -> Segment | None:
+        """How the arm gets to its start."""
+        ...
+
+    @property
+    def warnings(self) -> tuple[PlanWarning, ...]:
+        """What it rests on."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """End time of the motion, s."""
+        ...
+
+    @property
+    def status(self) -> str:
+        """The verdict in a word."""
+        ...
+
+    @property
+    def message(self) -> str:
+        """The verdict in a sentence."""
+        ...
+
+    @property
+    def held_back(self) -> str:
+        """What holds the motion back."""
+        ...
+
+    @property
+    def would_save(self) -> str:
+        """What a wider limit would save."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +87,7 @@ class _Computed:
         written: the plan -> its value.
     """
 
-    written: Callable[[Plan], Any]
+    written: Callable[[Summarised], Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +106,7 @@ class _Kept:
     to_json: Callable[[Any], Any] = lambda value: value
     from_json: Callable[[Any], Any] = lambda value: value
 
-    def written(self, plan: Plan) -> Any:
+    def written(self, plan: Summarised) -> Any:
         """The value as it is written."""
         return self.to_json(getattr(getattr(plan, self.record), self.name))
 
@@ -75,17 +135,17 @@ def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | N
     return None if found is None else tuple(SpeedUse(**item) for item in found)
 
 
-def _settling(plan: Plan) -> float | None:
+def _settling(plan: Summarised) -> float | None:
     found = settling_time(plan.scene, plan.certificate)
     return found if np.isfinite(found) else None
 
 
-def _largest_uses(plan: Plan) -> dict[str, float] | None:
+def _largest_uses(plan: Summarised) -> dict[str, float] | None:
     uses = plan.maxima.other_speeds
     return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
 
 
-def _certificate_summary(plan: Plan) -> dict[str, Any]:
+def _certificate_summary(plan: Summarised) -> dict[str, Any]:
     worst = plan.certificate.worst
     return {
         "ok": plan.certificate.ok,
@@ -95,7 +155,7 @@ def _certificate_summary(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _approach_summary(plan: Plan) -> dict[str, Any] | None:
+def _approach_summary(plan: Summarised) -> dict[str, Any] | None:
     segment = plan.approach
     if segment is None:
         return None
@@ -163,6 +223,6 @@ def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, Planning
     return MotionMaxima(**found["maxima"]), PlanningReport(**found["report"])
 
 
-def summary_of(plan: Plan) -> dict[str, Any]:
+def summary_of(plan: Summarised) -> dict[str, Any]:
     """What summary.json holds of a plan; the keys are stable."""
     return {key: entry.written(plan) for key, entry in _SUMMARY.items()}
