@@ -61,7 +61,7 @@ def test_what_is_right_has_no_fault(draft_of: DraftOf, name: str) -> None:
     assert found.scene.source == read_scenario(name).source
 
 
-@pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups"])
+@pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups", "coffee-to-go"])
 def test_nonsense_is_marked_where_it_is_typed(draft_of: DraftOf, name: str) -> None:
     for field in all_fields(draft_of(name)):
         if field.kind == "choice" or field.key[-1] == "label":  # any text is a label
@@ -145,7 +145,8 @@ def test_an_empty_field_shows_what_holds(draft_of: DraftOf) -> None:
     assert shown["motion", "max_tilt"] == "30 deg"
     assert shown["planning", "intervals"] == "100"
     assert shown["cargo", 0, "friction"] == "the tray's"
-    assert shown["cargo", 0, "liquid_height"] == shown["tray", "size"] == ""  # these have no default
+    assert shown["cargo", 0, "liquid_volume"] == "from the height"
+    assert shown["tray", "size"] == shown["tray", "friction"] == ""  # these are required
     optional = [field for field in all_fields(draft_of("mixed-tray")) if field.kind != "choice" and not field.default]
     assert all(field.key[0] in ("path", "tray", "cargo") for field in optional)
 
@@ -229,6 +230,20 @@ def test_every_shape_can_be_chosen(draft_of: DraftOf, shape: str) -> None:
     found = check(chosen(draft, ("cargo", 0, "shape"), shape).table)
     assert found.scene is not None, found.faults
     assert found.scene.cargo[0].shape == shape
+
+
+def test_points_of_a_profile_are_edited(draft_of: DraftOf) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.change({("cargo", 0, key): None for key in ("mass", "centre_of_mass_height", "max_slosh_height")})
+    chosen(draft, ("cargo", 0, "shape"), "profile")
+    field = next(field for field in all_fields(draft) if field.key == ("cargo", 0, "profile"))
+    draft.type_in(field.key, read_text("0, 0\n30 mm, 0\n35 mm, 60 mm\n35 mm, 99 mm", field.kind))
+    found = check(draft.table)
+    assert found.scene is not None, found.faults
+    assert found.scene.cargo[0].container.height == pytest.approx(0.099)
+    draft.type_in(field.key, read_text("0, 0\n30 mm, 0\n35 mm", field.kind))
+    notes, homeless = faults_by_field(all_fields(draft), check(draft.table).faults)
+    assert list(notes) == [field.key] and homeless == []
 
 
 def test_keys_without_a_field_survive(draft_of: DraftOf) -> None:

@@ -87,16 +87,8 @@ def until(page: Any, true: Callable[[], bool], what: str) -> None:
     wait_until(true, what, pause=lambda seconds: page.wait_for_timeout(1e3 * seconds))
 
 
-def planned(page: Any) -> float:
-    """Press Plan, wait for the verdict; the duration, s."""
-    press(page, "Plan")
-    return answered(page)
-
-
 def answered(page: Any) -> float:
-    """Wait for the verdict on what Plan was pressed for; the duration, s."""
-    page.wait_for_selector("#nospill-progress", state="attached")
-    page.get_by_role("button", name="Plan", exact=True).wait_for()
+    """Wait for a verdict where there was none before; the duration, s. Progress may be too short to be seen."""
     page.wait_for_selector("#nospill-verdict")
     assert page.inner_text("#nospill-status").startswith("certified")
     return float(page.get_attribute("#nospill-verdict", "data-duration"))
@@ -135,15 +127,15 @@ def test_a_phone_and_a_keyboard_suffice_to_move_fill_plan_and_save(
         until(page, lambda: field(page, "At x").input_value() == "15 mm", "the cup has moved")
         until(page, lambda: field(page, "At y").input_value() == "65 mm", "the cup has moved")
         tab_to(page, "Liquid height")
-        assert page.get_attribute(":focus", "placeholder") == "" and page.evaluate("document.activeElement.value")
+        assert page.get_attribute(":focus", "placeholder") == "from the volume"
         keys.press("Control+a")
-        keys.type("45 mm")
+        keys.insert_text("45 mm")  # at once: no half a value may switch Plan off
         tab_to(page, "Plan")
         keys.press("Enter")
         duration = answered(page)
         tab_to(page, "Max slosh height")
         keys.press("Control+a")
-        keys.type("14 mm")
+        keys.insert_text("14 mm")
         page.get_by_text(f"previous: {duration:.3f} s").wait_for()
         assert page.locator("#nospill-verdict").count() == 0
         keys.press("Control+z")
@@ -191,7 +183,7 @@ def test_what_is_wrong_is_marked_and_plans_nothing(
     running: tuple[str, dict[int, Session]], open_tab: Callable[..., Any]
 ) -> None:
     address, sessions = running
-    page = open_tab(address, width=900)
+    page = open_tab(address, width=720)
     (session,) = sessions.values()
     button = page.get_by_role("button", name="Plan", exact=True)
     drag(page, 0, 0.0, -100.0)
@@ -248,7 +240,7 @@ def test_what_is_wrong_is_marked_and_plans_nothing(
     until(page, lambda: session.draft.value(("cargo", 0, "liquid_height")) == "47.125 mm", "every key has arrived")
     camera = session.camera
     far = camera.position
-    page.set_viewport_size({"width": 640, "height": 800})
+    page.set_viewport_size({"width": 600, "height": 800})
     until(page, lambda: bool(np.any(np.abs(camera.position - far) > 0.1)), "the camera stands back in a narrow window")
 
 
