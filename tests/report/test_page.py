@@ -109,7 +109,7 @@ def test_names_that_look_like_markup_are_text(hostile_page: str, hostile_plan: P
 
 def test_figures_are_vector_pictures_without_addresses(hostile_page: str) -> None:
     found = read(hostile_page)
-    assert len(found.addresses) == 5  # tray, path, heights, contact, joints; the tray does not tilt
+    assert len(found.addresses) == 6  # tray, path, heights, contact, joints, other speeds; the tray does not tilt
     for place in found.addresses:
         svg = base64.b64decode(place.split(",", 1)[1]).decode()
         root = ElementTree.fromstring(svg)
@@ -204,7 +204,7 @@ def test_a_browser_shows_it_without_a_network(browser: Any, hostile_page: str, t
     assert [url for url in asked if not url.startswith("data:")] == [(tmp_path / "page.html").as_uri()]
     assert said == []
     assert across <= width  # nothing sticks out sideways; wide tables scroll by themselves
-    assert len(sizes) == 5 and all(done and natural > 100 and shown > 300 for done, natural, shown in sizes)
+    assert len(sizes) == 6 and all(done and natural > 100 and shown > 300 for done, natural, shown in sizes)
 
 
 def test_cells_carry_the_names_of_their_columns_for_narrow_screens() -> None:

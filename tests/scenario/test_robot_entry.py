@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from nospill.cli import app
 from nospill.errors import ScenarioError
+from nospill.robots.capsules import CAPSULES, ESTIMATED
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table, write_scenario
@@ -86,7 +87,7 @@ def test_what_an_own_urdf_sets_and_what_not() -> None:
     np.testing.assert_array_equal(robot.max_torque, np.full(6, 90.0))
     assert robot.max_acceleration is None and robot.max_jerk is None and robot.home is None
     assert robot.payload is None and robot.reach is None
-    assert robot.sources == dict.fromkeys(("chain", "position", "speed", "torque"), "the URDF")
+    assert robot.sources == {**dict.fromkeys(("chain", "position", "speed", "torque"), "the URDF"), CAPSULES: ESTIMATED}
     assert robot.not_known == ("payload", "reach", "joint acceleration", "joint jerk")
     weightless = scene_of(own(arm_text(inertial=False))).robot
     assert not weightless.inertias_known and weightless.max_torque is None

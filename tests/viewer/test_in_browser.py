@@ -117,6 +117,7 @@ def played(page: Any) -> float:
     return page.evaluate("+document.querySelector('[role=slider]').getAttribute('aria-valuenow')")
 
 
+@pytest.mark.slow
 def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting_film: Film) -> None:
     open_page(page, f"file://{file}")
     shown = [played(page)]
@@ -157,6 +158,7 @@ def test_the_clock_of_the_file_runs_at_the_speed_chosen(page: Any) -> None:
     assert page.evaluate("Date.now()") == 1900
 
 
+@pytest.mark.slow
 def test_file_shows_the_arm(page: Any, tmp_path: Path, tilting_film: Film) -> None:
     save_html([tilting_film], tmp_path / "arm.html", view=View.ARM)
     open_page(page, f"file://{tmp_path / 'arm.html'}")
@@ -169,6 +171,7 @@ def test_file_shows_the_arm(page: Any, tmp_path: Path, tilting_film: Film) -> No
     assert 5 < columns.min() < columns.max() < WIDTH - 5
 
 
+@pytest.mark.slow
 def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, _):
         open_page(page, address)
@@ -179,6 +182,7 @@ def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
     assert page.errors == []
 
 
+@pytest.mark.slow
 def test_live_viewer_plays(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, player):
         open_page(page, address)

@@ -21,6 +21,7 @@ from nospill_docs.tables import markdown_table
 CAPTIONS: dict[str, str] = {
     "summary": "Summary sheet: path, certificate, what holds the motion back, heights, joint speeds.",
     "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
+    "other-speeds": "Largest use of a limit on liquids and contacts when the motion is played more slowly.",
     "slosh-heights": "Height of each liquid at the wall, over its limit.",
     "margins": "How much of each limit every object uses.",
     "joints": "Joint positions, and joint speeds over their limits.",

@@ -1,6 +1,6 @@
 """The segment from where the arm is to where the motion starts: planned, kept as a file, and judged.
 
-Nothing here or elsewhere in nospill looks for collisions, neither along the approach nor along the motion.
+The way is not led round obstacles; where the scenario states any, the judge looks whether it keeps away from them.
 """
 
 from nospill.approach.judge import judge_segment

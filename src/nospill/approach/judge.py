@@ -13,6 +13,7 @@ import numpy as np
 
 from nospill.approach.segment import Segment
 from nospill.judge.certificate import corner_rows
+from nospill.judge.clearance import clearance_rows
 from nospill.judge.record_checks import SPEED_TOLERANCE
 from nospill.judge.replay import MINIMUM_RATE, replay
 from nospill.judge.traces import constraint_traces, control_inputs, evaluated_traces
@@ -53,6 +54,7 @@ def judge_segment(
     rows = [*_joint_rows(record, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]
     uneven = np.abs(np.diff(record.t) * record.rate - 1.0)
     rows.append(limit_row("even sampling", "time", "1", 1e-4, record.t[1:], uneven))
+    rows += clearance_rows(scene, grid, *(played(grid, order) for order in range(3)), loaded=segment.loaded)
     if segment.loaded:
         rows += _cargo_rows(segment, scene, played)
     named = tuple(replace(row, constraint=APPROACH + row.constraint) for row in rows)

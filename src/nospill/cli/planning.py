@@ -76,7 +76,7 @@ def plan(
         page: Path | None = None
         try:
             try:
-                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_full_model()
+                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_second_looks()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if compare:
@@ -101,13 +101,13 @@ def plan(
         saved = output / SUMMARY_FILE if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
-        _print_plan(outcome, output, page)
+        print_plan(outcome, output, page)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1
 
 
-def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
+def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
     certificate = outcome.certificate
     _print_certificate(certificate, outcome.scene.robot.joints)
@@ -135,16 +135,19 @@ def check(
     Nothing is optimised or written.
     """
     from nospill.export.plan_files import compare_plan_files
+    from nospill.judge.other_speeds import uses_at
     from nospill.judge.wording import describe
     from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
     from nospill.plans.warnings import plan_warnings
+    from nospill.plans.warnings.speeds import other_speeds
 
     saved = load_plan(folder)
     judgement = judge_whole(saved)
     certificate = judgement.certificate
     _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
-    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
+    slower = other_speeds(uses_at(saved.trajectory, saved.scene))
+    _print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
@@ -179,7 +182,7 @@ def plot(
 
 def _choices(found: Plan) -> list[str]:
     """What was chosen for the arm, and how it gets to the start, a line each."""
-    from nospill.plans.approach import settling_time
+    from nospill.plans.settling import AFTER_APPROACH, settling_time
 
     lines = [f"branch: {found.report.branch}"]
     if found.report.base_yaw is not None:
@@ -191,13 +194,14 @@ def _choices(found: Plan) -> list[str]:
     if segment is not None:
         tray = "loaded" if segment.loaded else "empty"
         slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
-        lines.append(
-            f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}; "
-            "nothing checks for collisions, here or on the way after it"
-        )
-        wait = settling_time(found)
+        unchecked = "" if found.scene.obstacles else "; nothing checks for collisions, here or on the way after it"
+        lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
+        wait = settling_time(found.scene, found.certificate, AFTER_APPROACH)
         if wait > 0.0:
             lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")
+    settling = settling_time(found.scene, found.certificate)
+    if settling > 0.0:
+        lines.append(f"next motion: after {settling:.1f} s, when the liquids are at rest (2 % of their limits)")
     return lines
 
 

@@ -22,10 +22,11 @@ from nospill.film.geometry import (
     tube,
     wall_thickness,
 )
-from nospill.film.robot_model import TRAY_THICKNESS, drawn_links, read_chain
+from nospill.film.robot_model import drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
 from nospill.scene.cargo import Cargo
+from nospill.scene.tray import TRAY_THICKNESS
 
 ARM, BOARD, CUP, SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
 """Colours of what carries none of a use."""

@@ -14,10 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.errors import ScenarioError
 from nospill.film.geometry import Mesh, joined, tube
-from nospill.scene.tray import Tray
-
-TRAY_THICKNESS = 0.006
-"""m; the board is drawn this thick, below its upper surface."""
+from nospill.scene.tray import TRAY_THICKNESS, Tray
 
 _THICK, _THIN = 0.048, 0.024
 """Radius at the base and at the flange, as a fraction of the length from the base to the flange along the joints."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from nospill.judge.clearance import clearance_rows
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
@@ -56,7 +57,8 @@ def certify(
     """Judge an exported trajectory.
 
     The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
-    re-integrated from rest; every constraint of the scene is evaluated at every instant. Where numbers of the objects
+    re-integrated from rest; every constraint of the scene is evaluated at every instant, distances to obstacles between
+    them too. Where numbers of the objects
     may be off, each constraint of theirs is evaluated at every corner too, and the worst row is the one that counts.
 
     Args:
@@ -67,6 +69,7 @@ def certify(
 
     Raises:
         ModelError: the liquids cannot be integrated.
+        MissingExtraError: the scene has obstacles, and the library coal is not installed.
         ScenarioError: no trajectory, or no scene.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
@@ -107,7 +110,12 @@ def judge_motion(
         if len(trace.t) > 1:
             use = np.interp(played.t, trace.t, trace.use)
             corner_use[own] = np.maximum(corner_use.get(own, use), use)
-    rows = [*condensed([*map(worst_row, traces), *corners]), *record_rows(trajectory, held, scene, played)]
+    joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
+    rows = [
+        *condensed([*map(worst_row, traces), *corners]),
+        *clearance_rows(scene, played.t, *joints),
+        *record_rows(trajectory, held, scene, played),
+    ]
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
     return Judgement(verdict, traces, played, trajectory.end_time, tuple(corners), corner_use)

@@ -18,10 +18,13 @@ from nospill.scene.scene import FULL_MODES, Scene
 
 
 def full_scene(scene: Scene) -> Scene:
-    """The scene with the whole physics: moving liquids with all their modes, contact that shares its friction."""
+    """The scene with the whole physics: moving liquids with all their modes, contact that shares its friction.
+
+    Without obstacles, of which it says nothing new.
+    """
     count = max(scene.slosh_modes, FULL_MODES)
     cargo = tuple(with_modes(item, count) for item in scene.cargo)
-    return replace(scene, fidelity="full", cargo=cargo, slosh_modes=count)
+    return replace(scene, fidelity="full", cargo=cargo, slosh_modes=count, obstacles=())
 
 
 def with_full_model(

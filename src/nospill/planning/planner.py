@@ -54,8 +54,9 @@ def plan(
     Raises:
         ScenarioError: no valid scenario describes the scene, the robot cannot follow the path, or `ignore` names no
             constraint.
-        NoSolutionError: no start led to a motion, or no approach to it; names what is in the way.
-        MissingExtraError: the scene has an approach, and ruckig is not installed.
+        NoSolutionError: no start led to a motion, no approach to it, or no branch of the arm past the obstacles; names
+            what is in the way.
+        MissingExtraError: the scene has an approach and ruckig is not installed, or obstacles and coal is not.
     """
     scene, ignored, warm = requested_scene(scene), ignored_constraints(ignore), earlier_plan(warm)
     return _planned(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
@@ -77,7 +78,7 @@ def _planned(
         candidate = restarted(task, warm, last, log)
     if candidate is None:
         with log.phase("kinematics"), _advised(scene, ignore, log):
-            paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
+            paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
         candidate = found_motion(task, preferred_path(paths, scene.robot, scene.start_near), log)
     judged = certified_by_refinement(candidate, log)
     report = PlanningReport(

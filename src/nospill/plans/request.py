@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
-from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints import CONSTRAINTS
 from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scenario.described import described
@@ -37,11 +37,12 @@ def ignored_constraints(ignore: Collection[str] | str) -> frozenset[str]:
     names = (ignore,) if isinstance(ignore, str) else ignore
     if not isinstance(names, Collection) or not all(isinstance(name, str) for name in names):
         raise ScenarioError(f'ignore: {ignore!r} is no list of constraints; write ignore=["slosh height"]')
-    unknown = sorted(set(names) - set(BY_NAME))
+    known = [constraint.name for constraint in CONSTRAINTS]
+    unknown = sorted(set(names) - set(known))
     if unknown:
-        near = nearest(unknown[0], BY_NAME)
+        near = nearest(unknown[0], known)
         hint = f'; did you mean "{near}"?' if near else ""
-        raise ScenarioError(f'ignore: "{unknown[0]}" is no constraint; there are: {", ".join(BY_NAME)}{hint}')
+        raise ScenarioError(f'ignore: "{unknown[0]}" is no constraint; there are: {", ".join(known)}{hint}')
     return frozenset(names)
 
 

@@ -16,6 +16,7 @@ from nospill.plots.contact_use import contact_use_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
 from nospill.plots.limiting import limiting_figure
+from nospill.plots.other_speeds import other_speeds_figure
 from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
 from nospill.plots.style import LOOK, WIDTH
@@ -29,6 +30,7 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "margins": contact_use_figure,
     "joints": joints_figure,
     "tilt": tilt_figure,
+    "other-speeds": other_speeds_figure,
     "summary": summary_figure,
 }
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""

@@ -9,12 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+from nospill.judge.other_speeds import uses_at
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.speeds import other_speeds
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
@@ -26,7 +28,8 @@ NOT_PROVEN = (
      "that bends come on top."),
     ("That the numbers are right", "Friction, fill heights, masses and frames are believed as the scenario gives them; "
      "nospill margins DIR says what is left when they are off."),
-    ("What is not a row", "Collisions, and any joint quantity that has no row in the table, are not judged."),
+    ("What is not a row", "Collisions where the scenario states no obstacles, and any joint quantity that has no row "
+     "in the table, are not judged."),
     ("The liquid beyond its model", "A linear surface is believed up to about a third of the radius: no breaking "
      "waves, drops, foam or floating things."),
     ("Contact beyond the model", "A flat footprint, pressed linearly, and Coulomb friction with one coefficient: "
@@ -147,6 +150,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
 def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    found = (*found, *other_speeds(uses_at(plan.trajectory, plan.scene)))
     rows = tuple((item.name, item.subject, item.text) for item in found)
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."

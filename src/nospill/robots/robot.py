@@ -8,6 +8,23 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
+class LinkCapsule:
+    """All within `radius` of a segment.
+
+    Attributes:
+        link: that it belongs to.
+        start: of the segment in the link's frame, m.
+        end: likewise.
+        radius: m.
+    """
+
+    link: str
+    start: tuple[float, ...]
+    end: tuple[float, ...]
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A serial arm.
 
@@ -33,6 +50,7 @@ class Robot:
         base_frame: which frame its root is, in words; empty where nobody states it.
         controller_base_turn: turn of the controller's own base frame against the root about z, rad, or None where it is
             not known.
+        capsules: what its links fill, for collisions; those of its chain where there are none.
         notes: what was assumed when its description was read, one sentence each, for people.
     """
 
@@ -56,3 +74,4 @@ class Robot:
     notes: tuple[str, ...] = ()
     base_frame: str = ""
     controller_base_turn: float | None = None
+    capsules: tuple[LinkCapsule, ...] = ()

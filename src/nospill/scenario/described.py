@@ -15,6 +15,7 @@ from nospill.robots.robot import Robot
 from nospill.scenario.reader import scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import ApproachRules, Scene
 
 _SAME = 1e-9
@@ -33,6 +34,7 @@ _MOTION = {
     "end": None,
     "residual_fraction": "ratio",
     "max_duration": "time",
+    "duration": "time",
     "hold_before": "time",
     "hold_after": "time",
 }
@@ -78,6 +80,7 @@ def _require_kinds(scene: Scene, original: Scene) -> None:
     """Refuse a part of another kind, which has none of the attributes that are read below."""
     parts = [(name, getattr(scene, name), type(getattr(original, name))) for name in _PARTS]
     parts += [("cargo", item, Cargo) for item in scene.cargo]
+    parts += [("obstacles", item, Obstacle) for item in scene.obstacles]
     parts += [("approach", scene.approach, ApproachRules)] if scene.approach is not None else []
     wrong = [(name, part) for name, part, wanted in parts if not isinstance(part, wanted)]
     if wrong:
@@ -96,7 +99,7 @@ def difference(first: Any, second: Any, place: str = "") -> str | None:
     elif isinstance(first, tuple) and isinstance(second, tuple):
         if len(first) != len(second):
             return place
-        named = [item.name if isinstance(item, Cargo) else str(index) for index, item in enumerate(second)]
+        named = [item.name if isinstance(item, Cargo | Obstacle) else str(index) for index, item in enumerate(second)]
         pairs = list(zip(named, first, second, strict=True))
     else:
         return None if _same(first, second) else place
@@ -122,6 +125,8 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
     table: dict[str, Any] = copy.deepcopy(scene.source)
     table["name"], table["fidelity"] = scene.name, scene.fidelity
     rules = _changed(scene.motion, original.motion, _MOTION)
+    if "path_jerk_limit" in rules:
+        rules["max_jerk"] = None
     if scene.motion.tilt_free != original.motion.tilt_free:
         rules["tilt"] = "free" if scene.motion.tilt_free else "fixed"
     _join(table, "motion", rules)
@@ -144,13 +149,16 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
         _join(table, "approach", _approach(scene.approach, original.approach))
     known = {cargo.name: cargo for cargo in original.cargo}
     entries = {entry["name"]: entry for entry in table["cargo"]}
+    _place_obstacles(table, scene.obstacles, original.obstacles)
     table["cargo"] = [_entry(item, known.get(item.name), entries.get(item.name, {})) for item in scene.cargo]
     return table
 
 
 def _join(table: dict[str, Any], key: str, values: Mapping[str, Any]) -> None:
+    """Write values into one of its tables; a key whose value is None is left out."""
     if values:
-        table[key] = {**table.get(key, {}), **values}
+        joined = {**table.get(key, {}), **values}
+        table[key] = {name: value for name, value in joined.items() if value is not None}
 
 
 def _changed(record: Any, original: Any, names: Mapping[str, str | None]) -> dict[str, Any]:
@@ -204,6 +212,29 @@ def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dic
     if item.tolerance != (original.tolerance if original else None):
         values["tolerance"] = _tolerance(item, item.tolerance or Tolerance())
     return kept | values
+
+
+_SIZES = {"box": ("size",), "cylinder": ("radius", "height"), "sphere": ("radius",), "capsule": ("radius", "height")}
+"""Shape of an obstacle -> the keys of its sizes; the sides of a box are one list."""
+
+
+def _place_obstacles(table: dict[str, Any], obstacles: tuple[Obstacle, ...], original: tuple[Obstacle, ...]) -> None:
+    """Write the entries of the obstacles into a table; one that is as it was keeps its own."""
+    known = {item.name: (item, entry) for item, entry in zip(original, table.get("obstacle", []), strict=True)}
+    entries = []
+    for item in obstacles:
+        before, entry = known.get(item.name, (None, {}))
+        if before is not None and difference(item, before) is None:
+            entries.append(entry)
+            continue
+        sizes = [_written(size, "length") for size in item.shape.sizes]
+        keys = _SIZES.get(item.shape.kind, ())
+        values = {"name": item.name, "shape": item.shape.kind, "at": _written(item.position, "length")}
+        values |= {keys[0]: sizes} if keys == ("size",) else dict(zip(keys, sizes, strict=True))
+        values |= dict(zip(("roll", "pitch", "yaw"), _written(item.rpy, "angle"), strict=True))
+        entries.append(values | {"clearance": _written(item.clearance, "length")})
+    table.pop("obstacle", None)
+    table.update({"obstacle": entries} if entries else {})
 
 
 def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:

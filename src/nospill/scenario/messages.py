@@ -15,6 +15,7 @@ from nospill.errors import Reason, ScenarioError
 from nospill.scenario.cargo_entries import CARGO_TABLES, LiquidTable
 from nospill.scenario.fields import SENTENCE
 from nospill.scenario.model import Scenario
+from nospill.scenario.obstacle_entries import OBSTACLE_TABLES
 from nospill.scenario.other_names import meant
 from nospill.scenario.path_entries import PATH_TABLES
 from nospill.scenario.tolerance_entry import ToleranceTable
@@ -41,9 +42,14 @@ def report(label: str, faults: Sequence[Fault], reason: Reason | None = None) ->
 
 
 def cargo_place(index: int, entry: object) -> str:
-    """How messages call the cargo entry at `index`: by its name, or by its number (from 1) while it has none."""
+    """How messages call the cargo entry at `index`."""
+    return entry_place("cargo", index, entry)
+
+
+def entry_place(key: str, index: int, entry: object) -> str:
+    """How messages call the entry at `index` of `[[key]]`: by its name, or by its number (from 1) while it has none."""
     name = entry.get("name") if isinstance(entry, dict) else None
-    return f"cargo {as_written(name)}" if isinstance(name, str) and name else f"cargo {index + 1}"
+    return f"{key} {as_written(name)}" if isinstance(name, str) and name else f"{key} {index + 1}"
 
 
 def faults_of(error: ValidationError, table: Mapping[str, Any]) -> list[Fault]:
@@ -65,10 +71,10 @@ def _fault(kind: str, location: Location, value: object, context: Mapping[str, A
         return place, _unknown_key(keys, model)
     if kind == SENTENCE:
         return place, f"{subject} {context['sentence']}"
-    if kind == "list_type" and location == ("cargo",) and isinstance(value, dict):
-        return place, f"{subject} is a single table; write [[cargo]], with two brackets, for every object"
+    if kind == "list_type" and location in (("cargo",), ("obstacle",)) and isinstance(value, dict):
+        return place, f"{subject} is a single table; write [[{location[0]}]], with two brackets, for every one"
     if kind in _SENTENCES:
-        return place, f"{subject} {_SENTENCES[kind](shown, context)}"
+        return place, f"{subject} {_SENTENCES[kind](shown, {**context, 'head': location[0]})}"
     return place, f"{subject} {shown} is not accepted here ({kind})"
 
 
@@ -109,8 +115,15 @@ def _no_tag(shown: str, context: Mapping[str, Any]) -> str:
 def _choices(context: Mapping[str, Any]) -> tuple[str, list[str]]:
     """The key that tells the members of a union apart, and its values."""
     key = context["discriminator"].strip("'")
-    return key, list(CARGO_TABLES if key == "shape" else PATH_TABLES)
+    return key, list(_UNIONS[str(context["head"])])
 
+
+_UNIONS: dict[str, Mapping[str, type[BaseModel]]] = {
+    "cargo": CARGO_TABLES,
+    "obstacle": OBSTACLE_TABLES,
+    "path": PATH_TABLES,
+}
+"""Key at the top level -> tag of each member of its union and the member's keys."""
 
 _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "literal_error": lambda shown, context: _not_one_of(shown, context["expected"]),
@@ -144,6 +157,9 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         if len(keys) > 1 and keys[0] == "tolerance":
             return place, keys, ToleranceTable
         return place, keys, model
+    if head == "obstacle" and len(location) > 1 and isinstance(location[1], int):
+        model = OBSTACLE_TABLES.get(str(location[2])) if len(location) > 2 else None
+        return entry_place("obstacle", location[1], table["obstacle"][location[1]]), location[3:], model
     if head == "path":
         model = PATH_TABLES.get(str(location[1])) if len(location) > 1 else None
         return ("[path]", location[2:], model) if len(location) > 1 else ("", location, Scenario)

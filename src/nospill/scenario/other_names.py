@@ -55,7 +55,9 @@ _ELSEWHERE = {
     "sample_rate": "write rate under [output]",
     "time_limit": "write max_duration under [motion]",
     "gravity": "gravity is 9.80665 m/s^2 always",
-    "collision": "collisions are not checked",
+    "collision": "write what is in the way as [[obstacle]]",
+    "collisions": "write what is in the way as [[obstacle]]",
+    "obstacles": "write [[obstacle]], one for each",
 }
 """Other name -> what to do, said where no key of that table is meant."""
 

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
+from nospill.core.paths import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
@@ -24,7 +25,8 @@ from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, faults_of, report
-from nospill.scenario.model import Scenario
+from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
+from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
@@ -91,7 +93,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     except ValidationError as error:
         raise report(label, faults_of(error, table)) from None
     with _at(label, "[robot]"):
-        described = scenario.robot.standalone(folder)
+        described = scenario.robot.standalone(folder, capsules=bool(scenario.obstacle))
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
@@ -109,10 +111,11 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
-        _check_rest(scenario)
+        _check_motion(scenario)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
+    obstacles = read_obstacles(scenario.obstacle, robot=robot, cargo=cargo, path=path, label=label)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -128,7 +131,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tray=tray,
         cargo=cargo,
         path=path,
-        motion=_motion(scenario),
+        motion=_motion(scenario, path, tray),
         planning=_planning(scenario),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
@@ -136,6 +139,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         source=_plain(source),
         approach=approach,
         start_near=_start_near(scenario, robot, approach),
+        obstacles=obstacles,
     )
 
 
@@ -212,7 +216,9 @@ def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario:
         )
 
 
-def _check_rest(scenario: Scenario) -> None:
+def _check_motion(scenario: Scenario) -> None:
+    if scenario.motion.max_jerk is not None and scenario.motion.path_jerk_limit is not None:
+        raise ScenarioError("max_jerk and path_jerk_limit both bound the jerk along the path; keep one of them")
     samples = scenario.output.rate * (scenario.motion.hold_before + scenario.motion.hold_after)
     if samples > MOST_REST_SAMPLES:
         raise ScenarioError(
@@ -221,18 +227,31 @@ def _check_rest(scenario: Scenario) -> None:
         )
 
 
-def _motion(scenario: Scenario) -> MotionRules:
+def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
+    """Bound on the third derivative of s, 1/s^3: as stated, or of a jerk along the way.
+
+    The way is that of the tray's centre, or of its corners about it where that is longer.
+    """
+    if rules.path_jerk_limit is not None:
+        return rules.path_jerk_limit
+    turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
+    way = max(path.length, turn * float(np.hypot(*tray.size)) / 2)
+    return (rules.max_jerk or DEFAULT_JERK) / way
+
+
+def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
     rules = scenario.motion
     return MotionRules(
         tilt_free=rules.tilt == "free",
         max_tilt=rules.max_tilt,
-        path_jerk_limit=rules.path_jerk_limit,
+        path_jerk_limit=_path_jerk_limit(rules, path, tray),
         tilt_jerk_limit=rules.tilt_jerk_limit,
         end=rules.end,
         residual_fraction=rules.residual_fraction,
         max_duration=rules.max_duration,
         hold_before=rules.hold_before,
         hold_after=rules.hold_after,
+        duration=rules.duration,
     )
 
 

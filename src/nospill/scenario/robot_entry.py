@@ -22,7 +22,9 @@ from nospill.robots.description.limits import (
     with_home,
 )
 from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standalone_urdf
+from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import Robot
+from nospill.scenario.capsule_entry import MOST_CAPSULES, CapsuleTable, fitted_capsules, with_capsules
 from nospill.scenario.fields import ANGLE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
 
 _LARGEST_URDF = 10_000_000
@@ -132,9 +134,22 @@ class RobotTable(Table):
         Field(description="all limits that are known, or only those of position and speed, as published"),
     ] = "all"
     limits: Annotated[LimitsTable, Field(description="the table [robot.limits]")] = LimitsTable()
+    capsule: Annotated[
+        list[CapsuleTable] | None,
+        Field(
+            min_length=1,
+            max_length=MOST_CAPSULES,
+            description="what the links fill, for collisions, one [[robot.capsule]] each; those of the catalogue, or "
+            "fitted to the URDF's collision geometry, when not given",
+        ),
+    ] = None
 
-    def standalone(self, folder: FilePath) -> dict[str, object]:
+    def standalone(self, folder: FilePath, *, capsules: bool) -> dict[str, object]:
         """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
+
+        Args:
+            folder: of the scenario file.
+            capsules: whether the collision geometry of a URDF is needed.
 
         Raises:
             ScenarioError: not exactly one robot is named, or its file cannot be read.
@@ -146,9 +161,12 @@ class RobotTable(Table):
             raise ScenarioError(f"{' and '.join(given)} are both given; keep one of {_SOURCES}")
         if self.urdf is not None:
             file = folder / self.urdf
-            return {"urdf": None, "urdf_text": _from_file(file, self.urdf)}
+            text = _from_file(file, self.urdf)
+            read = {"urdf": None, "urdf_text": standalone_urdf(text, name=file.stem)}
+            return read | self._fitted(text, file.parent, capsules)
         if self.urdf_text is not None:
-            return {"urdf_text": standalone_urdf(self.urdf_text, name="robot")}
+            text = self.urdf_text
+            return {"urdf_text": standalone_urdf(text, name="robot")} | self._fitted(text, folder, capsules)
         return {}
 
     def build(self) -> Robot:
@@ -178,7 +196,12 @@ class RobotTable(Table):
                 notes=read.notes,
                 **self._limits(_urdf_limits(read), arm).fields(),
             )
-        return with_home(robot, self.home)
+        return with_home(with_capsules(robot, self.capsule, known=self.urdf_text or robot.urdf), self.home)
+
+    def _fitted(self, text: str, folder: FilePath, needed: bool) -> dict[str, object]:
+        if not needed or self.capsule is not None:
+            return {}
+        return fitted_capsules(text, folder, tip=self.tip, locked=self.locked)
 
     def _limits(self, limits: JointLimits, arm: LimitedArm) -> JointLimits:
         published, stray = self.limits_applied != "all", self.limits.beyond_speed()
@@ -200,9 +223,10 @@ def _from_file(file: FilePath, shown: str) -> str:
     except UnreadableError as error:
         raise ScenarioError(f"urdf {as_written(shown)} {error}") from None
     try:
-        return standalone_urdf(text, name=file.stem)
+        read_tree(text)
     except ScenarioError as error:
         raise ScenarioError(f"urdf {as_written(shown)}: {error}") from None
+    return text
 
 
 def _urdf_limits(arm: UrdfArm) -> JointLimits:

@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.paths import Path
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import Tray
 
 Fidelity = Literal["deliverable", "full"]
@@ -37,6 +38,7 @@ class MotionRules:
         max_duration: longest motion that is considered, s.
         hold_before: how long the arm stands still at the start of an exported motion, s.
         hold_after: likewise, at its end.
+        duration: of the motion, s; None for the shortest that keeps the limits.
     """
 
     tilt_free: bool
@@ -48,6 +50,12 @@ class MotionRules:
     max_duration: float
     hold_before: float = 0.0
     hold_after: float = 0.0
+    duration: float | None = None
+
+    @property
+    def longest(self) -> float:
+        """What the motion may take, s."""
+        return self.max_duration if self.duration is None else self.duration
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +83,13 @@ class ApproachRules:
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts."""
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts.
 
-    path_jerk_weight: float
-    tilt_jerk_weight: float
+    A weight that is None follows from the duration (`transcription.weights`).
+    """
+
+    path_jerk_weight: float | None
+    tilt_jerk_weight: float | None
     intervals: int
     linear_solver: str
     max_iterations: int
@@ -109,6 +120,7 @@ class Scene:
         approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
+        obstacles: what stands around the arm; without any, nothing is judged for collisions.
     """
 
     name: str
@@ -125,6 +137,7 @@ class Scene:
     source: dict[str, object] = field(repr=False)
     approach: ApproachRules | None = None
     start_near: np.ndarray | None = None
+    obstacles: tuple[Obstacle, ...] = ()
 
     @property
     def planned_modes(self) -> int:

@@ -8,6 +8,9 @@ import numpy as np
 
 from nospill.robots.tool import Tool
 
+TRAY_THICKNESS = 0.006
+"""m; the board is taken and drawn this thick, below its upper surface."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tray:

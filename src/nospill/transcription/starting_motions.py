@@ -67,12 +67,13 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
-    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.max_duration))
+    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.longest))
 
 
 def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:
     """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
-    duration = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    estimate = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    duration = scene.motion.duration or estimate
     tau = np.linspace(0.0, 1.0, intervals + 1)
     # Time is warped by w(tau) = tau + skew tau (1 - tau), monotone for |skew| < 1.
     warp, warp_rate = tau + start.skew * tau * (1 - tau), 1 + start.skew * (1 - 2 * tau)

@@ -15,13 +15,13 @@ from scipy.spatial.transform import Rotation
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body
 from nospill.film.props import limit_ring
-from nospill.film.robot_model import TRAY_THICKNESS, DrawnChain, drawn_links, read_chain
+from nospill.film.robot_model import DrawnChain, drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, carriage
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
-from nospill.scene.tray import Tray
+from nospill.scene.tray import TRAY_THICKNESS, Tray
 
 if TYPE_CHECKING:
     import trimesh

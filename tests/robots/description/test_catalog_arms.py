@@ -68,7 +68,7 @@ def test_reach_is_plausible(name):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_figure_has_a_source(name):
     robot = load_robot(name)
-    needed = {"chain", "position", "speed", "payload", "reach"}
+    needed = {"chain", "position", "speed", "payload", "reach", "capsules"}
     for quantity, value in (
         ("acceleration", robot.max_acceleration),
         ("jerk", robot.max_jerk),

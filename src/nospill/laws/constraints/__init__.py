@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.jerk import PathJerk, TiltJerk
 from nospill.laws.constraints.joint_acceleration import JointAcceleration
 from nospill.laws.constraints.joint_jerk import JointJerk
@@ -39,7 +40,10 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     PathJerk(),
     TiltJerk(),
 )
-"""Every constraint, in the order of the certificate."""
+"""Every constraint that the optimiser and the judge evaluate by its expressions, in the order of the certificate."""
 
-BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in CONSTRAINTS})
-"""The same by name, as rows and reasons carry it."""
+JUDGED_ALONE: tuple[Constraint, ...] = (Clearance(),)
+"""Constraints that the judge alone evaluates, in ways of its own; their rows come after the others."""
+
+BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in (*CONSTRAINTS, *JUDGED_ALONE)})
+"""All by name, as rows and reasons carry it."""

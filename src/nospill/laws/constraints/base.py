@@ -45,6 +45,8 @@ class Role(Enum):
     """The object in its place on the tray."""
     JOINT = "joint"
     """A joint of the arm."""
+    CLEARANCE = "clearance"
+    """Arm, tray and cargo from what they could run into."""
     TRAY = "tray"
     """The motion of the tray: its tilt, and the smoothness of path parameter and tilt."""
 

@@ -15,7 +15,7 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
-from nospill.robots.robot import Robot
+from nospill.robots.robot import LinkCapsule, Robot
 
 ROBOTS: dict[str, str] = {
     "comau-smart-six": "comau-smart-six",
@@ -67,6 +67,10 @@ def load_robot(name: str) -> Robot:
         not_known=tuple(facts["not_known"]),
         base_frame=facts.get("base_frame", ""),
         controller_base_turn=math.radians(facts["controller_base_turn_deg"]) if "base_frame" in facts else None,
+        capsules=tuple(
+            LinkCapsule(item["link"], tuple(map(float, item["from"])), tuple(map(float, item["to"])), item["radius"])
+            for item in facts["capsules"]
+        ),
     )
 
 

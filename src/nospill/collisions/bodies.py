@@ -1,0 +1,114 @@
+"""The bodies of a scene: the arm's capsules, what holds the tray, the tray, the objects on it, the obstacles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nospill.core.shapes import Shape, box_shape, capsule_shape, hull_shape
+from nospill.robots.capsules import PlacedCapsule, placed_capsules
+from nospill.robots.description.urdf_tree import about_axis
+from nospill.robots.kinematics.bodies import z_to
+from nospill.robots.kinematics.frames import arm_chain
+from nospill.scene.cargo import Cargo
+from nospill.scene.obstacles import Obstacle
+from nospill.scene.scene import Scene
+from nospill.scene.tray import TRAY_THICKNESS
+
+TRAY, HOLDER = "tray", "holder"
+HOLDER_RADIUS = 0.025
+"""m; the tray stands on a round bar from the flange to the middle of its underside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A convex solid fixed to a joint's frame (as in `robots.kinematics.bodies`) or standing still.
+
+    Attributes:
+        name: of the link, the object, the obstacle; several bodies of a link share it.
+        joint: number of the moving joints before it, 0 for what stands still.
+        shape: in its own frame.
+        position: (3,) origin of that frame in the joint's frame, m.
+        rotation: (3, 3) axes of the same.
+        obstacle: of which it is the solid; None for what the arm is and carries.
+        on_path: whether it is the tray or stands on it, and so goes where the path leads whatever the arm does.
+    """
+
+    name: str
+    joint: int
+    shape: Shape
+    position: np.ndarray
+    rotation: np.ndarray
+    obstacle: Obstacle | None = None
+    on_path: bool = False
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """(k, 3) corners of the core in the joint's frame, m."""
+        return self.position + self.shape.points @ self.rotation.T
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """(3,) centre of the ball about it in the joint's frame, m."""
+        return self.position + self.rotation @ self.shape.centre
+
+    @cached_property
+    def radius(self) -> float:
+        """Of the ball about it, m; infinite for a half-space."""
+        return self.shape.radius
+
+
+def scene_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, ...]:
+    """All bodies, base to tip, then tray, cargo and obstacles.
+
+    Args:
+        scene: the task.
+        loaded: whether the cargo is on the tray.
+
+    Raises:
+        ScenarioError: the arm's description cannot be read.
+    """
+    arm = [_capsule(item) for item in placed_capsules(scene.robot)]
+    still = [Body(item.name, 0, item.shape, item.position, item.rotation, item) for item in scene.obstacles]
+    return (*arm, *_carried(scene, scene.cargo if loaded else ()), *still)
+
+
+def _carried(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
+    """Holder, tray and cargo in the frame of the last joint."""
+    chain, tool = arm_chain(scene.robot), scene.tray.tool
+    last, flange, axes = len(chain.bodies), chain.flange_position, chain.flange_rotation
+    position, rotation = flange + axes @ tool.position, axes @ tool.rotation
+    up, (length, width) = rotation[:, 2], scene.tray.size
+    board = box_shape((float(length), float(width), TRAY_THICKNESS))
+    found = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
+    gap = position - TRAY_THICKNESS * up - flange
+    if float(np.linalg.norm(gap)) > 2 * HOLDER_RADIUS:
+        # its round ends stay between flange and board
+        inner = gap * (1.0 - 2.0 * HOLDER_RADIUS / float(np.linalg.norm(gap)))
+        middle = flange + gap / 2
+        ends = np.array([middle - inner / 2, middle + inner / 2])
+        found.append(_capsule(PlacedCapsule(HOLDER, last, ends, HOLDER_RADIUS)))
+    for item in cargo:
+        turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
+        place = position + rotation @ np.array([*item.position, 0.0])
+        found.append(Body(item.name, last, cargo_shape(item), place, turn, on_path=True))
+    return found
+
+
+def cargo_shape(item: Cargo) -> Shape:
+    """The outside of an object up to its rim, without its hollows, in the container frame."""
+    footprint, outside = item.container.footprint, item.container.outside
+    points = [np.column_stack([share * footprint.core, np.full(len(footprint.core), at)]) for share, at in outside]
+    discs = [np.full(len(footprint.core), share * footprint.rounding) for share, _ in outside]
+    return hull_shape(np.concatenate(points), np.concatenate(discs))
+
+
+def _capsule(item: PlacedCapsule) -> Body:
+    axis = item.ends[1] - item.ends[0]
+    length = float(np.linalg.norm(axis))
+    rotation = z_to(axis) if length > 0.0 else np.eye(3)
+    shape = capsule_shape(item.radius, length + 2.0 * item.radius)
+    return Body(item.link, item.joint, shape, item.ends.mean(axis=0), rotation)

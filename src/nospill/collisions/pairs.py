@@ -1,0 +1,111 @@
+"""Pairs of bodies that must keep apart, and those left out because they touch by construction.
+
+Whether two bodies of the arm touch by construction is not stated by hand: they do where they touch in nearly every one
+of some hundred configurations drawn over the joints' ranges, or in the home of the arm, in which it is known to stand.
+`pair_table` shows every pair with its share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from nospill.collisions.bodies import Body, scene_bodies
+from nospill.collisions.distances import Distances
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
+from nospill.scene.scene import Scene
+
+BY_CONSTRUCTION = 0.9
+"""Share of the sampled configurations in which a pair touches, from which on it is left out."""
+SAMPLES = 200
+_SEED = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """Two bodies that must keep apart.
+
+    Attributes:
+        first: moves.
+        second: moves otherwise, or stands still.
+        limit: least distance, m.
+    """
+
+    first: Body
+    second: Body
+    limit: float
+
+    @property
+    def subject(self) -> str:
+        """As rows name it."""
+        return f"{self.first.name} to {self.second.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class SampledPair:
+    """Two bodies of the arm with its load.
+
+    Attributes:
+        first: name.
+        second: name.
+        touching: share of the sampled configurations in which they touch.
+        at_home: whether they touch in the arm's home.
+        judged: whether they have a row.
+    """
+
+    first: str
+    second: str
+    touching: float
+    at_home: bool
+    judged: bool
+
+
+def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
+    """The pairs that are judged: everything that moves with every obstacle, and the arm with itself and its load."""
+    return _pairs(scene, loaded)[0]
+
+
+def pair_table(scene: Scene) -> tuple[SampledPair, ...]:
+    """Every pair of bodies of the arm and its load that move against each other, by name."""
+    return _pairs(scene, True)[1]
+
+
+@lru_cache(maxsize=8)
+def _pairs(scene: Scene, loaded: bool) -> tuple[tuple[Pair, ...], tuple[SampledPair, ...]]:
+    bodies = scene_bodies(scene, loaded=loaded)
+    own = [body for body in bodies if body.obstacle is None]
+    around = [
+        Pair(body, item, item.obstacle.clearance)
+        for item in bodies
+        if item.obstacle is not None
+        for body in own
+        if body.joint
+    ]
+    against = [Pair(second, first, 0.0) for first, second in combinations(own, 2) if first.joint != second.joint]
+    table = _sampled(scene, against)
+    kept = [pair for pair in against if table[pair.subject].judged]
+    return (*around, *kept), tuple(table.values())
+
+
+def _sampled(scene: Scene, pairs: Sequence[Pair]) -> dict[str, SampledPair]:
+    """By subject. Bodies of one link belong together: the one that touches most speaks for all."""
+    robot, generator = scene.robot, np.random.default_rng(_SEED)
+    q = generator.uniform(robot.lower, robot.upper, (SAMPLES, len(robot.joints)))
+    if robot.home is not None:
+        q = np.concatenate([q, robot.home[None]])
+    frames, everywhere = joint_frames(arm_chain(robot), q), np.arange(len(q))
+    touching: dict[str, np.ndarray] = {}
+    for pair in pairs:
+        own = Distances(pair.first, pair.second).at(frames, everywhere)[0] < 0.0
+        touching[pair.subject] = touching.get(pair.subject, False) | own
+    found = {}
+    for pair in pairs:
+        own = touching[pair.subject]
+        share, at_home = float(np.mean(own[:SAMPLES])), bool(np.any(own[SAMPLES:]))
+        judged = share < BY_CONSTRUCTION and not at_home
+        found[pair.subject] = SampledPair(pair.first.name, pair.second.name, share, at_home, judged)
+    return found

@@ -1,0 +1,94 @@
+"""Which of the arm's branches are free of collisions, and what is in the way where none is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nospill.collisions.along_path import Nearness, nearest_along
+from nospill.collisions.bodies import TRAY, Body
+from nospill.core.units import as_written, format_quantity
+from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
+from nospill.laws.constraints.clearance import Clearance
+from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.scene.scene import Scene
+
+_ENDS = {0.0: "start", 1.0: "end"}
+
+
+def free_paths(scene: Scene, joint_paths: Sequence[JointPath]) -> list[JointPath]:
+    """The joint paths on which nothing is in the way of the level tray, in their order; all where there is no obstacle.
+
+    Where there is none, the freest one if the motion may leave it: the tray may tilt, or the arm has a seventh joint.
+    The certificate decides then.
+
+    Raises:
+        ScenarioError: an obstacle is in the way of the tray or its cargo where the path starts or ends.
+        NoSolutionError: something is in the way on every joint path, and the tray is level; names it.
+        MissingExtraError: the library coal is not installed.
+    """
+    if not scene.obstacles:
+        return list(joint_paths)
+    ends = nearest_along(scene, joint_paths[0], on_path=True, places=2)
+    if ends.room < 0.0:
+        where = f"where the path {_ENDS[ends.s]}s"
+        raise ScenarioError(f"{_in_words(ends, where)}; move the obstacle or the path", _reason(ends, REST))
+    known: dict[tuple[float, ...], Nearness] = {}
+    found = []
+    for joint_path in joint_paths:
+        places = _places(joint_path)
+        known[places] = known.get(places) or nearest_along(scene, joint_path)
+        found.append(known[places])
+    free = [joint_path for joint_path, nearness in zip(joint_paths, found, strict=True) if nearness.room >= 0.0]
+    if free:
+        return free
+    freest = max(range(len(found)), key=lambda index: found[index].room)
+    if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
+        return [joint_paths[freest]]
+    raise NoSolutionError(_refusal(found[freest], len(known)), _reason(found[freest], ROBOT))
+
+
+def _places(joint_path: JointPath) -> tuple[float, ...]:
+    """Where a joint path leads, but for whole turns of its joints."""
+    q = joint_path.q[:: len(joint_path.q) // 2]
+    # + 0 turns -0 into 0
+    return tuple((np.round(np.concatenate([np.cos(q), np.sin(q)]), 3) + 0.0).ravel().tolist())
+
+
+def _refusal(nearest: Nearness, branches: int) -> str:
+    words = _in_words(nearest, f"at s = {nearest.s:.2f}")
+    if _on_path(nearest):
+        return f"No way found: {words}, whatever the arm does; move the obstacle or the path"
+    which = "on its only branch" if branches == 1 else f"on the freest of its {branches} branches"
+    advice = "move the obstacle, the path or the arm's base"
+    return f"No way found for the arm: {which} {words}; {advice}"
+
+
+def _on_path(nearness: Nearness) -> bool:
+    return nearness.pair.first.on_path and nearness.pair.second.obstacle is not None
+
+
+def _in_words(nearness: Nearness, where: str) -> str:
+    """As 'the forearm_link enters "column" by 12 mm at s = 0.41'."""
+    pair = nearness.pair
+    distance = nearness.room + pair.limit
+    first, second = _named(pair.first), _named(pair.second)
+    if distance < 0.0:
+        return f"{first} enters {second} by {_shown(-distance)} {where}"
+    return f"{first} comes within {_shown(distance)} of {second} {where}, and {_shown(pair.limit)} must be kept"
+
+
+def _named(body: Body) -> str:
+    """An obstacle or object by its own name, in quotes; a part of the arm, or the tray, without."""
+    own = body.obstacle is not None or (body.on_path and body.name != TRAY)
+    return as_written(body.name) if own else f"the {body.name}"
+
+
+def _reason(nearness: Nearness, kind: str) -> Reason:
+    return Reason(kind, Clearance.name, nearness.pair.subject, at_s=nearness.s, excess=-nearness.room, unit="m")
+
+
+def _shown(length: float) -> str:
+    return format_quantity(length, "length", digits=3)

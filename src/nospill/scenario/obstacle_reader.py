@@ -1,0 +1,88 @@
+"""From the `[[obstacle]]` entries to obstacles: each by itself, then among what else the scenario has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nospill.core.paths import Path
+from nospill.core.units import as_written, format_quantity
+from nospill.errors import ScenarioError
+from nospill.robots.description.urdf import base_pose
+from nospill.robots.robot import Robot
+from nospill.scenario.messages import Fault, entry_place, report
+from nospill.scenario.obstacle_entries import ObstacleTable
+from nospill.scene.cargo import Cargo
+from nospill.scene.obstacles import Obstacle
+
+RESERVED_NAMES = ("tray",)
+"""Names of bodies that are in every scenario."""
+
+
+def read_obstacles(
+    entries: Sequence[ObstacleTable], *, robot: Robot, cargo: Sequence[Cargo], path: Path, label: str
+) -> tuple[Obstacle, ...]:
+    """The obstacles of a scenario.
+
+    Args:
+        entries: as they are in the file.
+        robot: the arm, whose foot none of them may hold.
+        cargo: objects, whose names are taken.
+        path: of the tray's centre, whose ends none of them may hold.
+        label: what messages call the scenario.
+
+    Raises:
+        ScenarioError: an entry contradicts itself or the rest; names it.
+    """
+    found: list[Obstacle] = []
+    faults: list[Fault] = []
+    owners = {item.name: f"cargo {as_written(item.name)}" for item in cargo} | {
+        name: f"the {name}" for name in RESERVED_NAMES
+    }
+    for index, entry in enumerate(entries):
+        place = entry_place("obstacle", index, {"name": entry.name})
+        if entry.name in owners:
+            text = f"name {as_written(entry.name)} is already taken by {owners[entry.name]}; give every body its own"
+            faults.append((f"obstacle {index + 1}", text))
+        owners.setdefault(entry.name, f"obstacle {index + 1}")
+        try:
+            obstacle = entry.build()
+        except ScenarioError as error:
+            faults.append((place, str(error)))
+            continue
+        fault = _fault(obstacle, robot, path)
+        faults += [(place, fault)] if fault else []
+        found.append(obstacle)
+    if faults:
+        raise report(label, faults)
+    return tuple(found)
+
+
+def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:
+    """Why an obstacle cannot stand where it does, whatever the arm does; None where nothing speaks against it."""
+    foot, _ = base_pose(robot.urdf)
+    depth = -obstacle.distance(foot)
+    if depth > 1e-9:
+        return (
+            f"swallows the foot of the arm, {_point(foot)}, which is {_shown(depth)} inside; the arm must stand outside"
+        )
+    ends = path.at(np.array([0.0, 1.0]))[:, :3]
+    for name, end in zip(("start", "end"), ends, strict=True):
+        short = obstacle.clearance - obstacle.distance(end)
+        if short > 1e-9:
+            gap = obstacle.distance(end)
+            where = f"{_shown(-gap)} inside it" if gap < 0.0 else f"{_shown(gap)} from it"
+            return (
+                f"stands in the way of the path's {name} {_point(end)}: the tray's centre is {where} there; "
+                f"the clearance {_shown(obstacle.clearance)} must be kept: move the obstacle or the path"
+            )
+    return None
+
+
+def _point(point: np.ndarray) -> str:
+    return "(" + ", ".join(format_quantity(float(value), "length", digits=4) for value in point) + ")"
+
+
+def _shown(length: float) -> str:
+    return format_quantity(length, "length", digits=3)

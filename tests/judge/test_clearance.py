@@ -1,0 +1,123 @@
+"""Rows about distances: from the exported joints, of motion and approach, and only where there are obstacles."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill import diagnosis
+from nospill.approach.judge import judge_segment
+from nospill.approach.segment import Segment
+from nospill.collisions import distances
+from nospill.errors import MissingExtraError
+from nospill.judge.certificate import certify
+from nospill.judge.full_model import full_scene
+from nospill.judge.verdict import APPROACH, Certificate, Row
+from nospill.judge.wording import describe
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.motion.trajectory import Trajectory
+from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.scene import ApproachRules, Scene
+from nospill.transcription.starting_motions import Start
+from tests.builders import joint_paths_of, smooth_record
+
+pytest.importorskip("coal")
+
+ONE_MODE = {"planning.slosh_modes": 1}
+
+
+@pytest.fixture(scope="module")
+def passing(changed_scene) -> tuple[Scene, JointPath, Trajectory]:
+    """Two cups past a column, slowly, on a branch that is free."""
+    scene = changed_scene("cups-past-a-column", ONE_MODE)
+    path = diagnosis.free_paths(scene, joint_paths_of(scene))[0]
+    return scene, path, smooth_record(scene, path, 100, Start(1.5))
+
+
+def clearance(certificate: Certificate) -> dict[str, Row]:
+    return {row.subject: row for row in certificate.rows if row.constraint.removeprefix(APPROACH) == "clearance"}
+
+
+def test_every_pair_has_a_row(passing) -> None:
+    """Tray and column: 20 mm from the tray's edge to the column's face at the middle of the arc, by hand."""
+    scene, _, record = passing
+    certificate = certify(record, scene)
+    rows = clearance(certificate)
+    assert certificate.ok and len(rows) > 50
+    nearest = rows["tray to column"]
+    # the column's face is at 0.86 - 0.075 m, the arc's middle at 0.62 m, the tray reaches 0.12 m beyond
+    assert nearest.limit == 0.01 and 0.02 < nearest.worst_value <= 0.86 - 0.075 - 0.62 - 0.12 + 1e-9
+    assert nearest.worst_margin == pytest.approx(nearest.worst_value - 0.01) and not nearest.of_record
+    assert rows["tray to forearm_link"].limit == 0.0
+    assert "clearance of tray to column" in describe(nearest) and "lower limit of 10 mm" in describe(nearest)
+
+
+def test_a_column_in_the_way_fails_its_rows_alone(passing, changed_scene) -> None:
+    for at, ok in (("0.845 m", True), ("0.835 m", False)):
+        near = changed_scene("cups-past-a-column", {**ONE_MODE, "obstacle.0.at": [at, "0 m", "0.45 m"]})
+        broken = [row for row in certify(passing[2], near).rows if not row.ok]
+        assert (not broken) == ok
+        assert {row.subject for row in broken} <= {"tray to column"}
+
+
+def test_the_finer_grid_agrees(passing) -> None:
+    scene, _, record = passing
+    usual, finer = (clearance(certify(record, scene, rate=rate)) for rate in (2000.0, 8000.0))
+    for subject, row in usual.items():
+        assert row.worst_value == pytest.approx(finer[subject].worst_value, abs=5e-4 + 0.1 * row.worst_value)
+
+
+def test_the_receivers_motion_is_the_one_that_is_judged(passing) -> None:
+    """As another interpolation plays it; and a receiver that never moves stays away from the column."""
+    scene, path, record = passing
+    samples = JointSamples(record.t, record.joint_position, record.joint_speed, record.joint_acceleration)
+    hermite = clearance(certify(record, scene, motion=QUINTIC_HERMITE.motion(samples)))
+    spline = clearance(certify(record, scene))
+    assert hermite["tray to column"].worst_value == pytest.approx(spline["tray to column"].worst_value, abs=1e-4)
+
+    def stuck(t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        return np.tile(path.q[0] if order == 0 else 0.0 * path.q[0], (len(t), 1))
+
+    assert clearance(certify(record, scene, motion=stuck))["tray to column"].worst_value > 0.3
+
+
+def test_an_approach_is_judged_with_what_it_carries(passing) -> None:
+    """From beside the start to the start; the cargo has rows only where it is on the tray."""
+    scene, path, _ = passing
+    rules = approach_rules(scene, path)
+    t = np.linspace(0.0, 1.0, 501)
+    smooth = (t**3 * (10 - 15 * t + 6 * t * t))[:, None]
+    q = rules.start + smooth * (path.q[0] - rules.start)
+    for loaded in (False, True):
+        segment = Segment(scene.robot.joints, JointSamples(t, q, np.gradient(q, t, axis=0), 0 * q), loaded, 1.0)
+        rows = clearance(judge_segment(segment, scene, rules, path.q[0]))
+        assert ("left to column" in rows) == loaded and "tray to column" in rows
+        assert all(row.constraint == "approach clearance" for row in rows.values())
+
+
+def approach_rules(scene: Scene, path: JointPath) -> ApproachRules:
+    count = len(scene.robot.joints)
+    start = path.q[0] + np.array([-0.2, 0, 0, 0, 0, 0])
+    full = np.full(count, 10.0)
+    return ApproachRules(start, False, full, full, 10 * full, 1.0, 1.0)
+
+
+def test_nothing_is_judged_or_imported_without_obstacles(passing) -> None:
+    scene, _, record = passing
+    bare = replace(scene, obstacles=())
+    assert clearance(certify(record, bare)) == {}
+    assert full_scene(scene).obstacles == ()
+    code = "import sys, nospill as ns; ns.load('coffee-to-go'); sys.exit('coal' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_without_coal_the_extra_is_named(passing, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, _, record = passing
+    monkeypatch.setitem(sys.modules, "coal", None)
+    distances._geometry.cache_clear()
+    with pytest.raises(MissingExtraError, match=r"need the library coal; install it with pip install 'nospill\[obst"):
+        certify(record, replace(scene))

@@ -1,0 +1,113 @@
+"""Obstacles in a scenario: read, kept, changed in Python, and never misread."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nospill.errors import ScenarioError
+from nospill.scenario.described import described
+from nospill.scenario.reader import scenario_text, scene_from_table
+from nospill.scene.obstacles import Obstacle
+from tests.scenario.test_bad_scenarios import FOLDER
+
+VALID = tomllib.loads((FOLDER / "_valid.toml").read_text(encoding="utf-8"))
+ENTRIES: list[dict[str, Any]] = [
+    {"name": "box", "shape": "box", "at": ["1 m", 0.0, "0.2 m"], "size": [0.1, "20 cm", "300 mm"], "yaw": "30 deg"},
+    {"name": "post", "shape": "cylinder", "at": [1.0, 1.0, 0.0], "radius": "50 mm", "height": "1 m", "clearance": 0.0},
+    {"name": "ball", "shape": "sphere", "at": [1.0, -1.0, 0.0], "radius": "50 mm", "clearance": "2 cm"},
+    {"name": "rail", "shape": "capsule", "at": [1.0, 2.0, 0.0], "radius": "50 mm", "height": "1 m", "roll": "90 deg"},
+    {"name": "floor", "shape": "halfspace", "at": [0.0, 0.0, "-10 mm"]},
+]
+
+
+def test_obstacles_are_read_in_si_units() -> None:
+    box, post, ball, rail, floor = scene_from_table({**VALID, "obstacle": ENTRIES}, name="cell").obstacles
+    assert box.shape.sizes == pytest.approx((0.1, 0.2, 0.3)) and box.clearance == 0.01
+    assert (post.shape.sizes, post.clearance, ball.clearance) == ((0.05, 1.0), 0.0, 0.02)
+    np.testing.assert_allclose(box.rpy, [0.0, 0.0, np.pi / 6])
+    np.testing.assert_allclose(rail.rotation @ [0, 0, 1], [0, -1, 0], atol=1e-12)
+    assert floor.distance(np.zeros(3)) == pytest.approx(0.01)
+
+
+def test_a_scenario_with_obstacles_is_kept_as_it_is() -> None:
+    scene = scene_from_table({**VALID, "obstacle": ENTRIES}, name="cell")
+    again = scene_from_table(tomllib.loads(scenario_text(scene)), name="cell")
+    assert again.source == scene.source
+    for first, second in zip(scene.obstacles, again.obstacles, strict=True):
+        assert same(first, second)
+    assert described(scene) is scene
+
+
+def test_obstacles_changed_in_python_are_written_down() -> None:
+    """Moved, left out, added: the scenario says so, and entries that did not change keep their own words."""
+    scene = scene_from_table({**VALID, "obstacle": ENTRIES}, name="cell")
+    box, post, ball, rail, _ = scene.obstacles
+    moved = replace(box, position=np.array([0.9, 0.1, 0.3]), rpy=np.array([0.1, 0.2, 0.3]), clearance=0.03)
+    new = replace(rail, name="second", position=np.array([2.0, 2.0, 0.0]))
+    changed = described(replace(scene, obstacles=(moved, post, ball, rail, new)))
+    assert all(same(*pair) for pair in zip(changed.obstacles, (moved, post, ball, rail, new), strict=True))
+    assert changed.source["obstacle"][1:4] == ENTRIES[1:4]  # type: ignore[index]
+    assert "obstacle" not in described(replace(scene, obstacles=())).source
+    with pytest.raises(ScenarioError, match=r"obstacles of the scene is of type str"):
+        described(replace(scene, obstacles=("column",)))  # type: ignore[arg-type]
+
+
+def same(first: Obstacle, second: Obstacle) -> bool:
+    return (
+        (first.name, first.shape.kind) == (second.name, second.shape.kind)
+        and np.allclose(first.shape.sizes, second.shape.sizes)
+        and np.allclose(first.position, second.position)
+        and np.allclose(first.rpy, second.rpy)
+        and bool(np.isclose(first.clearance, second.clearance))
+    )
+
+
+VALUES = st.one_of(
+    st.floats(allow_nan=True, allow_infinity=True),
+    st.integers(-(10**6), 10**6),
+    st.text(max_size=12),
+    st.sampled_from(["10 mm", "0 mm", "-1 m", "1e9 m", "5 deg", "box", "halfspace"]),
+    st.booleans(),
+    st.none(),
+    st.lists(st.one_of(st.floats(-2, 2), st.text(max_size=6)), max_size=4),
+)
+
+
+@given(
+    entry=st.sampled_from(ENTRIES),
+    changes=st.dictionaries(
+        st.sampled_from(["name", "shape", "at", "size", "radius", "height", "clearance", "yaw", "colour"]), VALUES
+    ),
+)
+@settings(max_examples=300, deadline=None)
+def test_any_entry_is_read_or_refused_in_one_line(entry: dict[str, Any], changes: dict[str, Any]) -> None:
+    table = {**VALID, "obstacle": [{**entry, **changes}]}
+    try:
+        (read,) = scene_from_table(table, name="cell").obstacles
+    except ScenarioError as error:
+        assert len(str(error).splitlines()) == 1 and "obstacle" in str(error)
+    else:
+        assert read.clearance >= 0.0 and all(np.isfinite(read.position)) and min((1.0, *read.shape.sizes)) > 0.0
+
+
+@given(st.floats(0.01, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0))
+@settings(max_examples=100, deadline=None)
+def test_the_foot_of_the_arm_stays_outside(side: float, x: float, yaw: float) -> None:
+    entry = {"name": "block", "shape": "box", "at": [x, 0.0, 0.0], "size": [side, side, side], "yaw": yaw}
+    try:
+        scene_from_table({**VALID, "obstacle": [entry]}, name="cell")
+        swallowed = False
+    except ScenarioError as error:
+        swallowed = "swallows the foot" in str(error)
+    foot = np.abs([x * np.cos(yaw), x * np.sin(yaw)])
+    if np.max(foot) < side / 2 - 1e-6:
+        assert swallowed
+    if np.max(foot) > side / 2 + 1e-6:
+        assert not swallowed
