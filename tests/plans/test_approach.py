@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nospill.cli import app
+from nospill.core.shapes import sphere_shape
 from nospill.errors import MissingExtraError, NoSolutionError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.judge.certificate import judge
@@ -27,7 +28,9 @@ from nospill.plans.approach import (
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, PlanningReport, Starts, failed_summary, motion_maxima
 from nospill.plans.settling import AFTER_APPROACH, settling_time
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import write_scenario
+from nospill.scene.obstacles import Obstacle
 
 EXAMPLE = "matrix-liquid-soft-end"
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
@@ -263,3 +266,21 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
     assert "with the tray empty; nothing checks for collisions" in answer.stdout
     assert {"approach", "base yaw"} <= set(plan.report.phases)
     assert np.array_equal(plan.approach.samples.position[0], home)  # type: ignore[union-attr]
+
+
+def test_an_obstacle_between_is_named(moved) -> None:
+    """A ball where the flange is half-way to the start, and the same out of the way."""
+    pytest.importorskip("coal")
+    plan = moved()
+    robot = plan.scene.robot
+    halfway = (plan.scene.approach.start + plan.trajectory.joint_position[0]) / 2
+    place, _ = kinematics(robot).poses(halfway[None])
+    ball = Obstacle("ball", sphere_shape(0.03), place[0], np.zeros(3), 0.005)
+    with pytest.raises(
+        NoSolutionError, match=r"No approach found: approach clearance of .* to ball .*not led round"
+    ) as e:
+        with_approach(replace(plan, scene=replace(plan.scene, obstacles=(ball,))))
+    assert e.value.reason is not None and e.value.reason.constraint == "approach clearance"
+    aside = replace(ball, position=np.array([0.0, 0.0, 3.0]))
+    found = with_approach(replace(plan, scene=replace(plan.scene, obstacles=(aside,))))
+    assert any(row.constraint == "approach clearance" for row in found.certificate.rows) and found.certificate.ok

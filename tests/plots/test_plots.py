@@ -40,6 +40,9 @@ from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
+APPLYING = {"slosh-heights", "margins", "joints", "other-speeds", "tilt", "summary"}
+"""Figures of every plan that tilts with liquids and has no obstacles; limits where it comes near any."""
+
 
 def cup(name: str, x: int, y: int) -> dict[str, object]:
     size = {"shape": "cylinder", "radius": "25 mm", "height": "99 mm"}
@@ -154,7 +157,7 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
     (tmp_path / "deep" / "figures" / "mine.txt").write_text("kept")
     written = save_figures(tilting.plan, tmp_path / "deep" / "figures", pdf=True)
     assert calls == [(tilting.plan.trajectory, tilting.plan.scene)]
-    applying = [name for name in figures.FIGURES if name != "limits" or tilting.limiting]
+    applying = [name for name in figures.FIGURES if name in {*APPLYING, *(["limits"] if tilting.limiting else [])}]
     assert [path.name for path in written] == [f"{name}.{end}" for name in applying for end in ("png", "pdf")]
     assert {path.name for path in written} | {"mine.txt"} == {p.name for p in (tmp_path / "deep" / "figures").iterdir()}
     for path in written:
@@ -195,8 +198,8 @@ def test_no_pyplot_anywhere() -> None:
 
 
 def test_which_figures_apply(pictures: dict[str, Figure], crowded_pictures: dict[str, Figure]) -> None:
-    assert set(pictures) | {"limits"} == set(figures.FIGURES)
-    assert set(crowded_pictures) == set(figures.FIGURES) - {"tilt"}
+    assert set(pictures) | {"limits"} == APPLYING | {"limits"} == set(figures.FIGURES) - {"distances"}
+    assert set(crowded_pictures) == (APPLYING | {"limits"}) - {"tilt"}
 
 
 def test_solid_cargo_has_no_slosh_figure(tilting: Evidence) -> None:

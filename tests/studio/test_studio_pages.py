@@ -107,7 +107,8 @@ def test_the_certificate_is_shown_whole_and_the_worst_row_first(example_plan: Ca
     assert [cell.text for cell in body[0]][:2] == [worst.constraint, worst.subject]
     page = headline(PlanningState("planned"), plan, previous=False, before=plan.duration - 0.25)
     assert f"{plan.duration:.3f} s" in page and "(+0.250 s)" in page and ">certified as published<" in page
-    assert "two cups" in details(PlanningState(), plan, previous=True, about="two cups")
+    assert "changed since" in details(PlanningState(), plan, previous=True, about="two cups")
+    assert "two cups" in details(PlanningState(), None, previous=True, about="two cups")
     assert plan.message[:20] in details(PlanningState("planned"), plan, previous=False)
     assert float(re.findall(r"data-duration='([^']*)'", page)[0]) == plan.duration
 

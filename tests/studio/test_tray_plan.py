@@ -116,6 +116,12 @@ def test_objects_take_the_focus_in_their_order(draft_of: Callable[[str], Draft])
     assert next(node for node in picture.iter() if "data-count" in node.attrib).attrib["data-count"] == "7"
 
 
+def test_labels_stand_in_place_of_names(draft_of: Callable[[str], Draft]) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.type_in(("cargo", 0, "label"), "beer 0.3 l")
+    assert [item.label for item in place_objects(draft.table)] == ["beer 0.3 l", "right"]
+
+
 def test_names_are_no_markup() -> None:
     table: Any = read_scenario("pp-two-cups").source
     wrong = table | {"cargo": [table["cargo"][0] | {"name": "<img src=x onerror='alert(1)'>"}]}

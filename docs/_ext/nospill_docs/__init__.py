@@ -14,6 +14,7 @@ from nospill_docs.links import check_links
 from nospill_docs.notebooks import write_notebooks
 from nospill_docs.pictures import write_pictures
 from nospill_docs.places import Places
+from nospill_docs.screens import write_screens
 from nospill_docs.tables import write_tables
 from nospill_docs.topics import write_topics
 from nospill_docs.transcripts import write_transcripts
@@ -41,6 +42,7 @@ def _generate(app: Sphinx) -> None:
         write_notebooks,
     ):
         write(places)
+    write_screens(places)  # of what the gallery made
 
 
 def _plain_words(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:

@@ -43,7 +43,10 @@ def verify(
         ),
     ] = None,
 ) -> int:
-    """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves."""
+    """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves.
+
+    Where the scenario has obstacles, also if arm, tray or cargo touches one.
+    """
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_text
         from nospill.core.units import quantity
@@ -88,8 +91,10 @@ def _print_verification(report: VerifyReport) -> None:
     found = report.to_dict()
     keys = ("name", "slide_mm", "slide_at_s", "rotation_deg", "tilt_deg", "lift_off_mm", "moved_at_s")
     columns = ("object", "slide mm", "at s", "rotation deg", "tilt deg", "lift-off mm", "moves from s")
-    still = "every object stays" if report.ok else "not every object stays"
+    still = "every object stays" if all(item.ok for item in report.objects) else "not every object stays"
+    touching = ", ".join(f"{item.body} touches {item.obstacle}" for item in report.touches)
     verdict = f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg"
+    verdict += f"; {touching}" if touching else ""
     objects = found["objects"]
     print_verdict(verdict, report.ok)
     print()

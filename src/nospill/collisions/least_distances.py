@@ -28,7 +28,7 @@ from nospill.collisions.pairs import Pair
 from nospill.core.arrays import cross
 from nospill.robots.kinematics.frames import JointFrames, axis_reach, joint_frames
 
-_BLOCK = 64
+_BLOCK = 128
 """Samples in a block at first."""
 _SHARED = 8
 """Size of blocks from which on all frames are found at once."""

@@ -22,6 +22,7 @@ from nospill.film.geometry import (
     tube,
     wall_thickness,
 )
+from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.film.robot_model import drawn_links, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
@@ -112,11 +113,14 @@ class Stagehand:
         self._board = board(scene.tray.size, TRAY_THICKNESS)
         self._surfaces = {item.name: liquid_surface(item) for item in scene.cargo if item.filling is not None}
         self._path = _path_bodies(scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3]) if path else []
+        around = [mesh for item in scene.obstacles if (mesh := obstacle_mesh(item)) is not None]
+        # like glass, so that nothing is hidden behind them
+        self._obstacles = [Body(mesh, np.array(OBSTACLE, dtype=float), Kind.GLASS) for mesh in around]
 
     def bodies(self, index: int) -> list[Body]:
         """Everything at a picture of the film."""
         film, scene = self.film, self.film.plan.scene
-        found = [*self._path, *self._arm(index)]
+        found = [*self._path, *self._obstacles, *self._arm(index)]
         position, rotation = film.tray_position[index], film.tray_rotation[index]
         found.append(Body(_moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:

@@ -14,6 +14,7 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.judge.full_model import with_full_model
 from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import resampled
 from nospill.plans.handover import Handover, read_samples, require_exportable
@@ -23,6 +24,11 @@ from nospill.scene.scene import Scene
 _ADVICE = (
     "the tray leans as the joints turn it on a straight line in joint space: "
     'start nearer to the motion, or with tray = "empty" under [approach].'
+)
+
+_BETWEEN = (
+    "the way is a straight line in joint space and is not led round obstacles: "
+    "start from where nothing is between, or move the obstacle."
 )
 
 
@@ -78,10 +84,12 @@ def with_approach(plan: Plan) -> Plan:
     worst = found.certificate.worst
     if not found.certificate.ok:
         slowly = "" if found.segment.stretch == 1.0 else f", even {found.segment.stretch:g} times as slowly"
-        changes = _less(plan)
+        in_the_way = worst.constraint == APPROACH + Clearance.name
+        changes = () if in_the_way else _less(plan)
+        advice = _BETWEEN if in_the_way else _ADVICE
         helps = f" Smallest single change found: {changes[0].text}." if changes else ""
         reason = Reason(MOTION, worst.constraint, worst.subject, None, worst.use - 1.0, changes=changes)
-        raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {_ADVICE}{helps}", reason)
+        raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {advice}{helps}", reason)
     return replace(plan, approach=found.segment, certificate=plan.certificate.joined(found.certificate))
 
 

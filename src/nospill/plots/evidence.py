@@ -11,6 +11,7 @@ import numpy as np
 from nospill.core.frames import SX, frame_at_rest
 from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import Limiting, held_back, limiting_rows
+from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
@@ -20,6 +21,9 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
 from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import MotionMaxima, Plan, motion_maxima
+
+_SPEEDS = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 28))
+"""Parts of the planned speed."""
 
 AFTER_END = 0.4
 """s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""
@@ -46,6 +50,11 @@ class Evidence:
     def limiting(self) -> tuple[Limiting, ...]:
         """The limits that the motion comes near, the one that holds it longest first."""
         return limiting_rows(self.judgement)
+
+    @cached_property
+    def other_speeds(self) -> tuple[SpeedUse, ...]:
+        """What the motion uses of its limits on objects from a tenth of its speed to all of it."""
+        return uses_at(self.plan.trajectory, self.plan.scene, _SPEEDS)
 
     @property
     def held_back(self) -> str:

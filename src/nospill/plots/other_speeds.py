@@ -5,19 +5,15 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from nospill.judge.other_speeds import uses_at
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, DARK_RED, DASHES, ORANGE, RED, SMALL, WIDTH, headline
 
-SHOWN = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 55))
-"""Parts of the planned speed."""
 _HEIGHT = 2.6
 
 
 def other_speeds_figure(evidence: Evidence) -> Figure | None:
     """Largest use of a limit on liquids and on contacts from a tenth of the speed to all of it."""
-    plan = evidence.plan
-    uses = uses_at(plan.trajectory, plan.scene, SHOWN)
+    uses = evidence.other_speeds
     speeds = 100 * np.array([item.speed for item in uses])
     lines = [("liquids", BLUE, DASHES[0], [item.liquid for item in uses])]
     lines.append(("contacts", ORANGE, DASHES[1], [item.contact for item in uses]))

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-from nospill.judge.other_speeds import uses_at
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
@@ -150,7 +149,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
 def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
-    found = (*found, *other_speeds(uses_at(plan.trajectory, plan.scene)))
+    found = (*found, *other_speeds(evidence.other_speeds[:-1]))
     rows = tuple((item.name, item.subject, item.text) for item in found)
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."

@@ -17,9 +17,9 @@ from nospill.report.scene_picture import MOMENT
 _CAPTIONS = {
     "limits": "Every limit above 90 % of use, and at the right the part of the time for which the motion is at it.",
     "path": "With the tray at a few instants.",
-    "other-speeds": "Largest use of a limit on liquids and contacts when the same motion is played more slowly.",
     "slosh-heights": "In the joints' motion as judged; after its end the liquids swing freely.",
     "tilt": "Below: what the objects feel sideways, and what they would feel on a level tray.",
+    "other-speeds": "Of the same motion, played more slowly.",
 }
 """What a figure does not say itself."""
 _FIRST, _PAIR = "limits", ("tray", "path")

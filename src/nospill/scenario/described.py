@@ -189,6 +189,7 @@ def _approach(rules: ApproachRules, original: ApproachRules | None) -> dict[str,
 def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of one object; of a new one all that its numbers say."""
     values = {"name": item.name, **_changed(item, original, _PLACEMENT)}
+    values |= {"label": item.label} if item.label != (original.label if original else "") else {}
     place = _changed(item, original, {"position": "length"})
     values |= {"at": place["position"]} if place else {}
     container = item.container

@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nospill.viewer.phone import PAGE, PHONE_STYLE
+
 WRONG = "#9A4300"
 """Colour of what has to be corrected."""
-
-_SHEET = 62
-"""Share of a phone's window that the controls take, percent; the scene has the rest."""
 
 
 def page_setup() -> str:
     """The style and the script, as HTML for an element of the page that never changes."""
-    return f"<div id='nospill-page'><style>{_STYLE}</style><img alt='' src='data:,' hidden onerror='{_SCRIPT}'></div>"
+    started = f"<img alt='' src='data:,' hidden onerror='{_SCRIPT}'>"
+    return f"<div id='{PAGE}'><style>{_STYLE}{PHONE_STYLE}</style>{started}</div>"
 
 
 def field_note(sentences: Sequence[str], default: str) -> str:
@@ -49,12 +49,6 @@ _STYLE = (
     "div:has(+div>#nospill-headline){top:0;padding-top:4px;box-shadow:-10px 0 #fff,10px 0 #fff}"
     "div:has(>#nospill-headline){top:33px;padding-bottom:4px}"
     ".mantine-ScrollArea-viewport{scroll-padding-top:110px}"
-    # viser's controls on a phone: a sheet as wide as the window, and the scene above it instead of behind it.
-    "@media(max-width:36em){"
-    f".mantine-Paper-root:has(#nospill-page){{width:100%!important;max-height:{_SHEET}%!important}}"
-    ".mantine-Paper-root:has(#nospill-page) .mantine-ScrollArea-content>div{width:100%!important}"
-    f"#root:has([aria-hidden=false] #nospill-page) div:has(>canvas){{bottom:{_SHEET}%!important}}"
-    "}"
 )
 
 _SCRIPT = escape(

@@ -112,7 +112,8 @@ def details(
     elif state.stage in ("failed", "stopped"):
         text = escape(in_words(state.message))
     elif plan is None or previous or state.stage in BUSY:
-        text = f"<span style='color:#555'>{escape(about)}</span>"
+        changed = "The scenario was changed since; Plan answers anew." if plan and state.stage not in BUSY else about
+        text = f"<span style='color:#555'>{escape(changed)}</span>"
     else:
         report, count = plan.report, len(warning_lines(plan.warnings))
         more = f" {'1 warning' if count == 1 else f'{count} warnings'}: see Certificate." if count else ""

@@ -11,6 +11,7 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.verify.bodies import Body
 from nospill.verify.engine import Simulation
+from nospill.verify.touching import Touch
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +71,7 @@ class VerifyReport:
         source: where the joint motion came from.
         engine: which library, and its version.
         simulated: time that was simulated, s.
+        touches: what ran into an obstacle.
     """
 
     objects: tuple[ObjectReport, ...]
@@ -77,15 +79,29 @@ class VerifyReport:
     source: str
     engine: str
     simulated: float
+    touches: tuple[Touch, ...] = ()
 
     @property
     def ok(self) -> bool:
-        """Whether every object stayed where it was put."""
-        return all(item.ok for item in self.objects)
+        """Whether every object stayed where it was put, and nothing touched an obstacle."""
+        return all(item.ok for item in self.objects) and not self.touches
 
     @property
     def message(self) -> str:
-        """One sentence."""
+        """One sentence, or two where something touches an obstacle."""
+        return " ".join([*self._touching(), self._staying()])
+
+    def _touching(self) -> list[str]:
+        if not self.touches:
+            return []
+        first = self.touches[0]
+        others = f"; {len(self.touches)} pairs touch" if len(self.touches) > 1 else ""
+        return [
+            f"{first.body} touches {first.obstacle} from t = {first.from_s:.3f} s on, {1e3 * first.depth:.2f} mm deep "
+            f"at {first.at_s:.3f} s{others}."
+        ]
+
+    def _staying(self) -> str:
         moved = [item for item in self.objects if item.moved_at is not None]
         if not moved:
             most = max(self.objects, key=lambda item: item.slide.value)
@@ -124,7 +140,18 @@ class VerifyReport:
                 }
                 for item in self.objects
             ],
+            **({"touches": [_touch_table(item) for item in self.touches]} if self.touches else {}),
         }
+
+
+def _touch_table(touch: Touch) -> dict[str, Any]:
+    return {
+        "body": touch.body,
+        "obstacle": touch.obstacle,
+        "depth_mm": 1e3 * touch.depth,
+        "at_s": touch.at_s,
+        "from_s": touch.from_s,
+    }
 
 
 def object_reports(

@@ -13,6 +13,7 @@ from nospill.scene.scene import Scene
 from nospill.verify.bodies import Body, bodies_of
 from nospill.verify.engine import STEP, build, mujoco, simulate
 from nospill.verify.report import Thresholds, VerifyReport, object_reports
+from nospill.verify.touching import touches
 from nospill.verify.tray_motion import PlayedJoints, TrayMotion, planned_joints, played, tray_motion
 
 SETTLE = 0.3
@@ -40,7 +41,9 @@ def stage(joints: PlayedJoints, scene: Scene) -> Stage:
 
 
 def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJoints | None = None) -> VerifyReport:
-    """Simulate every object of a plan on its moving tray in MuJoCo; nothing is written.
+    """Simulate every object of a plan on its moving tray in MuJoCo, and look what touches an obstacle.
+
+    Nothing is written.
 
     Contacts have the friction as measured, without the reserve the plan keeps.
 
@@ -66,6 +69,7 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
         source=given.source,
         engine=f"MuJoCo {engine.__version__}",
         simulated=float(scene.motion.t[-1] - scene.motion.t[scene.settled]),
+        touches=touches(plan.scene, scene.motion.t, given.motion(scene.motion.t, 0)),
     )
 
 

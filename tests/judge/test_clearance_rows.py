@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +14,16 @@ from nospill import diagnosis
 from nospill.approach.judge import judge_segment
 from nospill.approach.segment import Segment
 from nospill.collisions import distances
-from nospill.errors import MissingExtraError
-from nospill.judge.certificate import certify
+from nospill.errors import MissingExtraError, NospillError
+from nospill.judge.certificate import certify, judge
 from nospill.judge.full_model import full_scene
 from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.judge.wording import describe
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.trajectory import Trajectory
+from nospill.plans.approach import judge_whole
+from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan, PlanningReport, Starts, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import ApproachRules, Scene
 from nospill.transcription.starting_motions import Start
@@ -121,3 +125,22 @@ def test_without_coal_the_extra_is_named(passing, monkeypatch: pytest.MonkeyPatc
     distances._geometry.cache_clear()
     with pytest.raises(MissingExtraError, match=r"need the library coal; install it with pip install 'nospill\[obst"):
         certify(record, replace(scene))
+
+
+def test_a_folder_whose_obstacle_was_moved_is_not_certified(passing, tmp_path: Path) -> None:
+    """The folder's scenario is what its trajectory is judged by, whatever the saved certificate says."""
+    scene, _, record = passing
+    judgement = judge(record, scene)
+    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+    plan = Plan(scene, record, judgement.certificate, motion_maxima(judgement, scene), report)
+    plan.save(tmp_path / "plan")
+    assert judge_whole(load_plan(tmp_path / "plan")).certificate.ok
+    kept = tmp_path / "plan" / "scenario.toml"
+    text = kept.read_text(encoding="utf-8")
+    assert text.count('"0.86 m"') == 1
+    kept.write_text(text.replace('"0.86 m"', '"0.8 m"'), encoding="utf-8")
+    broken = [row.subject for row in judge_whole(load_plan(tmp_path / "plan")).certificate.rows if not row.ok]
+    assert broken == ["tray to column"]
+    kept.write_text(text.replace('shape = "halfspace"', 'shape = "plane"'), encoding="utf-8")
+    with pytest.raises(NospillError, match='obstacle "table" has the unknown shape "plane"'):
+        load_plan(tmp_path / "plan")

@@ -1,0 +1,63 @@
+"""Obstacles as they are drawn: meshes in the frame of the path."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.core.shapes import Shape
+from nospill.film.geometry import TUBE_SIDES, Mesh, bands, joined, prism
+from nospill.scene.obstacles import Obstacle
+
+OBSTACLE = (122, 138, 158)
+"""Colour of what stands around the arm."""
+
+_PATCH = 2.4
+"""m; side of the piece of a half-space's surface that is drawn, about the point nearest to the arm's foot."""
+_THIN = 0.01
+_RINGS = 16
+_ON_THE_GROUND = 5e-3
+"""m; a level surface as near as this to the ground is the ground."""
+
+
+def obstacle_mesh(obstacle: Obstacle) -> Mesh | None:
+    """The surface of an obstacle; None where it is the ground, which is drawn in any case."""
+    shape, rotation, position = obstacle.shape, obstacle.rotation, obstacle.position
+    if shape.kind == "halfspace":
+        normal = rotation[:, 2]
+        if normal[2] > 1.0 - 1e-9 and abs(float(position @ normal)) < _ON_THE_GROUND:
+            return None
+        position = (position @ normal) * normal
+    mesh = _own(shape)
+    return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
+
+
+def _own(shape: Shape) -> Mesh:
+    """The surface in the shape's own frame."""
+    if shape.kind == "box":
+        length, width, height = shape.sizes
+        return prism(_rectangle(length, width), -height / 2, height / 2)
+    if shape.kind == "halfspace":
+        return prism(_rectangle(_PATCH, _PATCH), -_THIN, 0.0)
+    if shape.kind == "cylinder":
+        radius, height = shape.sizes
+        return prism(radius * _circle(), -height / 2, height / 2)
+    # sphere and capsule: two half balls, apart by the straight part; the poles are small circles
+    half, radius = float(shape.points[-1, 2]), shape.ball
+    angles = np.linspace(-np.pi / 2 + 0.02, np.pi / 2 - 0.02, 2 * _RINGS)
+    heights = radius * np.sin(angles) + np.where(angles > 0.0, half, -half)
+    rings = [radius * np.cos(angle) * _circle() for angle in angles]
+    lids = [prism(rings[end], low, high) for end, low, high in _lids(heights)]
+    return joined([bands(rings, heights), *lids])
+
+
+def _lids(heights: np.ndarray) -> tuple[tuple[int, float, float], ...]:
+    return ((0, heights[0] - 1e-5, heights[0]), (-1, heights[-1], heights[-1] + 1e-5))
+
+
+def _rectangle(length: float, width: float) -> np.ndarray:
+    return np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * np.array([length, width]) / 2
+
+
+def _circle() -> np.ndarray:
+    angle = 2 * np.pi * np.arange(TUBE_SIDES) / TUBE_SIDES
+    return np.column_stack([np.cos(angle), np.sin(angle)])
