@@ -40,8 +40,9 @@ def compared(found: Plan, *, say: Callable[[str], None] = lambda _: None) -> Pla
 def _level(found: Plan) -> float | None:
     """Duration of the fastest certified motion of the same task on a level tray, s."""
     source = dict(found.scene.source)
-    motion = source.get("motion")
-    table = {**source, "motion": {**(motion if isinstance(motion, dict) else {}), "tilt": "fixed"}}
+    given = source.get("motion")
+    motion = {key: value for key, value in given.items() if key != "duration"} if isinstance(given, dict) else {}
+    table = {**source, "motion": {**motion, "tilt": "fixed"}}
     try:
         level = plan(scene_from_table(table, name=found.scene.name))
     except NospillError:

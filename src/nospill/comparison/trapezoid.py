@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.core.paths import Path
+from nospill.diagnosis import free_paths
 from nospill.errors import ModelError
 from nospill.judge.certificate import certify
 from nospill.motion.trajectory import Trajectory
@@ -46,8 +47,8 @@ def trapezoid_motion(scene: Scene, least: float) -> Trajectory | None:
     Raises:
         ScenarioError: the arm cannot follow the path.
     """
-    level = replace(scene, motion=replace(scene.motion, tilt_free=False, end="residual"))
-    ways = joint_paths(level.robot, level.path, tool=level.tray.tool)
+    level = replace(scene, motion=replace(scene.motion, tilt_free=False, end="residual", duration=None))
+    ways = free_paths(level, joint_paths(level.robot, level.path, tool=level.tray.tool))
     way = preferred_path(ways, level.robot, level.start_near)
 
     def tried(duration: float) -> Trajectory | None:

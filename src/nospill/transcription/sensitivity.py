@@ -41,10 +41,13 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         rows: whose limits, subjects as in the scene; those without a limit that can be widened by itself are left out.
 
     Returns:
-        By row, with the subject `ALL` where it is about more than one. The limit is that of the scenario: with
-        `max_slosh_height` the residual height moves too, with `friction` what holds objects against turning.
+        By row, with the subject `ALL` where it is about more than one; nothing where the duration is stated.
+        The limit is that of the scenario: with `max_slosh_height` the residual height moves too, with `friction` what
+        holds objects against turning.
     """
     found: dict[RowId, float] = {}
+    if problem.scene.motion.duration is not None:
+        return found
     for row in rows:
         constraint = BY_NAME.get(row.constraint)
         key = constraint.limit_key if constraint is not None else None
