@@ -118,7 +118,7 @@ def gentle_plan(smooth_motion) -> Callable[..., Plan]:
         assert judgement.certificate.ok
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
         maxima = motion_maxima(judgement, motion.scene)
-        return Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report)
+        return Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report).with_second_looks()
 
     return make
 

@@ -62,6 +62,7 @@ def test_a_lean_that_friction_does_not_bear_is_refused_at_any_speed(requested):
     assert slip == pytest.approx(np.tan(0.8) / (0.9 * 0.466308), rel=0.05)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.floats(0.02, 0.98), min_size=6, max_size=6), st.sampled_from([0.1, 0.5, 1.0]))
 def test_from_anywhere_within_the_limits_an_empty_tray_arrives(requested, parts, scale):

@@ -93,6 +93,7 @@ def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.Monk
     assert [found["seed"] for found in Lines.read(file)] == [0, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "limit", "kind", "reason"),
     [
@@ -147,6 +148,7 @@ def test_a_case_of_its_own_and_its_starts() -> None:
     )
 
 
+@pytest.mark.slow
 def test_unreachable_case_says_so() -> None:
     from benchmarks.campaign.scenes import draw_case
 

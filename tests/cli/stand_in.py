@@ -38,7 +38,9 @@ class StandIn:
     robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
     scene = SimpleNamespace(name="tea", robot=robot, motion=motion, path=SimpleNamespace(notes=()))
     held_back = "friction of c1 holds 31 % of the motion"
+    would_save = "a limit wider by 10 % would save about 0.05 s (friction of all)"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
+    sooner: tuple[str, ...] = ()
     approach = None
     warnings: tuple[PlanWarning, ...] = ()
 
@@ -56,7 +58,7 @@ class StandIn:
         assert phase == "import" and seconds >= 0.0
         return self
 
-    def with_full_model(self) -> StandIn:
+    def with_second_looks(self) -> StandIn:
         return self
 
     def save(self, folder: Path, extra: Callable[[Path], None] | None = None, time_writing: bool = False) -> None:
@@ -111,8 +113,11 @@ class StandIn:
             "planning.planner": {"plan": plan},
             "plans.plan": {"failed_summary": failed_summary},
             "plans.loading": {"load_plan": load_plan},
-            "plans.approach": {"judge_whole": judge_whole, "settling_time": lambda _: 0.0},
+            "plans.approach": {"judge_whole": judge_whole},
+            "plans.settling": {"settling_time": lambda *_: 0.0, "AFTER_APPROACH": ""},
             "plans.warnings": {"plan_warnings": plan_warnings},
+            "plans.warnings.speeds": {"other_speeds": lambda _: ()},
+            "judge.other_speeds": {"uses_at": lambda *_: ()},
             "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
         modules = {f"nospill.{name}": ModuleType(f"nospill.{name}") for name in functions}

@@ -17,8 +17,8 @@ from tests.waiting import run_python, wait_until
 
 # fmt: off
 COMMANDS = (
-    "plan", "check", "verify", "margins", "plot", "view", "film", "studio", "report", "export", "simulate", "compare",
-    "examples", "robots", "schema", "cache",
+    "plan", "slow", "check", "verify", "margins", "plot", "view", "film", "studio", "report", "export", "simulate",
+    "compare", "examples", "robots", "schema", "cache",
 )
 # fmt: on
 

@@ -304,6 +304,7 @@ def test_partial_folders_of_killed_runs_are_deleted_by_the_next(tmp_path: Path) 
     assert sorted(os.listdir(tmp_path)) == sorted([*others, "plan", young.name])
 
 
+@pytest.mark.slow
 def test_many_writers_at_once(tmp_path: Path) -> None:
     """Four processes replace one folder 40 times each: whatever stands there is whole, and one whole plan stays."""
     target = tmp_path / "plan"

@@ -132,6 +132,7 @@ def test_refusals(value: object, dimension: str, message: str) -> None:
     assert len(str(caught.value).splitlines()) == 1
 
 
+@pytest.mark.slow
 @given(
     st.text(max_size=30) | st.integers() | st.floats() | st.booleans() | st.none(), st.sampled_from(sorted(DIMENSIONS))
 )

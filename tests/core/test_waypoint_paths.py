@@ -42,6 +42,7 @@ def test_rounded_points_give_the_curve_of_the_exact_ones() -> None:
     assert largest(path_through_waypoints(np.round(ARC, 5), smoothing=0.0), 3) > 20 * largest(exact, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [200, 2000, MAX_WAYPOINTS])
 def test_noise_of_a_millimetre_is_smoothed_within_the_tolerance(count: int) -> None:
     points = scattered(1e-3, count)
@@ -68,6 +69,7 @@ def test_a_wider_tolerance_is_never_rougher() -> None:
     assert all(later <= 1.05 * earlier for earlier, later in pairwise(rough))
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(scale=st.floats(0.05, 20.0), turn=st.floats(-3.0, 3.0), shift=st.floats(-2.0, 2.0))
 def test_size_and_place_do_not_matter(scale: float, turn: float, shift: float) -> None:

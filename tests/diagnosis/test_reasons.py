@@ -30,6 +30,16 @@ Changed = Callable[..., Scene]
 FEW = {"planning.intervals": 40}
 
 
+FRICTIONLESS = {"tray.friction": 1e-4}
+
+
+@pytest.fixture(scope="module")
+def frictionless(changed_scene: Changed) -> tuple[Scene, NoSolutionError]:
+    """Bottles on a tray that holds nothing, and why there is no motion: a search that takes a while."""
+    scene = changed_scene("matrix-rigid", FEW | FRICTIONLESS)
+    return scene, refusal(scene)
+
+
 def refusal(scene: Scene) -> NoSolutionError:
     with pytest.raises(NoSolutionError) as raised:
         plan(scene)
@@ -40,7 +50,6 @@ def refusal(scene: Scene) -> NoSolutionError:
 @pytest.mark.parametrize(
     ("name", "changes", "named", "key"),
     [
-        ("matrix-rigid", {"tray.friction": 1e-4}, "slip of", "tray.friction"),
         (
             "matrix-rigid",
             {"robot": {"model": "comau-smart-six", "limits": {"speed": "4 deg/s"}}},
@@ -59,16 +68,22 @@ def refusal(scene: Scene) -> NoSolutionError:
 def test_a_limit_that_asks_for_more_than_the_usual_time_is_named(
     name: str, changes: dict[str, Any], named: str, key: str, changed_scene: Changed
 ) -> None:
-    error = refusal(changed_scene(name, FEW | changes))
+    require_named(refusal(changed_scene(name, FEW | changes)), named, key)
+
+
+def require_named(error: NoSolutionError, named: str, key: str) -> None:
     assert error.kind == "in motion" and named in str(error)
     assert error.reason is not None and f"{error.reason.constraint} of {error.reason.subject}".startswith(named)
     assert key in [change.place for change in error.changes]
 
 
-def test_a_suggested_friction_is_enough(changed_scene: Changed) -> None:
-    changes = FEW | {"tray.friction": 1e-4}
-    scene = changed_scene("matrix-rigid", changes)
-    change = next(change for change in refusal(scene).changes if change.place == "tray.friction")
+def test_friction_that_asks_for_more_than_the_usual_time_is_named(frictionless: tuple[Scene, NoSolutionError]) -> None:
+    require_named(frictionless[1], "slip of", "tray.friction")
+
+
+def test_a_suggested_friction_is_enough(frictionless: tuple[Scene, NoSolutionError]) -> None:
+    scene, error = frictionless
+    change = next(change for change in error.changes if change.place == "tray.friction")
     assert plan(with_change(scene, change)).certificate.ok
 
 

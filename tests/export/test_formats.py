@@ -377,6 +377,7 @@ def test_other_files_are_refused(planned, tmp_path, name, suffix, content):
     assert str(path) in str(caught.value) and "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60)
 @given(data=st.data())
 @pytest.mark.parametrize(("name", "suffix"), [pair for pair in SPELLINGS if pair[0] in RECORDING and pair[1] != ".yml"])

@@ -26,6 +26,7 @@ def wanted_pictures(*films: Film) -> int:
     return int(np.ceil(length * 4 / 0.5 - 1e-9)) + 1
 
 
+@pytest.mark.slow
 def test_webp_of_two_plans(folders: tuple[str, str], tmp_path: Path, tilting_film: Film, level_film: Film) -> None:
     target = tmp_path / "both.webp"
     result = run(*folders, "-o", str(target), *SMALL)
@@ -43,6 +44,7 @@ def test_webp_of_two_plans(folders: tuple[str, str], tmp_path: Path, tilting_fil
     assert [path.name for path in tmp_path.iterdir()] == ["both.webp"]
 
 
+@pytest.mark.slow
 def test_gif_is_as_long_as_the_motion(folders: tuple[str, str], tmp_path: Path, tilting_film: Film) -> None:
     target = tmp_path / "one.gif"
     assert run(folders[1], "-o", str(target), "--view", "fixed", *SMALL).exit_code == 0
@@ -54,6 +56,7 @@ def test_gif_is_as_long_as_the_motion(folders: tuple[str, str], tmp_path: Path, 
     assert total == pytest.approx(wanted_pictures(tilting_film) / 4.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_mp4_has_every_picture(folders: tuple[str, str], tmp_path: Path, tilting_film: Film) -> None:
     pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed")
     import imageio.v2 as imageio

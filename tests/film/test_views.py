@@ -34,6 +34,7 @@ def share_of_objects(hand: Stagehand, index: int, view: View, aspect: float) -> 
     return float(np.mean(covered(canvas, clipped(blank))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "pp-two-cups", "mixed-tray"])
 @pytest.mark.parametrize("view", CLOSE)
 def test_objects_fill_a_tenth_of_the_picture_at_every_instant(

@@ -332,6 +332,7 @@ class TestSpoiledRecord:
             assert {"path position", "joint speed", "slip"} <= failed(certificate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["residual", "still"])
 def test_rest_appended_to_a_motion(good, end):
     """A minute of rest, recorded as if the path were not yet covered: what the liquid does in it still counts."""

@@ -160,6 +160,7 @@ def row(judgement: Judgement, constraint: str, subject: str) -> Row:
     return next(rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "subject", "tilt"),
     [("mixed-tray", "cup", (0.0, 0.0)), ("mixed-tray", "box", (0.2, -0.15)), ("mixed-tray", "mug", (0.2, -0.15))],
@@ -251,9 +252,10 @@ def test_free_states_are_a_motion() -> None:
     np.testing.assert_allclose(np.gradient(displacement, t, axis=0)[1:-1], rate[1:-1], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_full_model_beside_a_published_certificate(smooth_motion: Callable) -> None:
     """The same rows as a verdict at full fidelity, which `ok` does not depend on."""
-    motion = smooth_motion("matrix-liquid", stretch=0.6)
+    motion = smooth_motion("matrix-liquid", cargo=2, stretch=0.6)
     judgement = judge_motion(motion.trajectory, motion.scene)
     certificate = with_full_model(judgement.certificate, motion.trajectory, motion.scene)
     assert certificate.published and certificate.ok == judgement.certificate.ok

@@ -88,6 +88,7 @@ def integrated(scene: Scene, trajectory: Trajectory, index: int, t: np.ndarray) 
     return run.y[:count].T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "index", "tilt"),
     [("matrix-liquid", 0, (0.0, 0.0)), ("mixed-tray", 1, (0.15, -0.2)), ("mixed-tray", 2, (0.15, -0.2))],

@@ -61,6 +61,7 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(app, list(arguments), catch_exceptions=False, prog_name="nospill")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "mixed-tray"])
 def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan(name, tilt=(0.1, 0.05) if name != "matrix-liquid" else (0.0, 0.0))

@@ -39,7 +39,7 @@ def held_plan(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement)
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
 
     return make
 
@@ -129,6 +129,7 @@ def test_a_wave_that_comes_back_in_the_hold_is_judged(held_plan):
     assert worst[0.5] > 1.5 * height
 
 
+@pytest.mark.slow
 @FORMATS
 @pytest.mark.parametrize(("before", "after"), [(0.5, 0.3), (0.123, 0.0), (0.0, 0.2)])
 def test_files_hold_the_holds_and_are_certified(held_plan, tmp_path, name, before, after):
@@ -144,6 +145,7 @@ def test_files_hold_the_holds_and_are_certified(held_plan, tmp_path, name, befor
     assert np.ptp(read[first : first + 20], axis=0).max() > 1e-9
 
 
+@pytest.mark.slow
 @FORMATS
 def test_a_file_without_its_holds_is_refused(held_plan, tmp_path, name):
     plan, exporter = held_plan(), EXPORTERS[name]

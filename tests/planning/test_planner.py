@@ -140,7 +140,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)
     durations = []
-    for index in range(12):
+    for index in range(8):
         start = Start(stretch=float(random.uniform(0.4, 1.6)), skew=float(random.uniform(-0.6, 0.6)))
         motion = smooth_start(scene, path, intervals, start)
         if index % 2:
@@ -152,7 +152,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
         solution = solve(problem, motion, options=SolveOptions(max_iterations=150, max_time=30.0))
         if solution.converged and solution.violation < 1e-5:
             durations.append(solution.stages.duration)
-    assert len(durations) >= 6
+    assert len(durations) >= 4
     # Poor minima are there, 13 % longer: the best is not what any start finds.
     assert max(durations) > 1.1 * min(durations)
     assert min(found.report.starts.durations) <= 1.01 * min(durations)

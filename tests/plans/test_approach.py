@@ -22,12 +22,12 @@ from nospill.plans.approach import (
     hand_over_approach,
     judge_whole,
     require_ruckig_if_needed,
-    settling_time,
     starts_alike,
     with_approach,
 )
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, PlanningReport, Starts, failed_summary, motion_maxima
+from nospill.plans.settling import AFTER_APPROACH, settling_time
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import write_scenario
 from nospill.scene.obstacles import Obstacle
@@ -50,7 +50,7 @@ def moved(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {}, "none", {}, "start (1, 2) deg")
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement)
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
 
     return make
 
@@ -163,9 +163,9 @@ def test_a_loaded_tray_that_leans_too_far_is_refused_and_the_constraint_named(mo
 
 
 def test_the_liquid_needs_time_after_a_loaded_approach(whole, loaded):
-    assert settling_time(whole) == 0.0
-    wait = settling_time(loaded)
-    row = next(item for item in loaded.certificate.rows if item.constraint == "approach residual height")
+    assert settling_time(whole.scene, whole.certificate, AFTER_APPROACH) == 0.0
+    wait = settling_time(loaded.scene, loaded.certificate, AFTER_APPROACH)
+    row = next(item for item in loaded.certificate.rows if item.constraint == AFTER_APPROACH)
     cargo = loaded.scene.cargo[0]
     assert cargo.filling is not None
     decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)
@@ -204,6 +204,7 @@ def test_without_ruckig_nothing_is_begun(whole, monkeypatch):
     require_ruckig_if_needed(replace(whole.scene, approach=None))
 
 
+@pytest.mark.slow
 def test_export_and_check_tell_of_it(whole, tmp_path):
     runner = CliRunner()
     whole.save(tmp_path / "out")

@@ -34,6 +34,7 @@ def rewritten(plan: Plan, name: str, folder: Path, **changes: Any) -> tuple[Expo
     return exporter, path
 
 
+@pytest.mark.slow
 @FORMATS
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("example", ["matrix-liquid-soft-end", "mixed-tray"])

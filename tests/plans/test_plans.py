@@ -37,7 +37,8 @@ def judged() -> tuple[Plan, Judgement]:
     starts = Starts(2, 2, 1, (1.8, 1.9))
     report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})
     maxima = motion_maxima(judgement, scene)
-    return Plan(scene, trajectory, judgement.certificate, maxima, report, judgement), judgement
+    plan = Plan(scene, trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()  # once
+    return plan, judgement
 
 
 # --- the row nearest to its limit -----------------------------------------------------------------------------------
@@ -189,6 +190,7 @@ def test_summaries_have_the_same_keys_in_the_same_order(judged: tuple[Plan, Judg
     assert stated == {"scenario": "tea", "status": "failed", "message": "no way"}
 
 
+@pytest.mark.slow
 def test_a_plan_comes_back_from_its_folder(judged: tuple[Plan, Judgement], tmp_path: Path) -> None:
     plan, judgement = judged
     plan.save(tmp_path / "out")
@@ -204,6 +206,7 @@ def test_a_plan_comes_back_from_its_folder(judged: tuple[Plan, Judgement], tmp_p
     assert judge(back.trajectory, back.scene).certificate == judgement.certificate
 
 
+@pytest.mark.slow
 def test_the_judgement_is_evidence_and_no_part_of_the_record(judged: tuple[Plan, Judgement], tmp_path: Path) -> None:
     plan, _ = judged
     bare = dataclasses.replace(plan, judgement=None)
@@ -232,6 +235,7 @@ def test_byte_order_marks_are_read(judged: tuple[Plan, Judgement], tmp_path: Pat
     assert compared and not any(compared.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["scenario.toml", "trajectory.csv", "certificate.json", "summary.json"])
 @pytest.mark.parametrize("damage", ["missing", "empty", "cut", "binary"])
 def test_damaged_folders_are_one_line(judged: tuple[Plan, Judgement], tmp_path: Path, name: str, damage: str) -> None:
@@ -251,6 +255,7 @@ def test_damaged_folders_are_one_line(judged: tuple[Plan, Judgement], tmp_path: 
     assert str(tmp_path / "out") in str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "change"),
     [

@@ -40,7 +40,7 @@ from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
-APPLYING = {"slosh-heights", "margins", "joints", "tilt", "summary"}
+APPLYING = {"slosh-heights", "margins", "joints", "tilt", "other-speeds", "summary"}
 """Figures of every plan that tilts with liquids and has no obstacles; limits where it comes near any."""
 
 
@@ -147,6 +147,7 @@ def series(axes: Axes) -> list:
     return [line for line in axes.lines if len(np.asarray(line.get_xdata())) > 2]
 
 
+@pytest.mark.slow
 def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
     monkeypatch.setattr(figures, "judge", lambda *given: calls.append(given) or tilting.judgement)
@@ -164,7 +165,8 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
         if path.suffix == ".png":
             with Image.open(path) as image:
                 image.load()
-                assert image.info["dpi"] == pytest.approx((150, 150), abs=0.1)
+                dots = figures.SHEET_RESOLUTION if path.stem == "summary" else figures.RESOLUTION
+                assert image.info["dpi"] == pytest.approx((dots, dots), abs=0.1)
                 assert min(image.size) > 600
                 assert np.asarray(image.convert("L")).std() > 20  # not blank
         else:
@@ -346,6 +348,7 @@ def test_free_heights_go_on_where_the_motion_ends(crowded: Evidence) -> None:
         assert 0.5 * bounds[trace.subject] < np.max(free) <= 1.005 * bounds[trace.subject] + 1e-6
 
 
+@pytest.mark.slow
 def test_summary_says_what_counts(tilting: Evidence, crowded: Evidence, crowded_pictures: dict[str, Figure]) -> None:
     good, bad = texts(drawn(tilting)["summary"]), texts(crowded_pictures["summary"])
     assert f"{tilting.end_time:.3f} s" in good
@@ -393,6 +396,7 @@ def test_units_as_printed() -> None:
     assert superscript("m/s^2") == "m/s²"
 
 
+@pytest.mark.slow
 def test_a_judgement_at_hand_is_shown_and_not_made_again(
     tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,7 +57,7 @@ def smooth_plan(stretch: float) -> Plan:
     judgement = judge(trajectory, scene)
     effort = PlanningReport(1.5, 0.5, 10, 1, Starts(3, 2, 2, (1.0, 1.1)), {"solve": 0.5}, "none", {"slip | cup": 0.01})
     maxima = motion_maxima(judgement, scene)
-    return Plan(scene, trajectory, judgement.certificate, maxima, effort, judgement)
+    return Plan(scene, trajectory, judgement.certificate, maxima, effort, judgement).with_second_looks()
 
 
 @pytest.fixture(scope="session")

@@ -156,6 +156,7 @@ def test_nothing_is_clipped_in_the_report_s_own_figures(slow_report: Report, nam
 # --- paper ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_pdf_has_every_page_and_no_picture(slow_report: Report) -> None:
     first, last = pdf_tables(slow_report)
     data = report_pdf(slow_report.evidence, first, last, "footer")

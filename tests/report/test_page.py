@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
@@ -10,16 +11,20 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from nospill.judge.verdict import Row
 from nospill.plans.plan import Plan
 from nospill.plots.report_pages import report_svgs
 from nospill.plots.text_pages import TextTable
 from nospill.report import Report, make_report
+from nospill.report.contents import _beyond
 from nospill.report.page import _bar, _table, html_page
+from nospill.report.scene_picture import scene_picture
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 LARGEST = 3_000_000
@@ -104,7 +109,7 @@ def test_names_that_look_like_markup_are_text(hostile_page: str, hostile_plan: P
 
 def test_figures_are_vector_pictures_without_addresses(hostile_page: str) -> None:
     found = read(hostile_page)
-    assert len(found.addresses) == 5  # tray, path, heights, contact, joints; the tray does not tilt
+    assert len(found.addresses) == 6  # tray, path, heights, contact, joints, other speeds; the tray does not tilt
     for place in found.addresses:
         svg = base64.b64decode(place.split(",", 1)[1]).decode()
         root = ElementTree.fromstring(svg)
@@ -199,4 +204,33 @@ def test_a_browser_shows_it_without_a_network(browser: Any, hostile_page: str, t
     assert [url for url in asked if not url.startswith("data:")] == [(tmp_path / "page.html").as_uri()]
     assert said == []
     assert across <= width  # nothing sticks out sideways; wide tables scroll by themselves
-    assert len(sizes) == 5 and all(done and natural > 100 and shown > 300 for done, natural, shown in sizes)
+    assert len(sizes) == 6 and all(done and natural > 100 and shown > 300 for done, natural, shown in sizes)
+
+
+def test_cells_carry_the_names_of_their_columns_for_narrow_screens() -> None:
+    table = TextTable("t", ("object", "size", ""), (("cup", "70 across", "x" * 60),))
+    page = _table(table)
+    assert "<td data-column='size'>70 across</td>" in page
+    assert f"<td class='long'>{'x' * 60}</td>" in page
+
+
+def test_the_arm_and_its_tray_are_seen(slow_report: Report) -> None:
+    picture = scene_picture(slow_report.evidence)
+    assert picture[:3] == b"\xff\xd8\xff" and len(picture) < 200_000
+    with Image.open(io.BytesIO(picture)) as image:
+        assert image.size == (1520, 500)
+        assert np.asarray(image.convert("L")).std() > 10  # not blank
+    page = html_page(slow_report, {}, picture)
+    assert "data:image/jpeg;base64," in page
+    read(page)
+    assert "data:image/jpeg" not in html_page(slow_report, {})
+
+
+@pytest.mark.parametrize("published", [True, False])
+def test_only_a_plan_by_the_published_equations_is_said_to_be_judged_by_them(
+    slow_report: Report, published: bool
+) -> None:
+    beyond = tuple(row for row in slow_report.certificate.rows if row.constraint == "slip")[:1]
+    said = _beyond(replace(slow_report.certificate, full_model=beyond, published=published))
+    assert said.endswith(".") and (" Judged by the published equations; the full model sees" in said) == published
+    assert _beyond(replace(slow_report.certificate, full_model=())) == ""

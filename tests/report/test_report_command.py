@@ -70,6 +70,7 @@ def test_the_page_is_named_as_the_folder_was(
     assert report_place(Path()) == tmp_path.with_name(f"{tmp_path.name}.report.html")
 
 
+@pytest.mark.slow
 def test_pdf_and_names_of_ones_own(folder: Path, tmp_path: Path) -> None:
     page, pdf = tmp_path / "a.html", tmp_path / "b.pdf"
     result = nospill("report", folder, "-o", page, "--pdf", pdf)
@@ -79,6 +80,7 @@ def test_pdf_and_names_of_ones_own(folder: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "out.report.html").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -183,6 +185,7 @@ def test_damaged_record_is_named(folder: Path, slow_plan: Plan, text: str) -> No
         read_second_opinion(folder, slow_plan.scene)
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_simulation_on_request(folder: Path) -> None:
     pytest.importorskip("mujoco")

@@ -50,9 +50,11 @@ def foreign_private_names(path: Path) -> Iterator[str]:
                 yield f"line {node.lineno}: {whole}.{node.attr}"
 
 
-@pytest.mark.parametrize("path", [*python_files("src"), *python_files("benchmarks")], ids=label)
-def test_nothing_private_of_another_package_is_used(path: Path) -> None:
-    assert list(foreign_private_names(path)) == []
+def test_nothing_private_of_another_package_is_used() -> None:
+    found = {
+        label(path): list(foreign_private_names(path)) for path in (*python_files("src"), *python_files("benchmarks"))
+    }
+    assert not any(found.values()), found
 
 
 # --- packages and layers --------------------------------------------------------------------------------------------

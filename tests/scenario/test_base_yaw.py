@@ -52,6 +52,7 @@ def test_a_path_behind_the_arm_is_reached_by_turning_it(changed_scene):
     assert abs(float(base_yaw_text(found).removesuffix(" deg"))) >= 150.0
 
 
+@pytest.mark.slow
 def test_an_arm_that_leans_gains_by_turning_and_the_copy_says_so(changed_scene):
     leaning = {"robot.base_roll": "30 deg"}
     scene = changed_scene("matrix-liquid", leaning | {"robot.base_yaw": "free"})

@@ -252,6 +252,7 @@ def test_tolerances_survive_writing_and_the_studio(changed_scene: Changed) -> No
 # --- the judge ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_certificate_has_the_worst_of_all_corners_written_out() -> None:
     """The same motion judged at every corner, each a plain scenario of its own."""
     scene = read_scenario(ROBUST)

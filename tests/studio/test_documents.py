@@ -27,9 +27,19 @@ def test_what_was_saved_is_opened_again(tmp_path: Path, table: dict[str, Any]) -
     path = documents.save_scenario(scene_from_table(draft.table, name="studio"), tmp_path)
     assert path == tmp_path / "mine.toml"
     assert tomllib.loads(path.read_text()) == draft.table
-    assert documents.scenario_choices(tmp_path) == ("mine.toml", *EXAMPLES)
+    assert documents.scenario_choices(tmp_path) == (*EXAMPLES, "mine.toml")
     assert documents.open_scenario("mine.toml", tmp_path) == draft.table
     assert documents.open_scenario("matrix-liquid", tmp_path) == read_scenario("matrix-liquid").source
+
+
+def test_only_scenario_files_are_offered(tmp_path: Path) -> None:
+    (tmp_path / "pyproject.toml").write_text("[build-system]\nrequires = []\n")
+    (tmp_path / "broken.toml").write_text("[robot]\n[tray]\nsize = ")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe[robot]")
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "later.toml").write_text('[robot]\nmodel = "?"\n[tray]\n')
+    assert documents.scenario_choices(tmp_path) == (*EXAMPLES, "later.toml")
+    assert documents.scenario_choices(tmp_path / "nowhere") == tuple(EXAMPLES)
 
 
 @pytest.mark.parametrize("choice", ["../mine.toml", "/etc/passwd", "nothing.toml", ""])
@@ -41,8 +51,8 @@ def test_only_what_is_offered_is_opened(tmp_path: Path, choice: str) -> None:
 
 
 def test_a_wrong_file_says_what_is_wrong(tmp_path: Path) -> None:
-    (tmp_path / "bad.toml").write_text("[tray]\nsize = 3\n")
-    with pytest.raises(ScenarioError, match="robot"):
+    (tmp_path / "bad.toml").write_text("[robot]\n[tray]\nsize = 3\n")
+    with pytest.raises(ScenarioError, match="size"):
         documents.open_scenario("bad.toml", tmp_path)
 
 

@@ -20,7 +20,15 @@ from nospill.studio.changes import choose
 from nospill.studio.checks import check
 from nospill.studio.documents import NAME
 from nospill.studio.draft import Draft, Key
-from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields, shown_text
+from nospill.studio.fields import (
+    Field,
+    faults_by_field,
+    in_words,
+    object_fields,
+    read_text,
+    scenario_fields,
+    shown_text,
+)
 
 DraftOf = Callable[[str], Draft]
 
@@ -56,7 +64,7 @@ def test_what_is_right_has_no_fault(draft_of: DraftOf, name: str) -> None:
 @pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups"])
 def test_nonsense_is_marked_where_it_is_typed(draft_of: DraftOf, name: str) -> None:
     for field in all_fields(draft_of(name)):
-        if field.kind == "choice":
+        if field.kind == "choice" or field.key[-1] == "label":  # any text is a label
             continue
         draft = draft_of(name)
         draft.type_in(field.key, read_text("12 bananas", field.kind))
@@ -117,6 +125,29 @@ def test_a_load_too_heavy_is_shown(draft_of: DraftOf) -> None:
     draft.type_in(("tray", "mass"), "500 kg")
     (fault,) = check(draft.table).faults
     assert fault.key == ("tray", "mass") and "may carry" in fault.sentence
+
+
+@pytest.mark.parametrize("name", ["mixed-tray", "coffee-to-go"])
+def test_labels_are_the_words_of_the_keys(draft_of: DraftOf, name: str) -> None:
+    for field in all_fields(draft_of(name)):
+        words = [str(part).replace("_", " ") for part in field.key if isinstance(part, str)]
+        assert field is NAME or field.label.lower().startswith(words[-1]), field
+        assert in_words(f"{field.key[-1]} is wrong").startswith(words[-1]) or isinstance(field.key[-1], int)
+
+
+def test_messages_keep_the_words_of_users() -> None:
+    assert in_words('liquid_height "a_b" is out; name my_cup') == 'liquid height "a_b" is out; name my_cup'
+
+
+def test_an_empty_field_shows_what_holds(draft_of: DraftOf) -> None:
+    shown = {field.key: field.default for field in all_fields(draft_of("mixed-tray"))}
+    assert shown["motion", "max_duration"] == "20 s"
+    assert shown["motion", "max_tilt"] == "30 deg"
+    assert shown["planning", "intervals"] == "100"
+    assert shown["cargo", 0, "friction"] == "the tray's"
+    assert shown["cargo", 0, "liquid_height"] == shown["tray", "size"] == ""  # these have no default
+    optional = [field for field in all_fields(draft_of("mixed-tray")) if field.kind != "choice" and not field.default]
+    assert all(field.key[0] in ("path", "tray", "cargo") for field in optional)
 
 
 PIECES = st.text(st.sampled_from("0123456789.,- mkgde\n%\"'<&ü[]x"), max_size=12)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,8 @@ def test_objects_are_drawn_where_they_stand() -> None:
         assert node.attrib["data-fits"] == "true"
 
 
-@settings(deadline=None)
+@pytest.mark.slow
+@settings(deadline=None, max_examples=50)
 @given(st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-180, 180))
 def test_the_plan_and_the_reader_agree_on_what_is_wrong(x1: float, y1: float, x2: float, y2: float, yaw: float) -> None:
     table: dict[str, Any] = dict(read_scenario("mixed-tray").source)
@@ -105,6 +107,21 @@ def test_one_more_object_stands_where_there_is_room() -> None:
     assert free_place(draft.table, {"shape": "?"}) == (0.0, 0.0)
 
 
+def test_objects_take_the_focus_in_their_order(draft_of: Callable[[str], Draft]) -> None:
+    placed = place_objects(draft_of("mixed-tray").table)
+    picture = ET.fromstring(draw_plan(placed, (0.335, 0.25), selected=0, snapping=True, count=7))
+    nodes = objects(picture)
+    assert list(nodes) == ["0", "1", "2", "3"] and {node.attrib["tabindex"] for node in nodes.values()} == {"0"}
+    assert nodes["0"].attrib["aria-label"].startswith("cup, x ") and nodes["0"].attrib["aria-pressed"] == "true"
+    assert next(node for node in picture.iter() if "data-count" in node.attrib).attrib["data-count"] == "7"
+
+
+def test_labels_stand_in_place_of_names(draft_of: Callable[[str], Draft]) -> None:
+    draft = draft_of("pp-two-cups")
+    draft.type_in(("cargo", 0, "label"), "beer 0.3 l")
+    assert [item.label for item in place_objects(draft.table)] == ["beer 0.3 l", "right"]
+
+
 def test_names_are_no_markup() -> None:
     table: Any = read_scenario("pp-two-cups").source
     wrong = table | {"cargo": [table["cargo"][0] | {"name": "<img src=x onerror='alert(1)'>"}]}
@@ -125,9 +142,9 @@ def test_snapping_goes_to_the_nearest_point_of_the_grid(x: float, y: float) -> N
 
 def test_reports_of_a_drag_are_read() -> None:
     text = json.dumps({"object": 1, "x": 45.0, "y": -70.0, "end": False, "count": 3})
-    assert read_drag(text, objects=2) == DragReport(1, (0.045, -0.07), False)
-    assert read_drag(json.dumps({"object": 0, "x": None, "y": None, "end": True}), objects=1) == DragReport(
-        0, None, True
+    assert read_drag(text, objects=2) == DragReport(1, (0.045, -0.07), False, 3)
+    assert read_drag(json.dumps({"object": 0, "x": None, "y": None, "end": True, "count": 4}), objects=1) == DragReport(
+        0, None, True, 4
     )
 
 
@@ -138,15 +155,16 @@ def test_reports_of_a_drag_are_read() -> None:
         "{",
         "[]",
         "3",
-        '{"object": 2, "x": 1, "y": 1, "end": true}',
-        '{"object": -1, "x": 1, "y": 1, "end": true}',
-        '{"object": true, "x": 1, "y": 1, "end": true}',
-        '{"object": 0, "x": "a", "y": 1, "end": true}',
-        '{"object": 0, "x": 1, "y": null, "end": true}',
-        '{"object": 0, "x": NaN, "y": 1, "end": true}',
-        '{"object": 0, "x": 1e9, "y": 1, "end": true}',
-        '{"object": 0, "x": 1, "y": 1, "end": 1}',
-        '{"object": 0, "x": 1, "end": true}',
+        '{"object": 2, "x": 1, "y": 1, "end": true, "count": 1}',
+        '{"object": -1, "x": 1, "y": 1, "end": true, "count": 1}',
+        '{"object": true, "x": 1, "y": 1, "end": true, "count": 1}',
+        '{"object": 0, "x": "a", "y": 1, "end": true, "count": 1}',
+        '{"object": 0, "x": 1, "y": null, "end": true, "count": 1}',
+        '{"object": 0, "x": NaN, "y": 1, "end": true, "count": 1}',
+        '{"object": 0, "x": 1e9, "y": 1, "end": true, "count": 1}',
+        '{"object": 0, "x": 1, "y": 1, "end": 1, "count": 1}',
+        '{"object": 0, "x": 1, "y": 1, "end": true}',
+        '{"object": 0, "x": 1, "end": true, "count": 1}',
     ],
 )
 def test_what_is_no_report_is_passed_over(text: str) -> None:

@@ -62,6 +62,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return tmp_path / "cache"
 
 
+@pytest.mark.slow
 @BOTH
 @needs_compiler
 def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, name: str, compiling: Path) -> None:

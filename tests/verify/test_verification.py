@@ -33,7 +33,8 @@ def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
     made = smooth_motion("matrix-liquid", stretch=1.3)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
-    return Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
+    plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
+    return plan.with_second_looks()
 
 
 @pytest.fixture
@@ -54,6 +55,7 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(app, list(arguments), catch_exceptions=False, prog_name="nospill")
 
 
+@pytest.mark.slow
 def test_gentle_motion_moves_nothing_and_slippery_one_everything(smooth_plan: Plan) -> None:
     report = verify(smooth_plan)
     assert report.ok and "stays" in report.message
@@ -73,6 +75,7 @@ def test_thresholds_decide_and_must_be_above_zero(smooth_plan: Plan) -> None:
             Thresholds(distance=wrong)
 
 
+@pytest.mark.slow
 def test_same_plan_gives_the_same_figures(smooth_plan: Plan) -> None:
     assert verify(smooth_plan) == verify(smooth_plan)
 
@@ -94,6 +97,7 @@ def test_joint_file_is_what_drives_the_simulation(folder: Path, smooth_plan: Pla
         verify_folder(folder)
 
 
+@pytest.mark.slow
 def test_nothing_is_written_by_default(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     before = sorted(tmp_path.rglob("*"))
@@ -121,6 +125,7 @@ def test_missing_mujoco_is_one_clear_line(smooth_plan: Plan, monkeypatch: pytest
         verify(smooth_plan)
 
 
+@pytest.mark.slow
 def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder: Path, tmp_path: Path) -> None:
     joints = folder_joints(folder, smooth_plan)
     t = np.linspace(0.0, smooth_plan.duration + 0.5, 7)

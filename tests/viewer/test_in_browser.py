@@ -12,12 +12,12 @@ import pytest
 from PIL import Image
 from scipy import ndimage
 
-from nospill.film.timeline import Film
+from nospill.film.timeline import Film, make_film
 from nospill.film.views import View
 
 pytest.importorskip("viser", reason="viser is not installed")
 # Playwright's own loop leaves sockets to the garbage collector.
-pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
 from nospill.viewer.html import CLOCK, save_html  # noqa: E402
 from nospill.viewer.live import live_viewer  # noqa: E402
@@ -117,6 +117,7 @@ def played(page: Any) -> float:
     return page.evaluate("+document.querySelector('[role=slider]').getAttribute('aria-valuenow')")
 
 
+@pytest.mark.slow
 def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting_film: Film) -> None:
     open_page(page, f"file://{file}")
     shown = [played(page)]
@@ -144,6 +145,43 @@ def test_file_plays_from_the_disk_without_network(page: Any, file: Path, tilting
     assert page.errors == []
 
 
+OVERLAPS = """() => {
+  const nodes = [...document.querySelectorAll('#nospill-side :is(text, h1, p, .nospill-key div)')];
+  const box_of = node => [node.textContent, node.getBoundingClientRect()];
+  const found = nodes.filter(node => node.textContent.trim()).map(box_of);
+  const side = document.getElementById('nospill-side').getBoundingClientRect(), wrong = [];
+  found.forEach(([text, box], number) => {
+    if (box.left < side.left || box.right > side.right + 1) wrong.push([text, 'cut']);
+    if (box.height > 60 || box.height < 8) wrong.push([text, 'size']);
+    found.slice(number + 1).forEach(([other, its]) => {
+      const wide = Math.min(box.right, its.right) - Math.max(box.left, its.left);
+      const tall = Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top);
+      if (wide > 1 && tall > 3) wrong.push([text, other]);
+    });
+  });
+  return wrong;
+}"""
+"""Texts that cover another one, stick out or are of another size; the rims of a line of text hold no letters."""
+
+
+def test_no_text_of_two_plans_covers_another_in_any_window(
+    page: Any, tmp_path: Path, level_film: Film, tilting_film: Film
+) -> None:
+    film = level_film if level_film.length > tilting_film.length else tilting_film
+    films = [make_film(each.plan, each.judgement, rate=4.0, length=film.length) for each in (level_film, tilting_film)]
+    save_html(films, tmp_path / "two.html")
+    open_page(page, f"file://{tmp_path / 'two.html'}")
+    page.keyboard.press("Space")
+    for width, columns in ((1280, 1), (760, 2), (400, 1)):
+        page.set_viewport_size({"width": width, "height": 700})
+        assert page.evaluate(OVERLAPS) == []
+        tops = page.eval_on_selector_all(".nospill-chart", "nodes => nodes.map(n => n.getBoundingClientRect().top)")
+        assert len(tops) // len(set(tops)) == columns
+        sizes = page.eval_on_selector_all(".nospill-chart", "nodes => nodes.map(n => n.getBoundingClientRect().width)")
+        assert max(sizes) <= 420.0
+    assert page.errors == []
+
+
 def test_the_clock_of_the_file_runs_at_the_speed_chosen(page: Any) -> None:
     """A time that the test sets, seen through the file's clock: a quarter of it first, then the speed chosen."""
     options = "<option value='0.25'>a</option><option value='2.0'>b</option>"
@@ -157,6 +195,7 @@ def test_the_clock_of_the_file_runs_at_the_speed_chosen(page: Any) -> None:
     assert page.evaluate("Date.now()") == 1900
 
 
+@pytest.mark.slow
 def test_file_shows_the_arm(page: Any, tmp_path: Path, tilting_film: Film) -> None:
     save_html([tilting_film], tmp_path / "arm.html", view=View.ARM)
     open_page(page, f"file://{tmp_path / 'arm.html'}")
@@ -169,6 +208,7 @@ def test_file_shows_the_arm(page: Any, tmp_path: Path, tilting_film: Film) -> No
     assert 5 < columns.min() < columns.max() < WIDTH - 5
 
 
+@pytest.mark.slow
 def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, _):
         open_page(page, address)
@@ -179,6 +219,7 @@ def test_live_viewer_shows_the_arm(page: Any, tilting_film: Film) -> None:
     assert page.errors == []
 
 
+@pytest.mark.slow
 def test_live_viewer_plays(page: Any, tilting_film: Film) -> None:
     with live_viewer([tilting_film], port=0) as (address, player):
         open_page(page, address)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -20,9 +21,12 @@ from nospill.judge.limiting import limiting_rows
 from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts
 from nospill.viewer.live import live_viewer, running_server, show_plans
+from nospill.viewer.panels import Panel, contents
 from nospill.viewer.playback import SPEEDS, Clock, Player
 from nospill.viewer.scene_view import PlanView
 from tests.waiting import wait_until
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @given(st.lists(st.floats(0, 0.5), max_size=30), st.sampled_from(sorted(SPEEDS.values())))
@@ -57,7 +61,13 @@ def test_player_moves_views_and_controls_together(tilting_film: Film, level_film
     with running_server(port=0) as server:
         shown = show_plans(server, [level_film, tilting_film])
         chosen: list[View] = []
-        player = Player(server.gui, shown.views, charts=shown.charts, atomic=server.atomic, aim=chosen.append)
+        player = Player(
+            server.gui,
+            shown.views,
+            charts=shown.charts,
+            atomic=server.atomic,
+            aim=lambda view: bool(chosen.append(view)),
+        )
         assert player.clock.speed == 0.25
         assert player._looks is not None
         for callback in player._looks._impl.update_cb:
@@ -130,17 +140,18 @@ def test_a_live_viewer_plays_on_a_thread_of_its_own_and_ends_it(tilting_film: Fi
     assert not [thread for thread in threading.enumerate() if "run" in thread.name]
 
 
-def test_charts_are_a_document_with_every_line_and_limit(tilting_film: Film, mixed_film: Film) -> None:
+def test_charts_are_documents_with_every_line_and_limit(tilting_film: Film, mixed_film: Film) -> None:
     for film in (tilting_film, mixed_film):
         charts = draw_charts([film], [""])
-        document = ElementTree.fromstring(charts.svg)
-        texts = [item.text or "" for item in document.iter("text")]
-        for title in ("liquid height [mm]", "contact, use of limit [1]", "joint speed over limit [1]", "time [s]"):
+        documents = [ElementTree.fromstring(picture) for picture in charts.pictures]
+        assert len(documents) == 3 + bool(limiting_rows(film.judgement))
+        texts = [item.text or "" for document in documents for item in document.iter(f"{SVG}text")]
+        for title in ("liquid height [mm]", "contact, use of limit [1]", "joint speed over limit [1]", "0 s"):
             assert title in texts
         assert {"limit 1", "limit -1"} <= set(texts)
         for name in (*film.liquids, *film.plan.scene.robot.joints, *film.contact_use):
             assert name in texts
-        lines = list(document.iter("polyline"))
+        lines = [line for document in documents for line in document.iter(f"{SVG}polyline")]
         count = len(film.liquids) + len(film.contact_use) + len(film.plan.scene.robot.joints)
         assert len(lines) == count
         for line in lines:
@@ -149,16 +160,43 @@ def test_charts_are_a_document_with_every_line_and_limit(tilting_film: Film, mix
             assert points[:, 0].max() <= charts.right + 0.1
             assert np.all(np.diff(points[:, 0]) > 0)
             assert points[:, 1].min() >= 0
-            assert points[:, 1].max() <= charts.height
-        for item in document.iter("text"):
-            assert 0 <= float(item.get("x", "0")) <= WIDTH
-            assert 0 <= float(item.get("y", "0")) <= charts.height
+        for document in documents:
+            height = float(document.get("viewBox", "").split()[3])
+            for item in document.iter(f"{SVG}text"):
+                assert 0 <= float(item.get("x", "0")) <= WIDTH
+                assert 0 <= float(item.get("y", "0")) <= height
     ElementTree.fromstring(colour_key())
 
 
-def test_two_plans_share_the_axis_and_stand_like_below_like(tilting_film: Film, level_film: Film) -> None:
+def test_charts_call_objects_as_people_do(mixed_film: Film) -> None:
+    scene = mixed_film.plan.scene
+    named = replace(scene, cargo=tuple(replace(item, label="beer 0.3 l") for item in scene.cargo))
+    film = replace(mixed_film, plan=replace(mixed_film.plan, scene=named))
+    panel = next(panel for rank, panel in contents(film, "") if rank == 1)
+    assert isinstance(panel, Panel)
+    assert [line.name for line in panel.lines] == [f"beer 0.3 l ({name})" for name in film.liquids]  # two alike
+
+
+def test_limits_of_heights_name_their_liquids_and_go_on_after_the_end(tilting_film: Film, mixed_film: Film) -> None:
+    def limits(film: Film) -> list[tuple[float, str, float]]:
+        panel = next(panel for rank, panel in contents(film, "") if rank == 1)
+        assert isinstance(panel, Panel)
+        return [(round(limit.value, 3), limit.name, limit.start) for limit in panel.limits]
+
+    end = tilting_film.end_time
+    assert limits(tilting_film) == [(15.0, "15 mm", 0.0), (3.0, "after the end 3 mm", end)]
+    found = limits(mixed_film)
+    values = sorted({1e3 * track.limit for track in mixed_film.liquids.values()}, reverse=True)
+    assert [value for value, _, start in found if start == 0.0] == pytest.approx(values)
+    if len(values) > 1:
+        assert all(any(name in text for name in mixed_film.liquids) for _, text, start in found if start == 0.0)
+
+
+def test_two_plans_share_the_axis_and_stand_like_beside_like(tilting_film: Film, level_film: Film) -> None:
     charts = draw_charts([level_film, tilting_film], ["level", "tilting"])
-    texts = [item.text or "" for item in ElementTree.fromstring(charts.svg).iter("text")]
+    texts = [
+        item.text or "" for picture in charts.pictures for item in ElementTree.fromstring(picture).iter(f"{SVG}text")
+    ]
     titles = [text for text in texts if text.startswith(("level: ", "tilting: "))]
     assert len(titles) == 2 * 3 + sum(bool(limiting_rows(film.judgement)) for film in (tilting_film, level_film))
     titles = [title for title in titles if "holds" not in title]

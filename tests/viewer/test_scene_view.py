@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -16,8 +18,9 @@ import viser
 from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
 from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
-from nospill.film.views import View
+from nospill.film.views import View, arrangement
 from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
+from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
 from tests.films import film_of
 
@@ -158,10 +161,60 @@ def test_scene_of_two_plans(tilting_film: Film, level_film: Film) -> None:
         assert [view.root for view in shown.views] == ["/plan_1", "/plan_2"]
         for root in ("/plan_1", "/plan_2"):
             assert server.scene.get_handle_by_name(f"{root}/world/path/line") is not None
-            assert server.scene.get_handle_by_name(f"{root}/world/title") is not None
+            assert server.scene.get_handle_by_name(f"{root}/title") is not None
     assert short_titles([level_film, tilting_film]) == ["level", "tilting"]
     assert short_titles([tilting_film, tilting_film]) == ["matrix-liquid-tilt (1)", "matrix-liquid-tilt (2)"]
     assert title_of(level_film).startswith("matrix-liquid (level): ")
+
+
+@pytest.mark.parametrize("view", View)
+def test_names_cover_no_other_whatever_the_window(view: View, tilting_film: Film, level_film: Film) -> None:
+    for films, titles in (([tilting_film], [""]), ([level_film, tilting_film], ["level", "tilting"])):
+        places, camera = arrangement(films, view, aspect=1.05)
+        letters = letters_of(films, titles, places, view, camera)
+        assert letters.apart or view in (View.ARM, View.ABOVE)  # near the cups there is room
+        centres, sizes = name_boxes(films, titles, places, view, camera)
+        assert centres.shape[1] == sum(len(film.plan.scene.cargo) for film in films) + sum(map(bool, titles))
+        if not letters.apart:
+            continue
+        for one, other in combinations(range(centres.shape[1]), 2):
+            apart = (
+                np.abs(centres[:, one] - centres[:, other])
+                >= letters.names * (sizes[:, one] + sizes[:, other]) / 2.0001
+            )
+            assert np.all(np.any(apart, axis=1))
+
+
+def test_names_are_hidden_where_they_would_cover_each_other(tilting_film: Film) -> None:
+    crowded = replace(tilting_film.plan.scene.cargo[0], label="a name as long as the tray is wide")
+    scene = replace(tilting_film.plan.scene, cargo=(crowded, *tilting_film.plan.scene.cargo[1:]))
+    film = replace(tilting_film, plan=replace(tilting_film.plan, scene=scene))
+    places, camera = arrangement([film], View.ARM, aspect=1.05)
+    assert not letters_of([film], [""], places, View.ARM, camera).apart
+    with running_server(port=0) as server:
+        shown = show_plans(server, [film], view=View.ARM)
+        assert not shown.named
+        label = server.scene.get_handle_by_name("/plan_1/names/name_c1")
+        assert label.text == crowded.label and not label.visible
+
+
+def test_the_arrow_points_where_things_fall(server: viser.ViserServer, tilting_film: Film) -> None:
+    view = PlanView(server.scene, tilting_film, root="/pull")
+    for index in (0, len(tilting_film.t) // 3, len(tilting_film.t) - 1):
+        view.show(float(tilting_film.t[index]))
+        name = next(n for n in server.scene._handle_from_node_name if n.startswith("/pull") and n.endswith("/gravity"))
+        wxyz = np.asarray(server.scene.get_handle_by_name(name).wxyz)
+        shaft = Rotation.from_quat(wxyz[[1, 2, 3, 0]]).apply([0.0, 0.0, 1.0])
+        force = tilting_film.specific_force[index]
+        assert shaft == pytest.approx(force / np.linalg.norm(force), abs=1e-9)
+    # The arm stands after the end: what pulls is gravity alone.
+    assert tilting_film.tray_rotation[-1] @ tilting_film.specific_force[-1] == pytest.approx([0, 0, 9.80665], abs=1e-3)
+    body = server.scene.get_handle_by_name(f"{name}/arrow").vertices
+    spot = np.asarray(server.scene.get_handle_by_name(name).position)
+    assert body[:, 2].min() == pytest.approx(0.0, abs=3e-4) and 0.08 <= body[:, 2].max() <= 0.14
+    for item in tilting_film.plan.scene.cargo:
+        assert np.linalg.norm(spot[:2] - item.position) > 0.035  # beside the cups
+    view.remove()
 
 
 def test_nothing_is_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,6 +31,7 @@ def test_without_viser_one_line_says_what_to_install(folders: tuple[str, str], m
     assert result.stderr == 'viewing needs viser, which is not installed; pip install "nospill[view]"\n'
 
 
+@pytest.mark.slow
 def test_file_of_two_plans(folders: tuple[str, str], tmp_path: Path) -> None:
     pytest.importorskip("viser", reason="viser is not installed")
     target = tmp_path / "both.html"
@@ -53,6 +54,7 @@ def test_title_has_the_verdict_on_what_is_shown(tilting_film: Film) -> None:
     assert title_of(film).endswith(f" s, {word}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -70,6 +72,7 @@ def test_mistakes_are_one_line(folders: tuple[str, str], tmp_path: Path, argumen
     assert result.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_missing_meshes_are_said(folders: tuple[str, str], tmp_path: Path, tilting_film: Film) -> None:
     pytest.importorskip("viser", reason="viser is not installed")
     text = tilting_film.plan.scene.robot.urdf
@@ -80,6 +83,7 @@ def test_missing_meshes_are_said(folders: tuple[str, str], tmp_path: Path, tilti
     assert "1 meshes are missing (a.stl, ...); links are drawn instead" in result.stderr
 
 
+@pytest.mark.slow
 def test_live_viewer_names_its_address_and_ends_with_ctrl_c(folders: tuple[str, str]) -> None:
     pytest.importorskip("viser", reason="viser is not installed")
     code = "from nospill.cli import main; main()"

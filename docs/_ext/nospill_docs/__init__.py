@@ -6,12 +6,15 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+from nospill_docs.cards import write_cards
 from nospill_docs.extending import write_extending
 from nospill_docs.formulas import add_formulas
 from nospill_docs.gallery import write_gallery
 from nospill_docs.links import check_links
 from nospill_docs.notebooks import write_notebooks
+from nospill_docs.pictures import write_pictures
 from nospill_docs.places import Places
+from nospill_docs.screens import write_screens
 from nospill_docs.tables import write_tables
 from nospill_docs.topics import write_topics
 from nospill_docs.transcripts import write_transcripts
@@ -28,8 +31,18 @@ def setup(app: Sphinx) -> dict[str, Any]:
 
 def _generate(app: Sphinx) -> None:
     places = Places.of(app.srcdir)
-    for write in (write_topics, write_tables, write_extending, write_transcripts, write_gallery, write_notebooks):
+    for write in (
+        write_topics,
+        write_tables,
+        write_extending,
+        write_transcripts,
+        write_gallery,
+        write_pictures,
+        write_cards,
+        write_notebooks,
+    ):
         write(places)
+    write_screens(places)  # of what the gallery made
 
 
 def _plain_words(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:

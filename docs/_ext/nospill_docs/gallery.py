@@ -10,7 +10,10 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+from nospill.judge.wording import percent
+from nospill.plans.loading import load_plan
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
@@ -18,6 +21,7 @@ from nospill_docs.tables import markdown_table
 CAPTIONS: dict[str, str] = {
     "summary": "Summary sheet: path, certificate, what holds the motion back, heights, joint speeds.",
     "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
+    "other-speeds": "Largest use of a limit on liquids and contacts when the motion is played more slowly.",
     "slosh-heights": "Height of each liquid at the wall, over its limit.",
     "margins": "How much of each limit every object uses.",
     "joints": "Joint positions, and joint speeds over their limits.",
@@ -28,23 +32,27 @@ CAPTIONS: dict[str, str] = {
 
 def write_gallery(places: Places) -> None:
     """One page an example; plans are kept until the package or the scenario changes."""
-
-    def planned(name: str) -> Path:
-        scenario = example_path(name).read_text(encoding="utf-8")
-        return places.cached(f"plan-{name}", scenario, lambda target: _plan(name, target / "plan")) / "plan"
-
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        folders = dict(zip(EXAMPLES, pool.map(planned, EXAMPLES), strict=True))
+        folders = dict(zip(EXAMPLES, pool.map(lambda name: planned_example(places, name), EXAMPLES), strict=True))
     for number, (name, about) in enumerate(EXAMPLES.items(), 1):
         scenario, folder = example_path(name).read_text(encoding="utf-8"), folders[name]
         pictures = sorted((folder / "figures").glob("*.png"), key=_order)
         for picture in pictures:
             copy_if_changed(picture, places.docs / "gallery" / f"{number:02d}-{name}" / picture.name)
+        copy_if_changed(_moment(places, name, folder), places.docs / "gallery" / f"{number:02d}-{name}" / "moment.png")
         scene = _scene(places, name, folder)
         page = _page(number, name, about, scenario, folder, [picture.stem for picture in pictures], scene is not None)
         write_if_changed(places.docs / "gallery" / f"{number:02d}-{name}.md", page)
-    cards = "".join(_card(number, name, about) for number, (name, about) in enumerate(EXAMPLES.items(), 1))
+    cards = "".join(
+        _card(number, name, about, _summary(folders[name])) for number, (name, about) in enumerate(EXAMPLES.items(), 1)
+    )
     write_if_changed(places.generated / "gallery.md", cards)
+
+
+def planned_example(places: Places, name: str) -> Path:
+    """The plan folder of a bundled example, planned where it or the package has changed."""
+    scenario = example_path(name).read_text(encoding="utf-8")
+    return places.cached(f"plan-{name}", scenario, lambda target: _plan(name, target / "plan")) / "plan"
 
 
 def _plan(name: str, folder: Path) -> None:
@@ -93,33 +101,67 @@ def _order(picture: Path) -> int:
     return list(CAPTIONS).index(picture.stem) if picture.stem in CAPTIONS else len(CAPTIONS)
 
 
-def _card(number: int, name: str, about: str) -> str:
+def _summary(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
+def _moment(places: Places, name: str, folder: Path) -> Path:
+    """The middle of the motion, seen from near."""
+    from nospill_docs.pictures.stills import save_moment
+
+    def make(target: Path) -> None:
+        save_moment(load_plan(folder), target / "moment.png")
+
+    return places.cached(f"moment-{name}", folder.parent.name, make) / "moment.png"
+
+
+def _card(number: int, name: str, about: str, summary: dict[str, Any]) -> str:
     page = f"{number:02d}-{name}"
+    held = f"; {summary['held_back']}" if summary["held_back"] else ""
     return (
         f"## {number}. [{name}]({page}.md)\n\n{about[:1].upper()}{about[1:]}.\n\n"
-        f"```{{image}} {page}/summary.png\n:alt: summary sheet of {name}\n:width: 70%\n:target: {page}.html\n```\n\n"
+        f"```{{figure}} {page}/moment.png\n:alt: the tray of {name} in the middle of its motion\n:width: 70%\n"
+        f":target: {page}.html\n\n{summary['duration_s']:.2f} s, {summary['status']}{held}.\n```\n\n"
+    )
+
+
+def _player(name: str) -> str:
+    """A line below the picture: a click puts the scene in the picture's place; without a script it opens the scene."""
+    script = (
+        "var f=document.createElement('iframe'),p=this.closest('section').querySelector('img');"
+        "f.className='player';f.src=this.href;f.title='the motion';p.replaceWith(f);this.parentNode.remove();"
+        "return false"
+    )
+    return (
+        f'<p class="play"><a href="../scenes/{name}.html" onclick="{script}">Play the motion</a> '
+        "(one file, works without a network).</p>\n\n"
     )
 
 
 def _page(number: int, name: str, about: str, scenario: str, folder: Path, pictures: list[str], scene: bool) -> str:
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary = _summary(folder)
     heights = summary["max_slosh_height_m"]
     facts = [
         ("status", summary["status"]),
         ("duration", f"{summary['duration_s']:.3f} s"),
-        ("greatest acceleration of the tray", f"{summary['max_tray_acceleration_m_s2']:.2f} m/s^2"),
+        ("greatest acceleration of the tray", f"{summary['max_tray_acceleration_m_s2']:.2f} m/s²"),
         ("greatest tilt", f"{summary['max_tilt_deg']:.1f} deg"),
-        ("greatest use of a joint speed", f"{100 * summary['max_joint_speed_use']:.0f} %"),
+        (
+            "greatest use of a joint speed",
+            percent(summary["max_joint_speed_use"], summary["max_joint_speed_use"] <= 1.0),
+        ),
         *((f"liquid in {cup}, greatest height", f"{1e3 * height:.2f} mm") for cup, height in heights.items()),
     ]
-    play = f'<p><a href="../scenes/{name}.html">Play the motion</a> (one file, works without a network).</p>\n\n'
+    still = f"```{{image}} {number:02d}-{name}/moment.png\n:alt: the tray of {name} in its motion\n```\n\n"
+    play = _player(name) if scene else ""
     figures = "".join(
-        f"```{{figure}} {number:02d}-{name}/{stem}.png\n:alt: {stem} of {name}\n\n{CAPTIONS.get(stem, stem)}\n```\n\n"
+        f"```{{figure}} {number:02d}-{name}/{stem}.png\n:alt: {stem} of {name}\n"
+        f":width: {100 if stem == 'summary' else 78}%\n\n{CAPTIONS.get(stem, stem)}\n```\n\n"
         for stem in pictures
     )
     return (
         f"# {number}. {name}\n\n{about[:1].upper()}{about[1:]}.\n\n{summary['message']}\n\n"
-        f"{play if scene else ''}{markdown_table(('result', ''), facts)}\n"
+        f"{still}{play}{markdown_table(('result', 'value'), facts)}\n"
         f"```console\n$ nospill plan {name} -o out/{name}\n```\n\n## Figures\n\n{figures}"
         f"## Scenario\n\n```toml\n{scenario.rstrip()}\n```\n"
     )

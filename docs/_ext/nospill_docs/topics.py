@@ -18,5 +18,5 @@ def write_topics(places: Places) -> None:
     pages.sort(key=lambda page: (_FIRST.index(page) if page in _FIRST else len(_FIRST), page))
     entries = "\n".join(pages)
     write_if_changed(
-        places.generated / "topics.md", f"```{{toctree}}\n:caption: Topics\n:maxdepth: 1\n\n{entries}\n```\n"
+        places.generated / "topics.md", f"```{{toctree}}\n:caption: Topics\n:maxdepth: 1\n:hidden:\n\n{entries}\n```\n"
     )

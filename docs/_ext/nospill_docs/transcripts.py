@@ -23,19 +23,29 @@ TRANSCRIPTS: dict[str, tuple[str, ...]] = {
 
 def write_transcripts(places: Places) -> None:
     """Run every session and write it as text, with the exit code where it is not 0."""
+    for name in TRANSCRIPTS:
+        copy_if_changed(_run(places, name) / "session.txt", places.generated / "sessions" / f"{name}.txt")
+
+
+def planned_session(places: Places) -> Path:
+    """The plan folder that the session `two-cups` leaves behind."""
+    return _run(places, "two-cups") / "work" / "out" / "two-cups"
+
+
+def _run(places: Places, name: str) -> Path:
+    """The folder of a session, run where it, its files or the package has changed."""
     examples = sorted((places.docs / "examples").glob("*.toml"))
+    commands = TRANSCRIPTS[name]
+
+    def run(folder: Path) -> None:
+        work = folder / "work"
+        work.mkdir()
+        for path in examples:
+            shutil.copy(path, work)
+        (folder / "session.txt").write_text(session(commands, work), encoding="utf-8")
+
     key = "".join(path.read_text(encoding="utf-8") for path in examples)
-    for name, commands in TRANSCRIPTS.items():
-
-        def run(folder: Path, commands: tuple[str, ...] = commands) -> None:
-            work = folder / "work"
-            work.mkdir()
-            for path in examples:
-                shutil.copy(path, work)
-            (folder / "session.txt").write_text(session(commands, work), encoding="utf-8")
-
-        made = places.cached(f"session-{name}", f"{commands} {key}", run)
-        copy_if_changed(made / "session.txt", places.generated / "sessions" / f"{name}.txt")
+    return places.cached(f"session-{name}", f"{commands} {key}", run)
 
 
 def session(commands: tuple[str, ...], folder: Path) -> str:

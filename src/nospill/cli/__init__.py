@@ -21,12 +21,14 @@ from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
+from nospill.cli.slowing import slow
 from nospill.cli.studio import studio
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
 COMMANDS: tuple[Callable[..., int], ...] = (
     plan,
+    slow,
     check,
     verify,
     margins,

@@ -35,10 +35,13 @@ def plan(
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
     all_figures: Annotated[
-        bool, typer.Option("--all-figures", help="Draw every figure, not the sheet and the limits alone.")
+        bool, typer.Option("--all-figures", help="Draw every figure, not the summary sheet alone.")
     ] = False,
     pdf: Annotated[bool, typer.Option("--pdf", help="Write the figures as PDF too.")] = False,
     report: Annotated[bool, typer.Option("--report", help="Write DIR.report.html beside the plan folder.")] = False,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="State what is saved against a level tray and a trapezoid profile.")
+    ] = False,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -73,9 +76,13 @@ def plan(
         page: Path | None = None
         try:
             try:
-                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_full_model()
+                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_second_looks()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
+            if compare:
+                from nospill.comparison import compared
+
+                outcome = compared(outcome, say=lambda name: say(f"compared with a {name} ..."))
             if output is not None:
                 progress.say(FILES)
                 drawing = functools.partial(_write_figures, outcome, progress, pdf=pdf, everything=all_figures)
@@ -94,19 +101,21 @@ def plan(
         saved = output / SUMMARY_FILE if output is not None else None
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
-        _print_plan(outcome, output, page)
+        print_plan(outcome, output, page)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1
 
 
-def _print_plan(outcome: Plan, output: Path | None, page: Path | None) -> None:
+def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
     certificate = outcome.certificate
     _print_certificate(certificate, outcome.scene.robot.joints)
     _print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
+    lines += [outcome.would_save] if outcome.would_save else []
+    lines += outcome.sooner
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []
@@ -126,16 +135,19 @@ def check(
     Nothing is optimised or written.
     """
     from nospill.export.plan_files import compare_plan_files
+    from nospill.judge.other_speeds import uses_at
     from nospill.judge.wording import describe
     from nospill.plans.approach import judge_whole
     from nospill.plans.loading import load_plan
     from nospill.plans.warnings import plan_warnings
+    from nospill.plans.warnings.speeds import other_speeds
 
     saved = load_plan(folder)
     judgement = judge_whole(saved)
     certificate = judgement.certificate
     _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
-    _print_warnings(plan_warnings(saved.scene, judgement, saved.report.backoff))
+    slower = other_speeds(uses_at(saved.trajectory, saved.scene))
+    _print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
@@ -170,7 +182,7 @@ def plot(
 
 def _choices(found: Plan) -> list[str]:
     """What was chosen for the arm, and how it gets to the start, a line each."""
-    from nospill.plans.approach import settling_time
+    from nospill.plans.settling import AFTER_APPROACH, settling_time
 
     lines = [f"branch: {found.report.branch}"]
     if found.report.base_yaw is not None:
@@ -184,9 +196,12 @@ def _choices(found: Plan) -> list[str]:
         slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
         unchecked = "" if found.scene.obstacles else "; nothing checks for collisions, here or on the way after it"
         lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
-        wait = settling_time(found)
+        wait = settling_time(found.scene, found.certificate, AFTER_APPROACH)
         if wait > 0.0:
             lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")
+    settling = settling_time(found.scene, found.certificate)
+    if settling > 0.0:
+        lines.append(f"next motion: after {settling:.1f} s, when the liquids are at rest (2 % of their limits)")
     return lines
 
 

@@ -230,7 +230,8 @@ def _write_study(report: MarginsReport, folder: Path, names: list[str]) -> None:
     np.savetxt(folder / "samples.csv", table, delimiter=",", fmt="%.9g", header=",".join(columns), comments="")
     bars = [
         Bar(
-            f"{item.factor}:\n{item.measure}",
+            item.factor,
+            item.measure,
             item.nominal,
             item.least,
             item.greatest,

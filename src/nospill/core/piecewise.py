@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -135,13 +137,21 @@ def _solved(basis: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndar
     import casadi as ca  # reading a scenario needs none of it
 
     count, band = len(values), len(basis) - 1
+    sparsity = _banded(count, band)
     places = first + np.arange(band + 1)[:, None]
     columns = np.zeros((count, 2 * band + 1))
     columns[places, np.arange(count) - places + band] = basis
     row = np.arange(count)[:, None] + np.arange(-band, band + 1)
-    sparsity = ca.Sparsity.banded(count, band)
     matrix = ca.DM(sparsity, columns[(row >= 0) & (row < count)])
     return np.asarray(ca.Linsol("spline", "csparse", sparsity).solve(matrix, ca.DM(values)))
+
+
+@lru_cache(maxsize=8)
+def _banded(count: int, band: int) -> Any:
+    """CasADi's pattern of a square matrix with `band` diagonals on either side."""
+    import casadi as ca
+
+    return ca.Sparsity.banded(count, band)
 
 
 def interpolating_pieces(s: np.ndarray, values: np.ndarray) -> Pieces:

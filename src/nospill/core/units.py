@@ -60,6 +60,7 @@ DIMENSIONS: dict[str, Dimension] = {
         "an angular acceleration", {"rad/s^2": _ONE, "deg/s^2": _DEGREE}, "rad/s^2", "6.5 rad/s^2"
     ),
     "angular_jerk": Dimension("an angular jerk", {"rad/s^3": _ONE, "deg/s^3": _DEGREE}, "rad/s^3", "1000 rad/s^3"),
+    "jerk": Dimension("a jerk", {"m/s^3": _ONE, "mm/s^3": _MILLI}, "m/s^3", "500 m/s^3"),
     "path_jerk": Dimension("a jerk of the path parameter", {"1/s^3": _ONE}, "1/s^3", "1000 1/s^3"),
     "torque": Dimension("a torque", {"N m": _ONE, "Nm": _ONE, "mN m": _MILLI, "kN m": Decimal(1000)}, "N m", "150 N m"),
     "mass": Dimension("a mass", {"kg": _ONE, "g": _MILLI}, "kg", "0.2 kg"),

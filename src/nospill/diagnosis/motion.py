@@ -69,10 +69,23 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
         raise _no_time_to_plan(run.scene, last)
     found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:
-        return found.answer
+        if run.scene.motion.duration is None:
+            return found.answer
+        raise _faster_only(run.scene.motion.duration, found)
     if found is not None:
         raise _too_slow(trials, found)
     raise _never(trials, last)
+
+
+def _faster_only(duration: float, found: Found) -> NoSolutionError:
+    """The error for a duration in which no motion was found, though a shorter one was."""
+    text = f"leave out duration: {found.duration:.3g} s instead of {duration:.3g} s"
+    change = Change("duration", "motion.duration", found.duration, text)
+    return NoSolutionError(
+        f"No motion found that takes {duration:.3g} s, though one of {found.duration:.3g} s was. "
+        "Leave out motion.duration, or give another.",
+        Reason(NOT_CONVERGED, "duration", "motion", None, None, changes=(change,)),
+    )
 
 
 # --- in motion -----------------------------------------------------------------------------------------------------
@@ -118,19 +131,20 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     needed = found.duration * max(
         [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
     )
-    text = f"max_duration {needed:.3g} s instead of {limit:.3g} s"
-    helped.append((needed / limit - 1.0, Change("max_duration", "motion.max_duration", needed, text)))
+    key = "max_duration" if scene.motion.duration is None else "duration"
+    text = f"{key} {needed:.3g} s instead of {limit:.3g} s"
+    helped.append((needed / limit - 1.0, Change(key, f"motion.{key}", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
     held = ""
     if named is not None:
         near = place_in_words(scene.path, named.at_s)
         held = f", held back by {named.constraint} of {named.subject}, most near {near}"
     return NoSolutionError(
-        f"No motion found: none within max_duration {limit:.3g} s; "
+        f"No motion found: none within {key} {limit:.3g} s; "
         f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
         Reason(
             MOTION,
-            named.constraint if named else "max_duration",
+            named.constraint if named else key,
             named.subject if named else "motion",
             named.at_s if named else None,
             found.duration / limit - 1.0,

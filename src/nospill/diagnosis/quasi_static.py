@@ -30,7 +30,9 @@ _STANDING = 1e5
 
 
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
-    """Whether even the slowest smooth motion breaks a limit several times over."""
+    """Whether even the slowest smooth motion breaks a limit several times over; of a given duration none is slow."""
+    if scene.motion.duration is not None:
+        return False
     judged = quasi_static_motion(scene, joint_path)
     return judged is not None and judged[0].worst.worst_margin < -abs(judged[0].worst.limit)
 
@@ -75,8 +77,8 @@ def _broken_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
 
 
 def with_time(scene: Scene, max_duration: float) -> Scene:
-    """The scene with another longest duration, s."""
-    return replace(scene, motion=replace(scene.motion, max_duration=max_duration))
+    """The scene with another longest duration, s, and none given."""
+    return replace(scene, motion=replace(scene.motion, max_duration=max_duration, duration=None))
 
 
 def quasi_static_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:

@@ -147,7 +147,7 @@ class Trials:
     @property
     def limit(self) -> float:
         """The longest motion allowed, s."""
-        return self.run.scene.motion.max_duration
+        return self.run.scene.motion.longest
 
     @property
     def over(self) -> bool:
@@ -174,7 +174,7 @@ class Trials:
         """
         if longest is None:
             longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
-        scene = replace(scene, motion=replace(scene.motion, max_duration=longest))
+        scene = replace(scene, motion=replace(scene.motion, max_duration=longest, duration=None))
         trial = self.run.trial(scene, joint_path or self.joint_path)
         kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)
         starts = [trial.start(kind) for kind in kinds]
@@ -226,7 +226,7 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
 def is_possible(search: Searcher, scene: Scene, joint_path: JointPath) -> bool:
     """Whether a motion of a changed scene is found at once, on which the arm keeps its branch."""
     found = Trials(search, joint_path).fastest(scene)
-    if found is None or found.duration > WITHIN * scene.motion.max_duration:
+    if found is None or found.duration > WITHIN * scene.motion.longest:
         return False
     joints = found.stages.table[:-1, layout_of(structure_of(scene)).joint_position]
     return keeps_branch(determinants(scene.robot, joints, found.stages.self_motion))

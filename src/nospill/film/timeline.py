@@ -54,6 +54,7 @@ class Film:
         joint_speed_use: (m, n), speed over its limit, with its sign.
         tray_position: (m, 3) origin of the tray in the base frame, m.
         tray_rotation: (m, 3, 3), tray to base.
+        specific_force: (m, 3), tray axes, m/s^2: against the apparent gravity.
         liquids: per object with liquid.
         contact_use: per object, (m,): the largest use of any limit of its contact (slip, tip, lift, twist).
     """
@@ -67,6 +68,7 @@ class Film:
     joint_speed_use: np.ndarray
     tray_position: np.ndarray
     tray_rotation: np.ndarray
+    specific_force: np.ndarray
     liquids: dict[str, LiquidTrack]
     contact_use: dict[str, np.ndarray]
 
@@ -120,6 +122,7 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
         joint_speed_use=played.joint_speed[picked] / scene.robot.max_speed,
         tray_position=played.tray.position[picked],
         tray_rotation=played.tray.rotation[picked],
+        specific_force=played.body[6:9, picked].T,
         liquids=_liquids(scene, _coordinates(scene, played, picked, after), leans),
         contact_use=_contact_use(judgement, scene, picked),
     )

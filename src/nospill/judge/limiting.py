@@ -16,7 +16,10 @@ NEAR = 0.9
 """Use above which a limit is one that the motion comes near."""
 AT_LIMIT = 0.985
 """Use from which the motion is at a limit: what the back-off leaves free of it is less than the rest."""
-_NAMED = 3
+NAMED = 3
+"""Limits that a sentence names."""
+_LEAST_SAVED = 5e-4
+"""s; less is not spoken of."""
 _LEAST_SHARE = 0.005
 
 
@@ -90,13 +93,34 @@ def held_back(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
         time_at_limit: part of the motion's time at the limit, by label of the row.
         joints: of the robot.
     """
-    longest = sorted(time_at_limit.items(), key=lambda item: -item[1])[:_NAMED]
-    named = [(RowId.of(label), share) for label, share in longest if share >= _LEAST_SHARE]
-    if not named:
+    rows = longest_held(time_at_limit)
+    if not rows:
         return ""
-    words = limiting_names([row for row, _ in named], joints)
-    first, *others = (f"{100 * share:.0f} %" for _, share in named)
+    words = limiting_names(rows, joints)
+    first, *others = (f"{100 * time_at_limit[row.label]:.0f} %" for row in rows)
     return ", ".join(
         [f"{words[0]} holds {first} of the motion"]
         + [f"{name} {share}" for name, share in zip(words[1:], others, strict=True)]
     )
+
+
+def longest_held(time_at_limit: Mapping[str, float]) -> list[RowId]:
+    """The limits that the sentence on a motion names, the one that holds it longest first."""
+    longest = sorted(time_at_limit.items(), key=lambda item: -item[1])[:NAMED]
+    return [RowId.of(label) for label, share in longest if share >= _LEAST_SHARE]
+
+
+def would_save(savings: Mapping[str, float], joints: Sequence[str]) -> str:
+    """What limits wider by a tenth would save, in one sentence without a full stop; empty where nothing does.
+
+    Args:
+        savings: s, by label of the row.
+        joints: of the robot.
+    """
+    named = [(RowId.of(label), saved) for label, saved in sorted(savings.items(), key=lambda item: -item[1])]
+    named = [(row, saved) for row, saved in named if saved >= _LEAST_SAVED]
+    if not named:
+        return ""
+    words = limiting_names([row for row, _ in named], joints)
+    parts = [f"{saved:.2g} s ({name})" for name, (_, saved) in zip(words, named, strict=True)]
+    return f"a limit wider by 10 % would save about {', '.join(parts)}"

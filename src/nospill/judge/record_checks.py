@@ -120,7 +120,8 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     `scene.output_rate`.
     """
     per_sample = round(played.rate / trajectory.rate)
-    position, attitude = _path_error(trajectory, scene, played)
+    planned = _between_samples(trajectory, played)
+    position, attitude = _path_error(planned, scene, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
     recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
@@ -135,7 +136,7 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     at_samples = slice(None, None, per_sample)
     written = _pose_error(played, trajectory.tray_position, matrices(trajectory.tray_quaternion), at_samples)
     return [
-        *([] if scene.motion.tilt_free else _level_rows(trajectory, played)),
+        *([] if scene.motion.tilt_free else _level_rows(planned, played)),
         limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position),
         limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
@@ -149,20 +150,21 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     ]
 
 
-def _path_error(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
+def _path_error(planned: np.ndarray, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from the path, on the grid of the replay.
 
     The place on the path is the recorded s, and the attitude there the recorded tilt where the tilt is free; where it
     is fixed, the tray is level whatever the record says. Between the samples both are splines, as the joints are.
+    `planned` is the record there, `_between_samples`.
     """
-    s, theta_x, theta_y = _between_samples(trajectory, played)
-    planned = scene.path.at(np.clip(s, 0.0, 1.0))
+    s, theta_x, theta_y = planned
+    pose = scene.path.at(np.clip(s, 0.0, 1.0))
     if not scene.motion.tilt_free:
         theta_x, theta_y = np.zeros_like(s), np.zeros_like(s)
-    return _pose_error(played, planned[:, :3], matrices(tray_quaternions(planned[:, 3], theta_y, theta_x)))
+    return _pose_error(played, pose[:, :3], matrices(tray_quaternions(pose[:, 3], theta_y, theta_x)))
 
 
-def _level_rows(trajectory: Trajectory, played: Replay) -> list[Row]:
+def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:
     """Rows of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
 
     With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
@@ -170,7 +172,7 @@ def _level_rows(trajectory: Trajectory, played: Replay) -> list[Row]:
     """
     last = played.tray.rotation[:, 2]
     made = (np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0)))
-    _, *recorded = _between_samples(trajectory, played)
+    _, *recorded = planned
     return [
         limit_row(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
         for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)

@@ -100,8 +100,8 @@ def _numbers(scene: Scene) -> SceneNumbers:
         max_tilt=scene.motion.max_tilt,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
-        path_jerk_weight=scene.planning.path_jerk_weight,
-        tilt_jerk_weight=scene.planning.tilt_jerk_weight,
+        path_jerk_weight=scene.planning.path_jerk_weight or 0.0,
+        tilt_jerk_weight=scene.planning.tilt_jerk_weight or 0.0,
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )

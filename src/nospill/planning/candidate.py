@@ -20,6 +20,7 @@ from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_b
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.stages import Stages
+from nospill.transcription.weights import weigh_too_much
 
 Options = Mapping[str, Any]
 """Fields of `SolveOptions` that differ from those of the scene."""
@@ -142,7 +143,7 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
             return candidate
         slack = slack_of(active, candidate.stages)
         broken = active.near(slack, -FEASIBLE)
-        if broken <= active.rows:
+        if broken <= active.rows and not weigh_too_much(active.scene, start.duration, candidate.stages.duration):
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active, start = active.with_rows(active.rows | broken), candidate.stages
         options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}

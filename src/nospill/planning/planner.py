@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from nospill import diagnosis
 from nospill.errors import ScenarioError
+from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
@@ -24,6 +25,7 @@ from nospill.robots.joint_paths.search import branch_in_words, joint_paths, pref
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
+from nospill.transcription.sensitivity import savings
 from nospill.transcription.task import Task
 
 _TIME_IS_UP = "; the time planning.max_plan_time was up"
@@ -94,6 +96,9 @@ def _planned(
     )
     record = with_recorded_modes(judged.trajectory, scene)
     found = judged_plan(scene, record, judged.judgement, report)
+    answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
+    saved = savings(answer.problem(), answer.solution, limits) if answer.has_converged else {}
+    report = replace(report, savings={row.label: value for row, value in saved.items()})
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     return replace(

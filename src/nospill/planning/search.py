@@ -35,9 +35,9 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     scene, brief = task.searched_scene, task.passage.brief
     log.starts[:] = [None] * len(log.starts)  # answers on another passage do not compare
     best = last = None
-    long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.max_duration
+    long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.longest
     if not (long and diagnosis.is_hopeless(scene, joint_path)):
-        best, last = best_of(task, joint_path, log, attempts(scene, brief=brief))
+        best, last = best_of(task, joint_path, log, attempts(scene, brief=brief or scene.motion.duration is not None))
     if best is not None:
         return best
     if brief:

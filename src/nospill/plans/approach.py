@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from nospill.judge.full_model import with_full_model
 from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
 from nospill.laws.constraints.clearance import Clearance
-from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import resampled
 from nospill.plans.handover import Handover, read_samples, require_exportable
@@ -149,28 +147,3 @@ def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: floa
         certificate=judge_segment(played, plan.scene, rules, end, motion=motion),
         joint_deviation=Handover.largest_deviation(segment.record(), found, motion),
     )
-
-
-def settling_time(plan: Plan) -> float:
-    """How long the liquids swing on after a loaded approach until they count as still, s; the motion starts from rest.
-
-    The bound on what a mode still swings falls as exp(-zeta omega t) of the slowest decay on the tray.
-    """
-    if plan.approach is None or not plan.approach.loaded:
-        return 0.0
-    heights = {
-        row.subject: row.worst_value
-        for row in plan.certificate.rows
-        if row.constraint == APPROACH + ResidualHeight.name
-    }
-    longest = 0.0
-    for cargo in plan.scene.cargo:
-        if cargo.filling is None or heights.get(cargo.name, 0.0) <= 0.0:
-            continue
-        still = STILL_FRACTION * cargo.filling.max_slosh_height
-        decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)
-        decay *= cargo.tolerance.damping[0] if cargo.tolerance is not None else 1.0
-        ratio = heights[cargo.name] / still
-        if ratio > 1.0:
-            longest = max(longest, math.log(ratio) / decay if decay > 0.0 else math.inf)
-    return longest

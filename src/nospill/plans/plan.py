@@ -13,7 +13,8 @@ import numpy as np
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.full_model import with_full_model
-from nospill.judge.limiting import held_back, limiting_rows
+from nospill.judge.limiting import held_back, limiting_rows, would_save
+from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, remedy
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -21,8 +22,10 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
+from nospill.plans.settling import settling_time
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
+from nospill.plans.warnings.speeds import other_speeds
 from nospill.scene.scene import Scene
 
 
@@ -38,6 +41,7 @@ class MotionMaxima:
         slosh_height: m, by object with liquid.
         residual_height: m, by object with liquid.
         time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
+        other_speeds: uses of the limits on objects at lower speeds; None where nobody has looked.
     """
 
     tray_acceleration: float
@@ -47,6 +51,7 @@ class MotionMaxima:
     slosh_height: dict[str, float]
     residual_height: dict[str, float]
     time_at_limit: dict[str, float] = field(default_factory=dict)
+    other_speeds: tuple[SpeedUse, ...] | None = None
 
 
 _AGREED = 5e-3
@@ -92,6 +97,9 @@ class PlanningReport:
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
         linear_solvers: of every solve; where one failed, the one after it and its own name.
+        savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
+            that hold the motion back longest.
+        compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
     """
 
     plan_time: float
@@ -105,6 +113,8 @@ class PlanningReport:
     branch: str = ""
     base_yaw: str | None = None
     linear_solvers: tuple[str, ...] = ()
+    savings: dict[str, float] = field(default_factory=dict)
+    compared: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +167,19 @@ class Plan:
         """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
         return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
 
+    @property
+    def would_save(self) -> str:
+        """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
+        return would_save(self.report.savings, self.scene.robot.joints)
+
+    @property
+    def sooner(self) -> tuple[str, ...]:
+        """How much sooner it is than what it was compared with, a line each."""
+        return tuple(
+            f"{name}: {other:.3f} s; this motion is {_sooner(other - self.duration, other)}"
+            for name, other in self.report.compared.items()
+        )
+
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
         return {key: entry.written(self) for key, entry in _SUMMARY.items()}
@@ -165,9 +188,14 @@ class Plan:
         """The same plan with the time of one more phase in its report."""
         return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
 
-    def with_full_model(self) -> Plan:
-        """The plan with what the full model sees beside its certificate."""
-        return replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
+    def with_second_looks(self) -> Plan:
+        """The plan with what the full model sees beside its certificate, and what it uses at lower speeds."""
+        found = replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
+        if self.maxima.other_speeds is not None:
+            return found
+        uses = uses_at(self.trajectory, self.scene)
+        warnings = (*self.warnings, *other_speeds(uses))
+        return replace(found, maxima=replace(self.maxima, other_speeds=uses), warnings=warnings)
 
     def save(
         self, folder: str | Path, *, extra: Callable[[Path], None] | None = None, time_writing: bool = False
@@ -183,7 +211,7 @@ class Plan:
             PlanFolderError: the folder holds something else or cannot be written, or no scenario
                 describes the scene.
         """
-        plan = self.with_full_model()
+        plan = self.with_second_looks()
         write_folder(
             folder,
             scene=plan.scene,
@@ -227,6 +255,11 @@ class _Kept:
         return self.to_json(getattr(getattr(plan, self.record), self.name))
 
 
+def _sooner(saved: float, whole: float) -> str:
+    word = "sooner" if saved >= 0.0 else "later"
+    return f"{abs(saved):.3f} s ({100 * abs(saved) / whole:.0f} %) {word}"
+
+
 def _degrees(angle: float) -> float:
     return float(np.degrees(angle))
 
@@ -241,6 +274,24 @@ def _starts(found: Mapping[str, Any]) -> Starts:
 
 def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
     return {name: float(value) for name, value in dict(found).items()}
+
+
+def _speeds_written(uses: tuple[SpeedUse, ...] | None) -> list[dict[str, Any]] | None:
+    return None if uses is None else [asdict(item) for item in uses]
+
+
+def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | None:
+    return None if found is None else tuple(SpeedUse(**item) for item in found)
+
+
+def _settling(plan: Plan) -> float | None:
+    found = settling_time(plan.scene, plan.certificate)
+    return found if np.isfinite(found) else None
+
+
+def _largest_uses(plan: Plan) -> dict[str, float] | None:
+    uses = plan.maxima.other_speeds
+    return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
 
 
 def _certificate_summary(plan: Plan) -> dict[str, Any]:
@@ -279,6 +330,12 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "certificate": _Computed(_certificate_summary),
     "held_back": _Computed(lambda plan: plan.held_back),
     "time_at_limit": _Kept("maxima", "time_at_limit"),
+    "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
+    "largest_use_at_lower_speeds": _Computed(_largest_uses),
+    "settling_s": _Computed(_settling),
+    "would_save": _Computed(lambda plan: plan.would_save),
+    "savings_s": _Kept("report", "savings", from_json=_fractions),
+    "compared_s": _Kept("report", "compared", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),

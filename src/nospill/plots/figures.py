@@ -17,9 +17,10 @@ from nospill.plots.distances import distances_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
 from nospill.plots.limiting import limiting_figure
+from nospill.plots.other_speeds import other_speeds_figure
 from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
-from nospill.plots.style import LOOK
+from nospill.plots.style import LOOK, WIDTH
 from nospill.plots.summary import summary_figure
 from nospill.plots.tilt import tilt_figure
 from nospill.plots.tray_plan import tray_plan_figure
@@ -30,6 +31,7 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "margins": contact_use_figure,
     "joints": joints_figure,
     "tilt": tilt_figure,
+    "other-speeds": other_speeds_figure,
     "distances": distances_figure,
     "summary": summary_figure,
 }
@@ -43,8 +45,8 @@ REPORT_FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
 }
 """The figures of a report: what the summary sheet shows in small, and the others."""
 
-RESOLUTION = 150
-"""Dots per inch of the PNG files."""
+RESOLUTION, SHEET_RESOLUTION = 220, 150
+"""Dots per inch of the PNG files; a sheet as wide as a page is sharp with fewer."""
 _PNG: dict[str, Any] = {"compress_level": 1}
 """Twice as fast to write as the usual level, for files a quarter larger."""
 
@@ -71,7 +73,8 @@ def write_figures(
                 if figure is None:
                     continue
                 written.append(folder / f"{name}.png")
-                figure.savefig(written[-1], dpi=RESOLUTION, pil_kwargs=_PNG)
+                wide = figure.get_size_inches()[0] > 2 * WIDTH
+                figure.savefig(written[-1], dpi=SHEET_RESOLUTION if wide else RESOLUTION, pil_kwargs=_PNG)
                 if pdf:
                     written.append(folder / f"{name}.pdf")
                     # No date: the same plan gives the same bytes.

@@ -4,26 +4,34 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from nospill.errors import PlanFolderError
-from nospill.plots.style import BLACK, BLUE, GREY, LOOK, RED, SMALL, WIDTH, plain, write_limit
+from nospill.plots.style import BLACK, BLUE, GREY, LOOK, ORANGE, RED, SMALL, WIDTH, plain, write_limit
 
 _BAR, _HISTOGRAM, _ROW = 0.62, 1.35, 0.4
-_RESOLUTION = 150
+_RESOLUTION = 220
 _MOST = 10
 _BINS = 40
+MEASURE_LOOKS: dict[str, dict[str, Any]] = {"liquid": {"color": BLUE}, "contact": {"color": ORANGE, "hatch": "///"}}
+"""Measure of an influence -> look of its bar; hatching tells them apart in a grey print."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """One number: margin as planned and at both ends of its effect (1), where they are, and the limiting constraint."""
+    """One number: margin as planned and at both ends of its effect (1), where they are, and the limiting constraint.
+
+    `measure` is "liquid" or "contact": on which constraints the margin was measured.
+    """
 
     name: str
+    measure: str
     nominal: float
     least: float
     greatest: float
@@ -43,23 +51,30 @@ def tornado_figure(bars: list[Bar], worst_margin: np.ndarray, *, nominal: float,
     """
     bars = bars[:_MOST]
     rows = max(len(bars), 1)
-    total = 0.5 + _ROW * rows + 0.75 + _HISTOGRAM + 0.45
+    total = 0.68 + _ROW * rows + 0.75 + _HISTOGRAM + 0.45
     figure = Figure(figsize=(WIDTH, total))
     upper, lower = figure.subplots(2, 1, height_ratios=[_ROW * rows, _HISTOGRAM])
     figure.subplots_adjust(
-        left=0.16, right=0.97, top=1 - 0.42 / total, bottom=0.45 / total, hspace=1.5 / (_ROW * rows + _HISTOGRAM)
+        left=0.16, right=0.97, top=1 - 0.6 / total, bottom=0.45 / total, hspace=1.5 / (_ROW * rows + _HISTOGRAM)
     )
     figure.text(0.16, 1 - 0.06 / total, title, ha="left", va="top", weight="bold")
     _draw_bars(upper, bars)
     values = 100 * worst_margin[np.isfinite(worst_margin)]
-    lower.hist(values, bins=_BINS, color=BLUE, linewidth=0)
+    lower.hist(values, bins=_BINS, color=GREY, linewidth=0)
     lower.set_ylabel("samples")
     lower.set_xlabel("worst margin [% of the limit]")
     lower.set_title(f"{len(worst_margin)} samples, all numbers off at once", size=SMALL)
     lower.axvline(100 * nominal, color=GREY, linewidth=1.0, linestyle=(0, (2, 1.5)), zorder=3)
     for axes in (upper, lower):
         axes.axvline(0.0, color=RED, linewidth=1.2, zorder=3)
-        write_limit(axes, (0.0, 0.0), "limit", above=True, transform=axes.get_xaxis_transform())
+        write_limit(axes, (0.0, 1.0), "limit", above=False, transform=axes.get_xaxis_transform())
+    handles = [Patch(label=f"margin of the {name}s", **MEASURE_LOOKS[name]) for name in MEASURE_LOOKS]
+    shown = [
+        handle for handle, name in zip(handles, MEASURE_LOOKS, strict=True) if any(name == bar.measure for bar in bars)
+    ]
+    if shown:
+        place = (0.16, 1 - 0.23 / total)
+        figure.legend(handles=shown, loc="upper left", bbox_to_anchor=place, ncols=2, borderaxespad=0.0, borderpad=0.0)
     return figure
 
 
@@ -68,7 +83,8 @@ def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
     span = max(max(ends) - min(ends), 1e-6)
     for row, bar in enumerate(bars):
         least, greatest = 100 * bar.least, 100 * bar.greatest
-        axes.barh(row, greatest - least, left=least, height=_BAR, color=BLUE, alpha=0.85, linewidth=0)
+        style = MEASURE_LOOKS[bar.measure]
+        axes.barh(row, greatest - least, left=least, height=_BAR, edgecolor="white", linewidth=0.0, **style)
         at = 100 * bar.nominal
         axes.plot((at, at), (row - _BAR / 2, row + _BAR / 2), color=BLACK, linewidth=1.2, zorder=4)
         for value, text, side in ((least, bar.least_at, "right"), (greatest, bar.greatest_at, "left")):

@@ -16,7 +16,7 @@ from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.sheets import pdf_of
 from nospill.plots.style import BLUE, DARK_RED, INK, LOOK, plain
 from nospill.plots.text_pages import TEXT_WIDTH, FigureRow, TextTable, printable, text_pages
-from nospill.plots.tiles import tiles
+from nospill.plots.tiles import MOST_IN_A_ROW, tiles
 from nospill.plots.use_table import certificate_figure
 
 _FIRST, _LAST = ("limits", "path"), "tray"
@@ -85,9 +85,11 @@ def _heading(evidence: Evidence) -> Figure:
     write(0.12, 0.78, verdict_line(certificate).partition(": ")[2], size=7.5)
     if evidence.held_back:
         write(2.3, 0.53, "What holds it back", size=7, color=INK)
-        for line, words in enumerate(textwrap.wrap(evidence.held_back, 84)[:2]):
+        for line, words in enumerate(
+            textwrap.wrap("; ".join(filter(None, (evidence.held_back, evidence.plan.would_save))), 96)[:2]
+        ):
             write(2.3, 0.67 + 0.125 * line, words, size=7)
-    shown = tiles(evidence)
+    shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = TEXT_WIDTH * index / len(shown)
         write(x, 1.12, tile.value, size=9, weight="bold", color=BLUE if tile.ok else DARK_RED)

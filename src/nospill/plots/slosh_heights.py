@@ -27,7 +27,7 @@ def slosh_heights_figure(evidence: Evidence) -> Figure | None:
         return None
     panels = time_panels(
         evidence,
-        "Liquid height at the wall",
+        "Slosh height of every liquid",
         count=len(heights),
         columns=1 if len(heights) < 4 else 2,
         height=1.3,

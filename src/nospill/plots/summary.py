@@ -25,7 +25,7 @@ from nospill.plots.style import (
     line_key,
     plain,
 )
-from nospill.plots.tiles import tiles
+from nospill.plots.tiles import MOST_IN_A_ROW, tiles
 from nospill.plots.use_table import draw_use_table
 from nospill.scene.tolerances import is_uncertain
 
@@ -44,7 +44,8 @@ def summary_figure(evidence: Evidence) -> Figure:
     _draw_heading(figure, evidence)
     draw_path(figure, evidence, (0.015, 0.36, 0.455, 0.455))
     draw_use_table(figure.add_axes((0.485, 0.36, 0.49, 0.455)), evidence)
-    bottom, height, width = 0.06, 0.215, 0.24
+    # Of the height at which their titles stand beside that of the limits.
+    bottom, height, width = 0.06, 0.224, 0.24
     limits = figure.add_axes((0.128, bottom, 0.207, 0.195))
     panels = [figure.add_axes((left, bottom, width, height)) for left in (0.435, 0.735)]
     draw_limiting(limits, evidence, most=_MOST_LIMITS, longest=22)
@@ -80,7 +81,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
     figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
-    shown = tiles(evidence)
+    shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = 0.03 + 0.95 * index / len(shown)
         figure.text(x, 0.895, tile.value, size=14, weight="bold", va="top", color=BLUE if tile.ok else DARK_RED)

@@ -9,12 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+from nospill.judge.other_speeds import uses_at
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.speeds import other_speeds
 from nospill.plots.evidence import Evidence
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
@@ -100,12 +102,11 @@ def make_report(
             f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
         )
     digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
-    note = full_model_note(certificate)
     return Report(
         evidence=evidence,
         ok=certificate.ok,
         verdict=certificate.word,
-        detail=detail + (f" Judged by the published equations; {note}." if note else ""),
+        detail=detail + _beyond(certificate),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
@@ -116,6 +117,15 @@ def make_report(
         versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),
     )
+
+
+def _beyond(certificate: Certificate) -> str:
+    """What the full model sees beyond the limits, as a sentence; empty where it sees nothing."""
+    note = full_model_note(certificate)
+    if not note:
+        return ""
+    by = "Judged by the published equations; " if certificate.published else ""
+    return f" {by}{note if by else note[:1].upper() + note[1:]}."
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:
@@ -140,6 +150,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
 def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    found = (*found, *other_speeds(uses_at(plan.trajectory, plan.scene)))
     rows = tuple((item.name, item.subject, item.text) for item in found)
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from nospill.core.short_names import short_names
@@ -12,18 +12,20 @@ from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.text_pages import TextTable
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page_style import STYLE
+from nospill.report.scene_picture import MOMENT
 
 _CAPTIONS = {
-    "limits": "Every limit above 90 % of use: when it holds the motion back, and for how much of its time.",
-    "tray": "The tray from above, to scale.",
-    "path": "The way of the tray's centre, with the tray at a few instants.",
-    "slosh-heights": "How high every liquid rises at its wall, in the joints' motion as judged; then it swings freely.",
-    "margins": "Contact of every object with the tray: what is used of each limit.",
-    "joints": "Joint positions, and what is used of every limit of the joints.",
-    "tilt": "How the tray tilts, and what the objects feel sideways because of it and would feel on a level tray.",
+    "limits": "Every limit above 90 % of use, and at the right the part of the time for which the motion is at it.",
+    "path": "With the tray at a few instants.",
+    "slosh-heights": "In the joints' motion as judged; after its end the liquids swing freely.",
+    "tilt": "Below: what the objects feel sideways, and what they would feel on a level tray.",
+    "other-speeds": "Of the same motion, played more slowly.",
 }
+"""What a figure does not say itself."""
 _FIRST, _PAIR = "limits", ("tray", "path")
 _BAR_LENGTH, _LONGEST_USE = 120, 1.2
+_LONG = 48
+"""Letters of a cell that may be broken into lines."""
 
 # Letters and strokes, so that it prints without its colour.
 _SIGNS = {
@@ -33,12 +35,13 @@ _SIGNS = {
 }
 
 
-def html_page(report: Report, figures: Mapping[str, str]) -> str:
+def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") -> str:
     """The page.
 
     Args:
         report: what it says.
         figures: SVG text by name, as `plots.report_pages.report_svgs` draws them.
+        picture: of the arm and its tray, JPEG.
     """
     scene = report.evidence.plan.scene
     others = [name for name in figures if name != _FIRST and name not in _PAIR]
@@ -47,6 +50,7 @@ def html_page(report: Report, figures: Mapping[str, str]) -> str:
         _heading(report),
         _tiles(report),
         f"<div class='first'>{_figure(_FIRST, figures[_FIRST])}</div>" if _FIRST in figures else "",
+        _photograph(report, picture),
         f"<div class='pair'>{''.join(_figure(name, figures[name]) for name in _PAIR if name in figures)}</div>",
         _section(report.task),
         _section(report.cargo),
@@ -85,8 +89,9 @@ def _heading(report: Report) -> str:
 
 
 def _held_back(report: Report) -> str:
-    sentence = report.evidence.held_back
-    return f"<p>What holds it back: {escape(sentence)}.</p>" if sentence else ""
+    sentence, saved = report.evidence.held_back, report.evidence.plan.would_save
+    more = f" {escape(saved[:1].upper() + saved[1:])}." if saved else ""
+    return f"<p>What holds it back: {escape(sentence)}.{more}</p>" if sentence else ""
 
 
 def _banner(ok: bool | None, verdict: str, detail: str) -> str:
@@ -107,9 +112,23 @@ def _tiles(report: Report) -> str:
 def _figure(name: str, svg: str) -> str:
     # As a picture and not as part of the page: matplotlib's style sheet and ids would reach beyond their figure.
     data = base64.b64encode(svg.encode()).decode()
-    caption = escape(_CAPTIONS.get(name, name))
-    picture = f"<img alt='{caption}' src='data:image/svg+xml;base64,{data}'>"
-    return f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
+    caption = escape(_CAPTIONS.get(name, ""))
+    picture = f"<img alt='{escape(name)}' src='data:image/svg+xml;base64,{data}'>"
+    return f"<figure>{picture}{f'<figcaption>{caption}</figcaption>' if caption else ''}</figure>"
+
+
+def _photograph(report: Report, picture: bytes) -> str:
+    if not picture:
+        return ""
+    at = f"{MOMENT * report.evidence.end_time:.2f} s"
+    caption = (
+        f"The arm and its tray after {at}; rings at the cups: limits of their liquids, colours: use of the limits."
+    )
+    data = base64.b64encode(picture).decode()
+    return (
+        f"<figure class='scene'><img alt='the arm, and its tray from near' src='data:image/jpeg;base64,{data}'>"
+        f"<figcaption>{caption}</figcaption></figure>"
+    )
 
 
 def _section(table: TextTable, *, small: bool = False) -> str:
@@ -122,11 +141,23 @@ def _table(table: TextTable, *, small: bool = False) -> str:
     rows = []
     for index, row in enumerate(table.rows):
         first = f"<th scope='row'>{escape(row[0])}</th>"
-        rest = "".join(f"<td>{escape(cell)}</td>" for cell in row[1:])
+        rest = "".join(
+            f"<td{_named(table.columns[place : place + 1])}{_long(cell)}>{escape(cell)}</td>"
+            for place, cell in enumerate(row[1:], 1)
+        )
         rows.append(f"<tr{_failing(index in table.failing)}>{first}{rest}</tr>")
     head = f"<thead><tr>{head}</tr></thead>" if head else ""
     kind = ("wide" if table.columns else "facts") + (" small" if small else "")
     return f"<div class='scroll'><table class='{kind}'>{head}<tbody>{''.join(rows)}</tbody></table></div>"
+
+
+def _named(columns: Sequence[str]) -> str:
+    """The column's name at a cell, which a narrow screen prints in front of it."""
+    return f" data-column='{escape(columns[0])}'" if columns and columns[0] else ""
+
+
+def _long(cell: str) -> str:
+    return " class='long'" if len(cell) > _LONG else ""
 
 
 def _failing(fails: bool) -> str:
@@ -193,7 +224,9 @@ def _opinion(report: Report) -> str:
     table = ""
     if opinion.table is not None:
         table = f"{_table(opinion.table)}<p class='note'>{escape(opinion.table.note)}</p>"
-    return f"<section><h2>A second opinion</h2>{_banner(opinion.ok, verdict, opinion.message)}{table}</section>"
+    head, _, rest = opinion.message.partition(": ")
+    said_once = rest[:1].upper() + rest[1:] if rest and head.upper() == verdict else opinion.message
+    return f"<section><h2>A second opinion</h2>{_banner(opinion.ok, verdict, said_once)}{table}</section>"
 
 
 def _not_proven() -> str:

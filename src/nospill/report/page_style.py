@@ -41,6 +41,8 @@ thead th{border-bottom:1px solid #444;white-space:nowrap}
 tbody th{font-weight:normal}
 tbody tr:nth-child(even){background:#F6F6F6}
 .wide th,.wide td{white-space:nowrap}
+.wide td.long{white-space:normal;min-width:18em}
+.scene{margin:0 0 14px}
 .facts th{width:26%;min-width:110px;color:#444}
 .facts td{overflow-wrap:anywhere}
 .small{font-size:12px}
@@ -52,6 +54,13 @@ li{margin:3px 0}
 @media(max-width:600px){
 .certificate th:nth-child(3),.certificate td:nth-child(3),.certificate th:nth-child(8),.certificate td:nth-child(8)
 {display:none}
+.wide:not(.certificate) thead{display:none}
+.wide:not(.certificate) tr{display:block;padding:5px 0}
+.wide:not(.certificate) th{display:block;font-weight:bold}
+.wide:not(.certificate) td{display:inline-block;white-space:normal;padding-right:14px}
+.wide:not(.certificate) td:empty{display:none}
+.wide td.long{min-width:0}
+.wide td[data-column]::before{content:attr(data-column) " ";color:#666}
 .certificate td:nth-child(2){white-space:normal;overflow-wrap:anywhere}
 .certificate{font-size:12px}
 .certificate th,.certificate td{padding-right:6px}

@@ -57,13 +57,13 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
 
 def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
     """Every object: size, place, mass, friction, contents and how high its liquid came."""
-    columns = ("object", "size", "at x, y", "mass", "friction", "contents", "surface rises", "after the end")
+    columns = ("object", "size", "at x, y", "mass", "friction", "contents", SloshHeight.name, ResidualHeight.name)
     return TextTable(
         "On the tray",
         columns,
         tuple(_cargo(item, certificate) for item in scene.cargo),
         note="Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use. "
-        "Surface: over its level at rest, of what is allowed.",
+        "Heights: of the surface over its level at rest, of what is allowed.",
     )
 
 
@@ -134,7 +134,7 @@ def _path(scene: Scene) -> str:
     places = [", ".join(f"{value:.3f}" for value in point[:3]).replace("-", "−") for point in (start, end)]
     return (
         f"{kind}, {scene.path.length:.2f} m long, from ({places[0]}) m to ({places[1]}) m of the base, "
-        f"yaw from {np.degrees(start[3]):.4g} to {np.degrees(end[3]):.4g} deg"
+        f"yaw from {np.degrees(start[3]):.4g} to {np.degrees(end[3]):.4g} deg".replace("-", "−")
     )
 
 

@@ -9,6 +9,7 @@ from nospill.plots.report_pages import report_pdf, report_svgs
 from nospill.plots.text_pages import TextTable
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page import html_page
+from nospill.report.scene_picture import scene_picture
 
 
 def save_report(report: Report, path: str | Path, *, pdf: str | Path | None = None) -> int:
@@ -25,7 +26,7 @@ def save_report(report: Report, path: str | Path, *, pdf: str | Path | None = No
     Raises:
         PlanFolderError: a file cannot be written.
     """
-    text = html_page(report, report_svgs(report.evidence))
+    text = html_page(report, report_svgs(report.evidence), scene_picture(report.evidence))
     atomic_text(path, text)
     if pdf is not None:
         first, last = pdf_tables(report)

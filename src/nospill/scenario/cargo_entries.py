@@ -15,6 +15,7 @@ from nospill.errors import ScenarioError
 from nospill.scenario.fields import (
     Angle,
     Friction,
+    Label,
     Mass,
     Measured,
     Name,
@@ -67,6 +68,10 @@ class CargoTable(Table):
     """The keys of every `[[cargo]]` entry, whatever its shape."""
 
     name: Annotated[Name, Field(description="name of the object, unique on the tray")]
+    label: Annotated[
+        Label,
+        Field(description='what people read beside the object, for example "beer 0.3 l"; its name when not given'),
+    ] = ""
     at: Annotated[PointOnTray, Field(description="x and y of the bottom's centre, from the tray's centre")]
     yaw: Annotated[Angle, Field(description="turn of the object about the tray's normal")] = 0.0
     shape: Any  # each class below narrows it to its own literal

@@ -79,6 +79,7 @@ def read_cargo(
         friction_reserve=friction_reserve if entry.friction_reserve is None else entry.friction_reserve,
         footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
+        label=entry.label,
     )
     allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
     return dataclasses.replace(cargo, tolerance=allowed)

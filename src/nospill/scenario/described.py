@@ -34,6 +34,7 @@ _MOTION = {
     "end": None,
     "residual_fraction": "ratio",
     "max_duration": "time",
+    "duration": "time",
     "hold_before": "time",
     "hold_after": "time",
 }
@@ -124,6 +125,8 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
     table: dict[str, Any] = copy.deepcopy(scene.source)
     table["name"], table["fidelity"] = scene.name, scene.fidelity
     rules = _changed(scene.motion, original.motion, _MOTION)
+    if "path_jerk_limit" in rules:
+        rules["max_jerk"] = None
     if scene.motion.tilt_free != original.motion.tilt_free:
         rules["tilt"] = "free" if scene.motion.tilt_free else "fixed"
     _join(table, "motion", rules)
@@ -152,8 +155,10 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
 
 
 def _join(table: dict[str, Any], key: str, values: Mapping[str, Any]) -> None:
+    """Write values into one of its tables; a key whose value is None is left out."""
     if values:
-        table[key] = {**table.get(key, {}), **values}
+        joined = {**table.get(key, {}), **values}
+        table[key] = {name: value for name, value in joined.items() if value is not None}
 
 
 def _changed(record: Any, original: Any, names: Mapping[str, str | None]) -> dict[str, Any]:
@@ -184,6 +189,7 @@ def _approach(rules: ApproachRules, original: ApproachRules | None) -> dict[str,
 def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of one object; of a new one all that its numbers say."""
     values = {"name": item.name, **_changed(item, original, _PLACEMENT)}
+    values |= {"label": item.label} if item.label != (original.label if original else "") else {}
     place = _changed(item, original, {"position": "length"})
     values |= {"at": place["position"]} if place else {}
     container = item.container

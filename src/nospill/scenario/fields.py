@@ -232,6 +232,27 @@ class SafeName:
         return {"type": "string", "pattern": f"^{_NAME.pattern}$"}
 
 
+MOST_LETTERS = 60
+"""Of a text that stands beside an object."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShortText:
+    """A text for people, in one line and in any letters."""
+
+    def read(self, value: object) -> str:
+        """Return the text, or raise the pydantic error that says what is allowed."""
+        if not isinstance(value, str) or len(value) > MOST_LETTERS or not value.isprintable():
+            raise refuse(f"{as_written(value)} is no text of one line; use at most {MOST_LETTERS} letters of any kind")
+        return value.strip()
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"type": "string", "maxLength": MOST_LETTERS}
+
+
 _COORDINATE = Measured(dimension="length", at_least=-100.0, at_most=100.0)
 
 # Least values keep squares and quotients of sizes far from the ends of the floating-point range.
@@ -239,6 +260,7 @@ SIDE = Measured(dimension="length", kind="size", at_least=1e-4, at_most=10.0)
 """What a size is: nothing smaller than a tenth of a millimetre."""
 
 Name = Annotated[str, SafeName()]
+Label = Annotated[str, ShortText()]
 Size = Annotated[float, SIDE]
 ANGLE = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
 """What an angle is, wherever nothing narrower is said."""

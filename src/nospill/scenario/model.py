@@ -20,7 +20,10 @@ MOST_OBJECTS = 100
 """Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
 
 SHORTEST_DURATION = 0.1
-"""s; least value of max_duration, a third of what the default limit of the path's jerk takes for any way."""
+"""s; least value of max_duration, twice the shortest motion that is considered."""
+
+DEFAULT_JERK = 2000.0
+"""m/s^3; of the tray along its path. Arms that state a limit reach a few hundred; it only keeps the motion smooth."""
 
 
 class TrayTable(Table):
@@ -64,11 +67,19 @@ class MotionTable(Table):
         Measured(dimension="angle", above=0.0, below=math.radians(60.0)),
         Field(description="bound on each tilt angle; the slosh model and the angles themselves end at 60 deg"),
     ] = math.radians(30.0)
+    max_jerk: Annotated[
+        float | None,
+        Measured(dimension="jerk", above=0.0, at_most=1e6),
+        Field(
+            description="bound on the jerk along the path (where it turns on the spot, of the tray's corners), "
+            f"{DEFAULT_JERK:g} m/s^3 when left out"
+        ),
+    ] = None
     path_jerk_limit: Annotated[
-        float,
+        float | None,
         Measured(dimension="path_jerk", above=0.0, at_most=1e6),
-        Field(description="bound on the third derivative of the path parameter"),
-    ] = 1000.0
+        Field(description="bound on the third derivative of the path parameter, in the place of max_jerk"),
+    ] = None
     tilt_jerk_limit: Annotated[
         float,
         Measured(dimension="angular_jerk", above=0.0, at_most=1e6),
@@ -80,6 +91,11 @@ class MotionTable(Table):
         Measured(dimension="ratio", above=0.0, at_most=1.0),
         Field(description="greatest surface height after the end, as a fraction of max_slosh_height"),
     ] = 0.2
+    duration: Annotated[
+        float | None,
+        Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
+        Field(description="how long the motion takes: the gentlest one of this duration in the place of the shortest"),
+    ] = None
     max_duration: Annotated[
         float,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
@@ -94,17 +110,20 @@ class MotionTable(Table):
 
 
 _JerkWeight = Annotated[
-    float,
+    float | None,
     Measured(dimension="number", at_least=0.0, at_most=1.0),
-    Field(description="weight of the mean square of the jerk, beside the duration in seconds"),
+    Field(
+        description="weight of the mean square of the jerk, beside the duration in seconds; "
+        "when left out, as much as adds some thousandths to the cost at any duration"
+    ),
 ]
 
 
 class PlanningTable(Table):
     """`[planning]`: how to look for the motion."""
 
-    path_jerk_weight: _JerkWeight = 1e-5
-    tilt_jerk_weight: _JerkWeight = 1e-5
+    path_jerk_weight: _JerkWeight = None
+    tilt_jerk_weight: _JerkWeight = None
     intervals: Annotated[
         int,
         Field(

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
+from nospill.core.paths import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
@@ -24,7 +25,7 @@ from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
-from nospill.scenario.model import Scenario
+from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
@@ -110,7 +111,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
-        _check_rest(scenario)
+        _check_motion(scenario)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
@@ -136,7 +137,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tray=tray,
         cargo=cargo,
         path=path,
-        motion=_motion(scenario),
+        motion=_motion(scenario, path, tray),
         planning=_planning(scenario),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
@@ -230,7 +231,9 @@ def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario:
         )
 
 
-def _check_rest(scenario: Scenario) -> None:
+def _check_motion(scenario: Scenario) -> None:
+    if scenario.motion.max_jerk is not None and scenario.motion.path_jerk_limit is not None:
+        raise ScenarioError("max_jerk and path_jerk_limit both bound the jerk along the path; keep one of them")
     samples = scenario.output.rate * (scenario.motion.hold_before + scenario.motion.hold_after)
     if samples > MOST_REST_SAMPLES:
         raise ScenarioError(
@@ -239,18 +242,31 @@ def _check_rest(scenario: Scenario) -> None:
         )
 
 
-def _motion(scenario: Scenario) -> MotionRules:
+def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
+    """Bound on the third derivative of s, 1/s^3: as stated, or of a jerk along the way.
+
+    The way is that of the tray's centre, or of its corners about it where that is longer.
+    """
+    if rules.path_jerk_limit is not None:
+        return rules.path_jerk_limit
+    turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
+    way = max(path.length, turn * float(np.hypot(*tray.size)) / 2)
+    return (rules.max_jerk or DEFAULT_JERK) / way
+
+
+def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
     rules = scenario.motion
     return MotionRules(
         tilt_free=rules.tilt == "free",
         max_tilt=rules.max_tilt,
-        path_jerk_limit=rules.path_jerk_limit,
+        path_jerk_limit=_path_jerk_limit(rules, path, tray),
         tilt_jerk_limit=rules.tilt_jerk_limit,
         end=rules.end,
         residual_fraction=rules.residual_fraction,
         max_duration=rules.max_duration,
         hold_before=rules.hold_before,
         hold_after=rules.hold_after,
+        duration=rules.duration,
     )
 
 

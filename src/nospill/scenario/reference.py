@@ -211,6 +211,8 @@ def bounds_text(value: Schema, schema: Schema) -> Iterator[str]:
         text = ", ".join(f"{word} {_shown(bound, units)}" for word, bound in words.items() if bound is not None)
         if text:
             yield text
+        if "maxLength" in item:
+            yield f"at most {item['maxLength']} letters"
         if item.get("type") == "string" and "pattern" in item and _units(item) is None:
             yield "1 to 64 letters, digits, - and _" if "{1,64}" in item["pattern"] else f"`{item['pattern']}`"
 

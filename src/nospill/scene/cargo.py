@@ -79,6 +79,7 @@ class Cargo:
         footprint_reserve: fraction of the footprint kept back from tipping, 0 to below 1.
         filling: the liquid, or None for a solid object.
         tolerance: how far these numbers may be off, or None where all are certain.
+        label: what people call it, of any letters; empty where that is the name.
     """
 
     name: str
@@ -93,6 +94,12 @@ class Cargo:
     footprint_reserve: float
     filling: Filling | None
     tolerance: Tolerance | None = None
+    label: str = ""
+
+    @property
+    def title(self) -> str:
+        """What it is called wherever people read it: its label, or its name."""
+        return self.label or self.name
 
     @property
     def planned_friction(self) -> float:

@@ -38,6 +38,7 @@ class MotionRules:
         max_duration: longest motion that is considered, s.
         hold_before: how long the arm stands still at the start of an exported motion, s.
         hold_after: likewise, at its end.
+        duration: of the motion, s; None for the shortest that keeps the limits.
     """
 
     tilt_free: bool
@@ -49,6 +50,12 @@ class MotionRules:
     max_duration: float
     hold_before: float = 0.0
     hold_after: float = 0.0
+    duration: float | None = None
+
+    @property
+    def longest(self) -> float:
+        """What the motion may take, s."""
+        return self.max_duration if self.duration is None else self.duration
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +83,13 @@ class ApproachRules:
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:
-    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts."""
+    """How to look for it: cost weights k (cost is t_e + sum k mean(u^2)), grid, linear solver, times (s), starts.
 
-    path_jerk_weight: float
-    tilt_jerk_weight: float
+    A weight that is None follows from the duration (`transcription.weights`).
+    """
+
+    path_jerk_weight: float | None
+    tilt_jerk_weight: float | None
     intervals: int
     linear_solver: str
     max_iterations: int

@@ -22,6 +22,7 @@ from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scenario_text, scene_from_table, write_scenario
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
+from nospill.studio.defaults import default_of
 from nospill.studio.fields import Field
 
 START = "pp-two-cups"
@@ -30,7 +31,7 @@ START = "pp-two-cups"
 PLAN_FOLDER = "plan folder"
 """The choice beside the exporters: everything that `nospill plan -o` writes."""
 
-NAME = Field(("name",), "Save as", "text", hint="of the scenario, and of its file")
+NAME = Field(("name",), "Save as", "text", (), "name of the scenario, and of its file", default_of(("name",)))
 """The field of the scenario's name."""
 
 _LARGEST_UPLOAD = 10_000_000
@@ -48,12 +49,23 @@ class Download:
 
 
 def scenario_choices(folder: Path) -> tuple[str, ...]:
-    """What can be opened: the scenario files of a folder, then the bundled examples."""
+    """What can be opened: the bundled examples, then the scenario files of a folder."""
     try:
-        files = sorted(entry.name for entry in os.scandir(folder) if entry.name.endswith(".toml") and entry.is_file())
+        files = sorted(entry.name for entry in os.scandir(folder) if entry.name.endswith(".toml") and _scenario(entry))
     except OSError:
         files = []
-    return (*files[:_MOST_FILES], *EXAMPLES)
+    return (*EXAMPLES, *files[:_MOST_FILES])
+
+
+def _scenario(entry: os.DirEntry[str]) -> bool:
+    """Whether a file has the tables of a scenario; what they hold is checked when it is opened."""
+    try:
+        if not entry.is_file() or entry.stat().st_size > _LARGEST_UPLOAD:
+            return False
+        table = tomllib.loads(Path(entry.path).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return {"robot", "tray"} <= table.keys()
 
 
 def open_scenario(choice: str, folder: Path) -> dict[str, Any]:

@@ -159,8 +159,8 @@ def millimetres(length: float) -> str:
 
 
 def label_of(entry: Mapping[str, Any], index: int) -> str:
-    """How an object is called while its name may be wrong."""
-    name = entry.get("name")
+    """How an object is called, by its label or else its name, while both may be wrong."""
+    name = entry.get("label") or entry.get("name")
     return name if isinstance(name, str) and name else f"object {index + 1} ({as_written(name)})"
 
 

@@ -12,6 +12,7 @@ from nospill.robots.description.catalog import ROBOTS
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault
+from nospill.studio.defaults import all_keys, default_of
 from nospill.studio.draft import Draft, Key
 from nospill.studio.placing import size_keys
 
@@ -22,6 +23,7 @@ OWN_ROBOT, NO_LIQUID, OWN_LIQUID = "own URDF", "none (solid)", "own liquid"
 """Choices that stand for what the table holds in another form."""
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_KEY = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 _WHOLE = re.compile(r"[+-]?\d{1,18}")
 
 
@@ -31,10 +33,11 @@ class Field:
 
     Attributes:
         key: place of its value.
-        label: before it.
+        label: before it; the words of the key, so that messages and labels agree.
         kind: how its text is read.
         choices: of a kind "choice".
         hint: shown when the pointer rests on it; what is allowed and the unit.
+        default: shown in it while it is empty.
     """
 
     key: Key
@@ -42,6 +45,7 @@ class Field:
     kind: Kind = "quantity"
     choices: tuple[str, ...] = ()
     hint: str = ""
+    default: str = ""
 
 
 def read_text(text: str, kind: Kind) -> Any:
@@ -76,25 +80,39 @@ def _scalar(text: str) -> Any:
     return float(text) if _NUMBER.fullmatch(text) else text
 
 
+def in_words(text: str) -> str:
+    """A message with keys as the labels of fields have them: "liquid height" for `liquid_height`."""
+    return _KEY.sub(lambda match: match[0].replace("_", " ") if match[0] in all_keys() else match[0], text)
+
+
+def field_of(
+    key: Key, kind: Kind = "quantity", choices: tuple[str, ...] = (), hint: str = "", sides: str = ""
+) -> Field:
+    """The field of a key, labelled with the key's own words; `sides` names the entries of a list."""
+    words = str(key[-1]).replace("_", " ")
+    label = f"{words[:1].upper()}{words[1:]} {sides}".rstrip()
+    return Field(key, label, kind, choices, hint, "" if kind == "choice" else default_of(key))
+
+
 def scenario_fields(draft: Draft) -> dict[str, list[Field]]:
     """The fields of everything but the cargo, under their headings; which ones depends on the draft."""
     return {
         "Robot": _robot(draft),
         "Path": _path(draft),
         "Tray": [
-            Field(("tray", "size"), "Size x, y", "list", hint="side lengths, for example 335 mm, 250 mm"),
-            Field(("tray", "offset"), "Offset", "one or list", hint="surface beyond the flange: z, or x, y, z; 108 mm"),
-            Field(("tray", "friction"), "Friction", hint="measured coefficient between tray and cargo"),
-            Field(("tray", "friction_reserve"), "Reserve", hint="part of the friction that is kept back: 0.1 or 10 %"),
-            Field(("tray", "footprint_reserve"), "Tip reserve", hint="part of the footprints kept back: 0.05 or 5 %"),
-            Field(("tray", "mass"), "Mass", hint="of the board without its load; counts for payload and torque"),
+            field_of(("tray", "size"), "list", hint="side lengths, for example 335 mm, 250 mm", sides="x, y"),
+            field_of(("tray", "offset"), "one or list", hint="surface beyond the flange: z, or x, y, z; 108 mm"),
+            field_of(("tray", "friction"), hint="measured coefficient between tray and cargo"),
+            field_of(("tray", "friction_reserve"), hint="part of the friction that is kept back: 0.1 or 10 %"),
+            field_of(("tray", "footprint_reserve"), hint="part of the footprints kept back from tipping: 0.05 or 5 %"),
+            field_of(("tray", "mass"), hint="of the board without its load; counts for payload and torque"),
         ],
         "Motion": _motion(draft),
         "Planning": [
-            Field(("fidelity",), "Physics", "choice", ("full", "deliverable"), "whole model, or published equations"),
-            Field(("planning", "intervals"), "Intervals", "whole", hint="20 to 1000; fewer are faster, less smooth"),
-            Field(("planning", "starts"), "Starts", "whole", hint="starting points of the search"),
-            Field(("output", "rate"), "Output rate", hint="of the exported samples, for example 500 Hz"),
+            field_of(("fidelity",), "choice", ("full", "deliverable"), "whole model, or published equations"),
+            field_of(("planning", "intervals"), "whole", hint="20 to 1000; fewer are faster, less smooth"),
+            field_of(("planning", "starts"), "whole", hint="starting points of the search that are compared"),
+            field_of(("output", "rate"), hint="of the exported samples, for example 500 Hz"),
         ],
     }
 
@@ -102,11 +120,11 @@ def scenario_fields(draft: Draft) -> dict[str, list[Field]]:
 def _robot(draft: Draft) -> list[Field]:
     own = draft.value(("robot", "model")) is None
     return [
-        Field(("robot", "model"), "Model", "choice", (OWN_ROBOT, *ROBOTS) if own else tuple(ROBOTS)),
-        Field(("robot", "limits_applied"), "Limits", "choice", ("all", "position and speed")),
-        Field(("robot", "limits", "speed_scale"), "Speed scale", hint="factor on all speed limits: 0.8 or 80 %"),
-        Field(("robot", "base_position"), "Base x, y, z", "list", hint="of the arm's root in the world, 0, 0, 0"),
-        Field(("robot", "base_yaw"), "Base yaw", hint="turn of the arm's root, for example 90 deg"),
+        field_of(("robot", "model"), "choice", (OWN_ROBOT, *ROBOTS) if own else tuple(ROBOTS)),
+        field_of(("robot", "limits_applied"), "choice", ("all", "position and speed")),
+        field_of(("robot", "limits", "speed_scale"), hint="factor on all speed limits: 0.8 or 80 %"),
+        field_of(("robot", "base_position"), "list", hint="of the arm's root in the world, in m", sides="x, y, z"),
+        field_of(("robot", "base_yaw"), hint="turn of the arm's root, for example 90 deg"),
     ]
 
 
@@ -115,44 +133,46 @@ def _path(draft: Draft) -> list[Field]:
     types = ("preset", "line", "arc", "waypoints")
     own: dict[str, list[Field]] = {
         "preset": [
-            Field(("path", "name"), "Preset", "choice", tuple(PRESETS)),
-            Field(("path", "offset"), "Shift x, y, z", "list", hint="of the whole path, for example 0, 0, 50 mm"),
+            field_of(("path", "name"), "choice", tuple(PRESETS)),
+            field_of(("path", "offset"), "list", hint="moves the whole path: 0, 0, 50 mm", sides="x, y, z"),
         ],
-        "line": [_point("start", "Start"), _point("end", "End")],
-        "arc": [_point("start", "Start"), _point("through", "Through"), _point("end", "End")],
-        "waypoints": [Field(("path", "points"), "Points", "points", hint="one point a line: x, y, z")],
-        "bspline": [Field(("path", "control_points"), "Control points", "points", hint="one a line: x, y, z")],
+        "line": [_point("start"), _point("end")],
+        "arc": [_point("start"), _point("through"), _point("end")],
+        "waypoints": [field_of(("path", "points"), "points", hint="one point a line: x, y, z")],
+        "bspline": [field_of(("path", "control_points"), "points", hint="one a line: x, y, z")],
     }
     return [
-        Field(("path", "type"), "Type", "choice", types if kind in types else (*types, str(kind))),
+        field_of(("path", "type"), "choice", types if kind in types else (*types, str(kind))),
         *own.get(str(kind), []),
-        Field(("path", "yaw"), "Yaw", "list", hint="of the tray from start to end: 0 deg, 180 deg"),
+        field_of(("path", "yaw"), "list", hint="of the tray from start to end: 0 deg, 180 deg"),
     ]
 
 
-def _point(key: str, label: str) -> Field:
-    return Field(
-        ("path", key), f"{label} x, y, z", "list", hint="in the world, for example 0.9, 0.3, 1.2 or 900 mm, ..."
-    )
+def _point(key: str) -> Field:
+    hint = "in the world, for example 0.9, 0.3, 1.2 or 900 mm, ..."
+    return field_of(("path", key), "list", hint=hint, sides="x, y, z")
 
 
 def _motion(draft: Draft) -> list[Field]:
     free = draft.value(("motion", "tilt")) == "free"
+    ends = ("residual", "published", "still")
     return [
-        Field(("motion", "tilt"), "Tilt", "choice", ("fixed", "free"), "whether the tray may pitch and roll"),
-        *([Field(("motion", "max_tilt"), "Largest tilt", hint="below 60 deg; 30 deg when empty")] if free else []),
-        Field(("motion", "end"), "End", "choice", ("residual", "published", "still"), "what the liquids do at the end"),
-        Field(("motion", "residual_fraction"), "Residual", hint="height after the end over the limit; 0.2 when empty"),
-        Field(("motion", "path_jerk_limit"), "Path jerk", hint="bound on s''' in 1/s^3; 1000 when empty"),
-        *([Field(("motion", "tilt_jerk_limit"), "Tilt jerk", hint="rad/s^3; 1000 when empty")] if free else []),
-        Field(("motion", "max_duration"), "Longest", hint="longest motion that is considered; 20 s when empty"),
+        field_of(("motion", "tilt"), "choice", ("fixed", "free"), "whether the tray may pitch and roll"),
+        *([field_of(("motion", "max_tilt"), hint="bound on each tilt angle, below 60 deg")] if free else []),
+        field_of(("motion", "end"), "choice", ends, "what the liquids do at the end"),
+        field_of(("motion", "residual_fraction"), hint="height after the end as a part of the max slosh height"),
+        field_of(("motion", "duration"), hint="the gentlest motion that takes so long, in the place of the shortest"),
+        field_of(("motion", "max_jerk"), hint="bound on the jerk along the path; 2000 m/s^3 unless stated"),
+        field_of(("motion", "path_jerk_limit"), hint="in the place of max jerk: of the path parameter s"),
+        *([field_of(("motion", "tilt_jerk_limit"), hint="bound on each tilt angle's jerk")] if free else []),
+        field_of(("motion", "max_duration"), hint="longest motion that is considered"),
     ]
 
 
 _SIZE_HINTS = {
-    "wall": "thickness of the wall; none when empty",
-    "base_radius": "of what it stands on; the flat bottom when empty",
-    "base_inner_radius": "of a ring on which it stands; a disc when empty",
+    "wall": "thickness of the wall",
+    "base_radius": "of what it stands on",
+    "base_inner_radius": "of a ring on which it stands",
 }
 
 
@@ -160,40 +180,35 @@ def object_fields(draft: Draft, index: int) -> list[Field]:
     """The fields of one object; which ones depends on its shape and whether it holds a liquid."""
     entry = draft.cargo[index]
     shape = str(entry.get("shape"))
-    # A profile is drawn elsewhere; it comes from the file.
     sides = [key for key in size_keys(shape) if not key.startswith("profile")]
+    meridian = [field_of(("cargo", index, "profile"), "points", hint="inside, from the bottom's centre to the rim")]
     filled = entry.get("liquid") is not None
     own = isinstance(entry.get("liquid"), dict)
     liquids = (NO_LIQUID, *([OWN_LIQUID] if own else []), *LIQUIDS)
     inside = [
-        ("liquid_height", "Fill", "height of the liquid at rest above the bottom, 49 mm"),
-        ("liquid_volume", "Volume", "of the liquid instead of its height, 250 ml"),
-        ("max_slosh_height", "Slosh limit", "how far the surface may rise; to the rim when empty"),
-        ("empty_mass", "Empty mass", "of the container; or give the mass instead"),
+        ("liquid_height", "height of the liquid at rest above the bottom, 49 mm"),
+        ("liquid_volume", "of the liquid instead of its height, 250 ml"),
+        ("max_slosh_height", "how far the surface may rise above its rest level"),
+        ("empty_mass", "of the container; or give the mass instead"),
     ]
 
     def at(*parts: str | int) -> Key:
         return ("cargo", index, *parts)
 
     return [
-        Field(at("name"), "Name", "text", hint="letters, digits, - and _"),
-        Field(at("shape"), "Shape", "choice", tuple(CONTAINERS)),
-        Field(at("at", 0), "x", hint="of the bottom's centre from the tray's centre, for example 45 mm"),
-        Field(at("at", 1), "y", hint="of the bottom's centre from the tray's centre, for example -70 mm"),
-        *(
-            []
-            if shape == "cylinder"
-            else [Field(at("yaw"), "Turn", hint="about the tray's normal, for example 30 deg")]
-        ),
-        *[
-            Field(at(key), key.replace("_", " ").capitalize(), hint=_SIZE_HINTS.get(key, "for example 35 mm"))
-            for key in sides
-        ],
-        Field(at("liquid"), "Liquid", "choice", liquids),
-        *([Field(at(key), label, hint=hint) for key, label, hint in inside] if filled else []),
-        Field(at("mass"), "Mass", hint="total, liquid included, for example 0.2 kg"),
-        Field(at("centre_of_mass_height"), "Centre of mass", hint="height above the bottom, liquid included"),
-        Field(at("friction"), "Friction", hint="of this object; the tray's when empty"),
+        field_of(at("name"), "text", hint="letters, digits, - and _"),
+        field_of(at("label"), "text", hint="what is read beside the object: beer 0.3 l"),
+        field_of(at("shape"), "choice", tuple(CONTAINERS)),
+        Field(at("at", 0), "At x", hint="of the bottom's centre from the tray's centre, for example 45 mm"),
+        Field(at("at", 1), "At y", hint="of the bottom's centre from the tray's centre, for example -70 mm"),
+        *([] if shape == "cylinder" else [field_of(at("yaw"), hint="turn about the tray's normal, 30 deg")]),
+        *(meridian if shape == "profile" else []),
+        *[field_of(at(key), hint=_SIZE_HINTS.get(key, "for example 35 mm")) for key in sides],
+        field_of(at("liquid"), "choice", liquids),
+        *([field_of(at(key), hint=hint) for key, hint in inside] if filled else []),
+        field_of(at("mass"), hint="total, liquid included, for example 0.2 kg"),
+        field_of(at("centre_of_mass_height"), hint="above the bottom, liquid included"),
+        field_of(at("friction"), hint="of this object"),
     ]
 
 
@@ -211,7 +226,7 @@ def faults_by_field(fields: Iterable[Field], faults: Sequence[Fault]) -> tuple[d
         if own is None:
             homeless.append(fault)
         else:
-            found.setdefault(own, []).append(fault.text)
+            found.setdefault(own, []).append(in_words(fault.text))
     return found, homeless
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nospill.studio.draft import Draft, Key
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, Field, read_text, shown_text
-from nospill.studio.pages import fault_note
+from nospill.studio.page_script import field_note
 
 if TYPE_CHECKING:
     import viser
@@ -51,10 +51,9 @@ class FieldGroup:
                 self._shown = [self._make(field, draft.value(field.key)) for field in fields]
         for item in self._shown:
             self._update(item, draft.value(item.field.key))
-            note = fault_note(notes.get(item.field.key, ()))
+            note = field_note(notes.get(item.field.key, ()), item.field.default)
             if item.note.content != note:
                 item.note.content = note
-                item.note.visible = bool(note)
 
     def clear(self) -> None:
         """Take the fields away."""
@@ -74,7 +73,7 @@ class FieldGroup:
             text = shown_text(value, field.kind)
             entry = self._gui.add_text(field.label, text, multiline=field.kind == "points", hint=hint)
 
-        shown = _Shown(field, entry, self._gui.add_html("", visible=False), str(entry.value))
+        shown = _Shown(field, entry, self._gui.add_html(field_note((), field.default)), str(entry.value))
 
         @entry.on_update
         def _(event: Any) -> None:

@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 _ROOT = "/layout"
 _PATH_POINTS = 120
-_ANGLE, _SPARE, _NARROW = float(np.radians(40.0)), 0.1, 0.6
-"""Vertical angle of view, as in the viewer; m beyond what is looked at; width over height there is room for."""
+_ANGLE, _SPARE = float(np.radians(40.0)), 0.12
+"""Vertical angle of view, as in the viewer; m beyond what is looked at."""
+_BACK = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
+"""From what is looked at to the camera: from the front, a little from the side and from above."""
 
 
 class LayoutView:
@@ -41,6 +43,8 @@ class LayoutView:
         self._tray_place = np.zeros(3)
         self._turn = 0.0
         self._looked = False
+        self._seen = np.zeros((0, 3))
+        self._window = self._size()
         self._wanted: Scene | None = None
         self._news = threading.Condition()
 
@@ -78,6 +82,15 @@ class LayoutView:
         """Put the camera where the next scene is seen whole."""
         self._looked = False
 
+    def window_changed(self) -> None:
+        """Aim the camera anew where the scene has another size on the screen; a mere turn of it is the user's."""
+        if self._size() != self._window and len(self._seen):
+            self._look_at(self._seen)
+
+    def _size(self) -> tuple[int, int]:
+        camera = self._client.camera
+        return camera.image_width, camera.image_height
+
     def wake(self) -> None:
         """Let `run` look at its stop."""
         with self._news:
@@ -101,24 +114,24 @@ class LayoutView:
         points = scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))
         self._tray_place, self._turn = points[0, :3], float(points[0, 3])
         chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
+        obstacle = ""
         try:
             q = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0].q[0]
         except NospillError as error:
-            q = None
-            self._said(" ".join(str(error).split()))
-        else:
-            self._said("")
+            # An arm that vanished would say less than one that stands there and does not reach.
+            q, obstacle = np.clip(np.zeros(len(scene.robot.joints)), scene.robot.lower, scene.robot.upper), str(error)
         with self._client.atomic():
             arm = self._fresh("arm")
-            if q is not None:
-                ArmView(self._client.scene, scene.robot, root=arm.name, tray=scene.tray, chain=chain).set_joints(q)
+            ArmView(self._client.scene, scene.robot, root=arm.name, tray=scene.tray, chain=chain).set_joints(q)
             self._fresh("path")
             add_path(self._client.scene, f"{_ROOT}/path/way", points[:, :3])
         if not self._looked:
             self._looked = True
-            posture = np.zeros(len(scene.robot.joints)) if q is None else q
-            joints = np.concatenate([position for position, _ in chain.frames(posture[None])])
-            self._look_at(np.concatenate([joints, points[:, :3]]))
+            joints = np.concatenate([position for position, _ in chain.frames(q[None])])
+            self._look_at(
+                np.concatenate([joints, points[:, :3], _corners(scene, points[0]), _corners(scene, points[-1])])
+            )
+        self._said(" ".join(obstacle.split()))
 
     def _fresh(self, name: str) -> viser.FrameHandle:
         """An empty node in place of the one there was."""
@@ -129,17 +142,29 @@ class LayoutView:
         return self._nodes[name]
 
     def _look_at(self, points: np.ndarray) -> None:
-        """From the front, a little from the side and from above, far enough for all points, (n, 3) in m."""
-        low, high = points.min(axis=0), points.max(axis=0)
-        middle, span = (low + high) / 2, float(np.linalg.norm(high - low))
-        back = np.array([1.0, 0.42, 0.58]) / np.linalg.norm([1.0, 0.42, 0.58])
-        # the panels leave a part of the window, often narrower than high
-        slope = np.tan(_ANGLE / 2) * _NARROW
+        """Stand far enough for all points, (n, 3) in m, in a scene as wide and high as it is on the screen."""
+        self._seen, self._window = points, self._size()
+        width, height = self._window
+        slope = np.tan(_ANGLE / 2)
+        right = np.cross([0.0, 0.0, 1.0], _BACK)
+        right /= np.linalg.norm(right)
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        across, up, near = ((points - middle) @ axis for axis in (right, np.cross(_BACK, right), _BACK))
+        aspect = width / height if height else 1.0
+        away = near + np.maximum((np.abs(across) + _SPARE) / aspect, np.abs(up) + _SPARE) / slope
         with self._client.atomic():
             self._client.camera.fov = _ANGLE
             # in this order: a new position carries the point looked at along
-            self._client.camera.position = middle + back * (0.6 * span + _SPARE) / slope
+            self._client.camera.position = middle + _BACK * float(np.max(away))
             self._client.camera.look_at = middle
+
+
+def _corners(scene: Scene, pose: np.ndarray) -> np.ndarray:
+    """Corners of the level tray at x, y, z in m and yaw in rad: (4, 3)."""
+    x, y = np.asarray(scene.tray.size) / 2
+    sine, cosine = np.sin(pose[3]), np.cos(pose[3])
+    corners = np.array([[x, y, 0.0], [x, -y, 0.0], [-x, -y, 0.0], [-x, y, 0.0]])
+    return pose[:3] + corners @ np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _about_z(angle: float) -> np.ndarray:

@@ -7,18 +7,22 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nospill.errors import NospillError
 from nospill.plans.plan import Plan
-from nospill.scene.scene import Scene
 from nospill.studio import documents
 from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
 from nospill.studio.checks import Check, check
 from nospill.studio.controls import Controls
 from nospill.studio.draft import Draft, label_of, millimetres
 from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields
+from nospill.studio.filing import FileDesk
 from nospill.studio.layout_view import LayoutView
 from nospill.studio.motion_view import MotionView
-from nospill.studio.pages import certificate_table, fault_list, file_note, progress_note, verdict
+from nospill.studio.pages import (
+    certificate_table,
+    details,
+    headline,
+    warning_list,
+)
 from nospill.studio.placing import GRID, free_place, place_objects, snapped, tray_size
 from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
 from nospill.studio.tray_plan import draw_plan, read_drag
@@ -45,13 +49,15 @@ class Session:
             folder: where scenario files are opened and saved.
             seats: shared by all sessions of the server.
         """
-        self._client, self._folder = client, folder
+        self._client = client
         self.draft = Draft(table)
         self.checked: Check = check(self.draft.table)
         self.desk = PlanningDesk(seats, report=self._planning_changed)
         self._path = self.checked.scene.path if self.checked.scene else None
         self._planned: dict[str, Any] | None = None
         self._snapping = True
+        self._reports = 0
+        self._obstacle = ""
         self._before: float | None = None
         self._lock = threading.RLock()
         self._closed = threading.Event()
@@ -59,6 +65,14 @@ class Session:
         self.controls = Controls(client.gui, folder, typed=self._typed, opens=documents.scenario_choices(folder))
         self._layout = LayoutView(client, said=self._reach_changed)
         self._motion = MotionView(client, self.controls.motion_tab)
+        self.files = FileDesk(
+            client,
+            self.controls,
+            folder,
+            take=self._open,
+            checked=lambda: self.checked,
+            plan=lambda: self._motion.plan,
+        )
         self._connect()
         self._threads = (
             threading.Thread(target=self._layout.run, args=(self._closed,), daemon=True),
@@ -67,6 +81,11 @@ class Session:
         for thread in self._threads:
             thread.start()
         self._refresh()
+
+    @property
+    def camera(self) -> viser.CameraHandle:
+        """What the tab's scene is seen through."""
+        return self._client.camera
 
     def close(self) -> None:
         """Stop what runs; the browser is gone."""
@@ -84,13 +103,10 @@ class Session:
         actions: tuple[tuple[Any, Callable[[], None]], ...] = (
             (controls.plan_button, self._plan),
             (controls.stop_button, self.desk.stop),
-            (controls.open_button, self._open),
-            (controls.save_button, self._save),
-            (controls.download_button, self._download),
-            (controls.export_button, self._export),
+            (controls.remove_button, self._remove),
         )
         for handle, action in actions:
-            handle.on_click(self._guarded(action))
+            handle.on_click(lambda _event, action=action: action())
         groups: tuple[tuple[Any, dict[str, Callable[[], object]]], ...] = (
             (controls.history, {"Undo": self.draft.undo, "Redo": self.draft.redo}),
             (
@@ -99,7 +115,6 @@ class Session:
                     "Cup": lambda: self._add_object(NEW_CUP),
                     "Solid": lambda: self._add_object(NEW_SOLID),
                     "Copy": lambda: self._add_object(self.draft.cargo[self.draft.selected]),
-                    "Remove": lambda: self.draft.remove(self.draft.selected),
                 },
             ),
             (controls.shown, {"Layout": self._show_layout, "Motion": self._show_motion}),
@@ -109,13 +124,7 @@ class Session:
         controls.drag.on_update(self._from_browser(self._dragged))
         controls.snap.on_update(self._from_browser(self._snap))
         controls.selection.on_update(self._from_browser(self._select))
-        controls.upload.on_upload(self._uploaded)
-
-    def _guarded(self, action: Callable[[], None]) -> Callable[[Any], None]:
-        def run(_event: Any) -> None:
-            action()
-
-        return run
+        self._client.camera.on_update(lambda _camera: self._layout.window_changed())
 
     def _chosen_of(self, choices: Mapping[str, Callable[[], object]]) -> Callable[[Any], None]:
         def run(event: Any) -> None:
@@ -146,7 +155,7 @@ class Session:
         report = read_drag(text, objects=len(self.draft.cargo))
         if report is None:
             return
-        self.draft.selected = report.index
+        self.draft.selected, self._reports = report.index, report.count
         if report.at is not None:
             x, y = snapped(*report.at, grid=GRID if self._snapping else None)
             self.draft.move(report.index, x, y, ended=report.ended)
@@ -170,10 +179,21 @@ class Session:
         x, y = free_place(self.draft.table, entry)
         self.draft.add({**entry, "at": [millimetres(x), millimetres(y)]})
 
+    def _remove(self) -> None:
+        with self._lock:
+            self.draft.remove(self.draft.selected)
+            self._refresh()
+
+    def _open(self, table: dict[str, Any]) -> None:
+        with self._lock:
+            self.draft.open(table)
+            self._layout.look_again()
+            self._refresh()
+
     def _plan(self) -> None:
         with self._lock:
             scene = self.checked.scene
-            if scene is None or not self.desk.start(scene, warm=self.controls.warm.value):
+            if scene is None or self._obstacle or not self.desk.start(scene, warm=self.controls.warm.value):
                 return
             self._planned = self.draft.table
 
@@ -193,18 +213,19 @@ class Session:
                 self._show_state(state)
             except Exception as error:  # a tab that hangs in "planning" would be worse; a closed one takes nothing
                 if not self._closed.is_set():
-                    self._say(f"Internal error: {type(error).__name__}: {error}", wrong=True)
+                    self.files.say(f"Internal error: {type(error).__name__}: {error}", wrong=True)
             self._closed.wait(PROGRESS_EVERY if state.stage in BUSY else 0.0)
 
     def _show_state(self, state: PlanningState) -> None:
         if state.stage in BUSY:
             self.controls.show_busy(True)
+            with self._lock:
+                self._show_answer(state)
         else:
             with self._lock:
                 if state.plan is not None:
                     self._show_plan(state.plan)
                 self._refresh(edited=False)
-        self.controls.progress.content = progress_note(state)
         self._client.flush()
 
     def _show_plan(self, plan: Plan) -> None:
@@ -227,11 +248,12 @@ class Session:
         """What is on the screen is no longer what was planned, nor what failed."""
         if self._motion.shown:
             self._show_layout()
-        if not self.desk.busy:
-            self.controls.set_content(self.controls.progress, "")
 
     def _reach_changed(self, text: str) -> None:
-        self.controls.reach.content = file_note(text, wrong=True)
+        """From the thread that draws the layout."""
+        with self._lock:
+            self._obstacle = text
+            self._refresh(edited=False)
 
     def _refresh(self, *, edited: bool = True) -> None:
         """Check the draft and show everything anew that depends on it."""
@@ -250,10 +272,17 @@ class Session:
                 controls.groups[title].show(fields, draft, notes)
             controls.show_objects(self._object_choices(), draft.selected)
             controls.set_content(controls.plan_picture, self._picture())
-            controls.set_content(controls.faults, fault_list(self.checked.faults))
-            controls.show_possible(plan=self.checked.scene is not None, export=self._motion.plan is not None)
+            name = draft.value(("name",))
+            controls.show_title(name if isinstance(name, str) else "unnamed")
+            right = self.checked.scene is not None
+            controls.show_possible(
+                plan=right and not self._obstacle,
+                save=right,
+                export=self._motion.plan is not None,
+                remove=len(draft.cargo) > 1,
+            )
             controls.show_busy(self.desk.busy)
-            self._show_result()
+            self._show_answer(self.desk.state)
 
     def _picture(self) -> str:
         placed = place_objects(self.draft.table)
@@ -263,76 +292,36 @@ class Session:
             tray_size(self.draft.table),
             selected=self.draft.selected,
             snapping=self._snapping,
+            count=self._reports,
             missing=[label_of(entry, index) for index, entry in enumerate(self.draft.cargo) if index not in there],
         )
 
-    def _show_result(self) -> None:
-        plan = self._motion.plan
-        if plan is None:
-            return
-        stale = plan.scene.source != (self.checked.scene.source if self.checked.scene else None)
-        self.controls.set_content(self.controls.verdict, verdict(plan, before=self._before, stale=stale))
-        self.controls.set_content(self.controls.certificate, certificate_table(plan))
-
-    def _say(self, text: str, *, wrong: bool = False) -> None:
-        self.controls.file_message.content = file_note(text, wrong=wrong)
-
-    def _open(self) -> None:
-        self._take(
-            lambda: documents.open_scenario(self.controls.choice.value, self._folder), self.controls.choice.value
+    def _show_answer(self, state: PlanningState) -> None:
+        """Say what holds for the scenario on the screen; an answer to another one is the previous one."""
+        controls, plan, scene = self.controls, self._motion.plan, self.checked.scene
+        if state.stage not in BUSY and self.draft.table != self._planned:
+            state = PlanningState()
+        same = plan is not None and scene is not None and scene.source == plan.scene.source
+        previous = not same or bool(self._obstacle) or state.stage == "failed"
+        page = headline(
+            state,
+            plan,
+            previous=previous,
+            before=self._before,
+            faults=len(self.checked.faults),
+            reach=not self._obstacle,
         )
-
-    def _uploaded(self, event: Any) -> None:
-        file = event.target.value
-        self._take(lambda: documents.read_upload(file.name, file.content), file.name)
-
-    def _take(self, read: Callable[[], dict[str, Any]], name: str) -> None:
-        """Open what can be opened, or say why not and keep the draft."""
-        try:
-            table = read()
-        except NospillError as error:
-            self._say(" ".join(str(error).split()), wrong=True)
-            return
-        with self._lock:
-            self.draft.open(table)
-            self._layout.look_again()
-            self._refresh()
-        self._say(f"{name} opened; Undo brings the old one back")
-
-    def _scene_to_write(self) -> Scene | None:
-        if self.checked.scene is None:
-            self._say(f"Not written: {self.checked.faults[0].sentence}", wrong=True)
-        return self.checked.scene
-
-    def _save(self) -> None:
-        with self._lock:
-            scene = self._scene_to_write()
-        if scene is None:
-            return
-        try:
-            path = documents.save_scenario(scene, self._folder)
-        except NospillError as error:
-            self._say(str(error), wrong=True)
-            return
-        self.controls.show_choices(documents.scenario_choices(self._folder))
-        self._say(f"Written to {path}")
-
-    def _download(self) -> None:
-        with self._lock:
-            scene = self._scene_to_write()
-        if scene is not None:
-            self._send(documents.scenario_download(scene))
-
-    def _export(self) -> None:
-        plan = self._motion.plan
-        if plan is None:
-            return
-        self._say("Writing and judging ...")
-        try:
-            self._send(documents.export_plan(plan, self.controls.format.value))
-        except NospillError as error:
-            self._say(" ".join(str(error).split()), wrong=True)
-
-    def _send(self, download: documents.Download) -> None:
-        self._client.send_file_download(download.name, download.content, save_immediately=True)
-        self._say(download.message)
+        controls.set_content(controls.headline, page)
+        about = self.draft.value(("description",))
+        page = details(
+            state,
+            plan,
+            previous=previous,
+            faults=self.checked.faults,
+            obstacle=self._obstacle,
+            about=about if isinstance(about, str) else "",
+        )
+        controls.set_content(controls.details, page)
+        if plan is not None:
+            controls.set_content(controls.warnings, warning_list(plan.warnings))
+            controls.set_content(controls.certificate, certificate_table(plan, previous=previous))

@@ -3,6 +3,7 @@
 Drawn in mm, x to the right, y up. The picture is SVG in an HTML element, whose handlers follow the pointer in the
 browser, move and snap the object at once, and write every move into a text field beside it, which the studio reads. The
 next picture, with what overlaps in colour, comes back while the drag goes on, so nothing is kept in the picture itself.
+Objects take the focus in their order on the tray and are moved by the arrow keys (`page_script`).
 """
 
 from __future__ import annotations
@@ -36,26 +37,28 @@ class DragReport:
         index: of the object.
         at: x, y on the tray, m, not snapped; None for a mere click.
         ended: whether the object was let go.
+        count: of the reports so far, which the next picture repeats.
     """
 
     index: int
     at: tuple[float, float] | None
     ended: bool
+    count: int
 
 
 def read_drag(text: str, *, objects: int) -> DragReport | None:
     """The report in the text field; None where it is none of ours or of an object there is not."""
     try:
         found = json.loads(text)
-        index, ended = found["object"], found["end"]
+        index, ended, count = found["object"], found["end"], found["count"]
         at = None if found["x"] is None else (float(found["x"]) / 1e3, float(found["y"]) / 1e3)
     except (ValueError, TypeError, KeyError):
         return None
-    if type(index) is not int or type(ended) is not bool or not 0 <= index < objects:
+    if type(index) is not int or type(ended) is not bool or type(count) is not int or not 0 <= index < objects:
         return None
     if at is not None and not all(math.isfinite(x) and abs(x) < 100.0 for x in at):
         return None
-    return DragReport(index, at, ended)
+    return DragReport(index, at, ended, count)
 
 
 def draw_plan(
@@ -64,6 +67,7 @@ def draw_plan(
     *,
     selected: int,
     snapping: bool,
+    count: int = 0,
     missing: Sequence[str] = (),
 ) -> str:
     """The picture as HTML, followed by the words for what is wrong.
@@ -73,18 +77,19 @@ def draw_plan(
         size: of the tray, m; None while it cannot be read.
         selected: number of the object that is marked.
         snapping: whether drags keep to the grid.
+        count: of the last report that is in the picture.
         missing: labels of objects whose place or sides cannot be read.
     """
     x, y = (1e3 * side for side in size or (0.3, 0.3))
     wide, high = x + 2 * _MARGIN, y + 2 * _MARGIN
     pieces = [_board(x, y)] if size else []
-    ordered = sorted(placed, key=lambda item: (item.index == selected, not item.fits))
-    pieces += [_object(item, marked=item.index == selected) for item in ordered]
+    pieces += [_object(item, marked=item.index == selected) for item in placed]
     grid = 1e3 * GRID if snapping else 0.0
     height = min(WIDTH * high / wide, 460.0)
     picture = (
-        f"<svg id='nospill-tray' role='img' aria-label='plan of the tray' xmlns='http://www.w3.org/2000/svg' "
-        f"viewBox='{-wide / 2:g} {-high / 2:g} {wide:g} {high:g}' data-grid='{grid:g}' onpointerdown='{_HANDLER}' "
+        f"<svg id='nospill-tray' role='group' aria-label='plan of the tray' data-count='{count}' "
+        f"data-grid='{grid:g}' onpointerdown='{_HANDLER}' xmlns='http://www.w3.org/2000/svg' "
+        f"viewBox='{-wide / 2:g} {-high / 2:g} {wide:g} {high:g}' "
         f"style='display:block;width:100%;height:{height:.0f}px;touch-action:none;user-select:none;"
         "-webkit-user-select:none;font-family:system-ui,sans-serif'>"
         f"<defs><pattern id='nospill-wrong' width='6' height='6' patternUnits='userSpaceOnUse' "
@@ -147,7 +152,9 @@ def _object(item: Placed, *, marked: bool) -> str:
     name = escape(item.label if len(item.label) <= 14 else f"{item.label[:13]}…", quote=True)
     halo = "paint-order='stroke' stroke='#fff' stroke-width='2.5' stroke-linejoin='round'"
     return (
-        f"<g id='nospill-object-{item.index}' data-object='{item.index}' data-x='{x:.4f}' data-y='{y:.4f}' "
+        f"<g id='nospill-object-{item.index}' tabindex='0' role='button' aria-pressed='{str(marked).lower()}' "
+        f"aria-label='{escape(item.label, quote=True)}, x {x:.4g}, y {y:.4g} mm' "
+        f"data-object='{item.index}' data-x='{x:.4f}' data-y='{y:.4f}' "
         f"data-fits='{str(item.fits).lower()}' transform='translate({x:.4f} {-y:.4f})' style='cursor:grab'>{body}"
         f"<circle r='1' fill='#222'/><text y='-5' font-size='11' font-weight='{600 if marked else 400}' "
         f"text-anchor='middle' fill='#222' {halo}>{name}</text>"
@@ -163,7 +170,9 @@ def _words(placed: Sequence[Placed], missing: Sequence[str]) -> str:
     pairs = {tuple(sorted((item.label, other))) for item in placed for other in item.overlaps}
     lines += [f"{first} and {second} overlap" for first, second in sorted(pairs)]
     lines += [f"{label} cannot be drawn: its place or its sides are wrong" for label in missing]
-    text = "; ".join(lines) if lines else "Drag an object to move it; click it to edit it below."
+    text = (
+        "; ".join(lines) if lines else "Drag an object or press its arrow keys to move it; click it to edit it below."
+    )
     look = "color:#9A4300;font-weight:600" if lines else "color:#555"
     return (
         f"<div id='nospill-plan-words' style='font-size:12px;line-height:1.35;min-height:17px;{look}'>"
@@ -186,13 +195,8 @@ _HANDLER = escape(
     return [m.a * x + m.c * y + m.e, -(m.b * x + m.d * y + m.f)];
   }
   var held = point(down[0], down[1]);
-  function say(x, y, end) {
-    var field = document.getElementById('nospill-plan').parentElement.nextElementSibling.querySelector('input');
-    window.nospillDrags = (window.nospillDrags || 0) + 1;
-    var text = JSON.stringify({object: number, x: x, y: y, end: end, count: window.nospillDrags});
-    Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set.call(field, text);
-    field.dispatchEvent(new Event('input', {bubbles: true}));
-  }
+  function say(x, y, end) { window.nospillSay(number, x, y, end); }
+  node.focus({preventScroll: true});
   function show() {
     var group = document.getElementById(id);
     if (!group) return;
@@ -225,4 +229,4 @@ _HANDLER = escape(
     ),
     quote=True,
 )
-"""What a press on the picture starts. React listens for the event `input` after the value was set behind its back."""
+"""What a press on the picture starts; `nospillSay` of the page's script hands its reports over."""

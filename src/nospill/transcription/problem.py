@@ -21,6 +21,7 @@ from nospill.transcription.layout import Layout
 from nospill.transcription.nlp import Transcription, transcribe
 from nospill.transcription.stage import RowIndex
 from nospill.transcription.stages import Stages
+from nospill.transcription.weights import jerk_weights
 
 _SHORTEST = 0.05
 """Shortest motion considered, s: keeps the interval away from zero."""
@@ -109,7 +110,7 @@ def build_problem(
     Args:
         scene: the task.
         intervals: N.
-        nominal_duration: expected end time, s, for the scales only.
+        nominal_duration: expected end time, s, for the scales, and for the weights of the jerks that are not stated.
         backoff: fraction of each budget kept from the optimiser.
         active: which rows take part, on the final state as elsewhere; None for all.
         payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;
@@ -122,6 +123,7 @@ def build_problem(
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
+    numbers = replace(numbers, **jerk_weights(scene, nominal_duration))
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
@@ -198,7 +200,9 @@ def _bounds(
     upper = np.full((intervals + 1, layout.size), np.inf)
     lower[:, 1] = 0.0
     lower[:, layout.interval] = _SHORTEST / intervals
-    upper[:, layout.interval] = scene.motion.max_duration / intervals
+    upper[:, layout.interval] = scene.motion.longest / intervals
+    if scene.motion.duration is not None:
+        lower[0, layout.interval] = upper[0, layout.interval]  # all intervals are alike
     ends = (lower[0], upper[0], lower[-1], upper[-1])
     if layout.redundant:
         # No constraint of the table limits this jerk: the bound only keeps the self-motion smooth.

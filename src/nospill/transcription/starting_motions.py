@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,26 +67,40 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
-    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.max_duration))
+    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.longest))
 
 
 def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:
     """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
-    layout = layout_of(structure_of(scene))
-    duration = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    estimate = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
+    duration = scene.motion.duration or estimate
     tau = np.linspace(0.0, 1.0, intervals + 1)
     # Time is warped by w(tau) = tau + skew tau (1 - tau), monotone for |skew| < 1.
     warp, warp_rate = tau + start.skew * tau * (1 - tau), 1 + start.skew * (1 - 2 * tau)
     s, rate, change = quintic(warp)
-    table = np.zeros((intervals + 1, layout.size))
     chains = [(s, rate * warp_rate / duration, (change * warp_rate**2 - 2 * start.skew * rate) / duration**2)]
-    for index in range(layout.tilts):
+    for index in range(layout_of(structure_of(scene)).tilts):
         amplitude = start.tilt[index]
         bump = 64 * tau**3 * (1 - tau) ** 3
         slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
         bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
-    closed = [_closed(np.column_stack(chain), duration / intervals) for chain in chains]
+    return motion_along(scene, joint_path, [np.column_stack(chain) for chain in chains], duration)
+
+
+def motion_along(scene: Scene, joint_path: JointPath, chains: Sequence[np.ndarray], duration: float) -> Stages:
+    """A motion along the path with the liquids at rest, from its path parameter and tilt angles at every node.
+
+    Args:
+        scene: of the motion.
+        joint_path: the arm's way along the path.
+        chains: of the path parameter and of every free tilt angle, (N + 1, 3): value, rate and acceleration, which the
+            motion follows as closely as jerks that are constant in every interval can.
+        duration: s.
+    """
+    intervals, layout = len(chains[0]) - 1, layout_of(structure_of(scene))
+    table = np.zeros((intervals + 1, layout.size))
+    closed = [_closed(chain, duration / intervals) for chain in chains]
     s, rate = closed[0][0][:, 0], closed[0][0][:, 1]
     slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
     joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * rate[:, None]

@@ -1,100 +1,68 @@
-"""Charts beside the scene as one SVG picture, the same in the live viewer and in the file.
+"""Charts beside the scene, an SVG picture each, the same in the live viewer and in the file.
 
-Four panels a plan over one time axis: which limits hold the motion back and when, heights of the liquids, use of the
-contact limits, joint speeds; limits are drawn and named. The cursor over them is placed by three properties of a style
-sheet, so that nothing else is sent while time goes on.
+Four a plan over the same time: which limits hold the motion back and when, heights of the liquids, use of the contact
+limits, joint speeds; limits are drawn and named. They stand in as many columns as there is room for, so that their text
+keeps its size. The cursor over them is placed by three properties of a style sheet, so that nothing else is sent while
+time goes on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 
-from nospill.core.short_names import cut, cut_apart, short_names
+from nospill.core.short_names import cut, cut_apart
 from nospill.film.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS, use_colours
 from nospill.film.timeline import Film
-from nospill.judge.limiting import limiting_names, limiting_rows
+from nospill.viewer.panels import Lanes, Panel, contents
 
 WIDTH = 320
-"""Of the picture, px."""
+"""Of a chart, px; on the screen it is at most `_WIDEST`."""
+_NARROWEST, _WIDEST = 290, 420
 _LEFT, _RIGHT, _PANEL, _TITLE, _KEY, _AXIS = 34, 8, 84, 15, 12, 15
-_LANE, _MOST_LANES, _SHADES, _EVERY = 19, 6, 16, 4
-"""Height of a lane, px; lanes; steps of their colour; of so many instants of the judge one is drawn."""
+_LANE, _SHADES = 19, 16
+"""Height of a lane, px; steps of its colour."""
+_BESIDE = 11.0
+"""px; names of limits that are nearer than this stand at opposite ends."""
 _LONGEST_NAME = 22
 _HATCH = (
     "<defs><pattern id='nospill-hatch' width='4' height='4' patternUnits='userSpaceOnUse' "
     "patternTransform='rotate(45)'><path d='M0 0v4' stroke='#000' stroke-width='1.6'/></pattern></defs>"
 )
+_HALO = "paint-order='stroke' stroke='#fff' stroke-width='2'"
 _FONT = "font-family='system-ui,-apple-system,Segoe UI,DejaVu Sans,sans-serif'"
 _RATE, _MOST_POINTS = 200.0, 420
-_CURSOR_STYLE = (
-    f".nospill-cursor{{position:absolute;top:2px;bottom:{_AXIS + 12}px;left:var(--nospill-x,-9999px);"
+_STYLE = (
+    f".nospill-charts{{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,{_NARROWEST}px),1fr));"
+    f"gap:2px 12px}}.nospill-chart{{position:relative;line-height:0;max-width:{_WIDEST}px}}"
+    ".nospill-chart svg{width:100%;height:auto}"
+    f".nospill-cursor{{position:absolute;top:{_TITLE}px;bottom:{_AXIS + 6}px;left:var(--nospill-x,-9999px);"
     "border-left:1px solid #222;pointer-events:none}"
-    ".nospill-cursor::after{content:var(--nospill-t);position:absolute;top:0;left:0;white-space:nowrap;"
-    "font:10px/10px system-ui,sans-serif;color:#222;transform:translateX(var(--nospill-shift))}"
+    ".nospill-charts{padding-top:12px}.nospill-chart:first-child .nospill-cursor{top:0}"
+    ".nospill-chart:first-child .nospill-cursor::after{content:var(--nospill-t);position:absolute;top:-11px;left:0;"
+    "white-space:nowrap;font:10px/10px system-ui,sans-serif;color:#222;transform:translateX(var(--nospill-shift))}"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
-    """One line of a panel: its name, times (m,) s and values (m,) in the panel's unit."""
-
-    name: str
-    t: np.ndarray
-    values: np.ndarray
-
-
-@dataclass(frozen=True, slots=True)
-class Panel:
-    """Lines over time with limits (value, name), all in the unit of the title; from `low` to `high`."""
-
-    title: str
-    lines: tuple[Line, ...]
-    limits: tuple[tuple[float, str], ...]
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, slots=True)
-class Lane:
-    """A limit over time: its name, share of the time at it, times (m,) s, use (m,), and whether it is at it (m,)."""
-
-    name: str
-    share: float
-    t: np.ndarray
-    use: np.ndarray
-    at_limit: np.ndarray
-
-
-@dataclass(frozen=True, slots=True)
-class Lanes:
-    """Limits over time, one below the other: colour is the use, hatched where the motion is at the limit."""
-
-    title: str
-    lanes: tuple[Lane, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Charts:
-    """The picture and what the cursor needs.
+    """The pictures and what the cursor needs.
 
     Attributes:
-        svg: the picture, as wide as its place.
-        height: of it where it is `WIDTH` px wide, px.
+        pictures: one SVG document a chart, `WIDTH` px wide, over the same time.
         left, right: where time 0 and `length` (s) lie, px.
     """
 
-    svg: str
-    height: int
+    pictures: tuple[str, ...]
     left: float
     right: float
     length: float
 
     def cursor_at(self, t: float) -> float:
-        """Where time t lies, in hundredths of the picture's width."""
+        """Where time t lies, in hundredths of a picture's width."""
         part = float(np.clip(t / self.length, 0.0, 1.0))
         return 100.0 * (self.left + (self.right - self.left) * part) / WIDTH
 
@@ -106,61 +74,59 @@ class Charts:
 
     @property
     def page(self) -> str:
-        """The picture with a cursor over it, as HTML; `cursor_style` says where the cursor is."""
-        return (
-            f"<style>{_CURSOR_STYLE}</style><div style='position:relative;line-height:0'>{self.svg}"
-            "<div class='nospill-cursor'></div></div>"
+        """The pictures with a cursor over each, as HTML; `cursor_style` says where the cursor is."""
+        boxes = "".join(
+            f"<div class='nospill-chart'>{svg}<div class='nospill-cursor'></div></div>" for svg in self.pictures
         )
+        return f"<style>{_STYLE}</style><div class='nospill-charts'>{boxes}</div>"
 
 
 def draw_charts(films: Sequence[Film], titles: Sequence[str]) -> Charts:
-    """Panels of one or several plans on one time axis; where there are several, titled, and like below like."""
+    """Charts of one or several plans over the same time; where there are several, titled, and like beside like."""
     length = max(film.length for film in films)
     found: list[tuple[int, Panel | Lanes]] = []
     for film, title in zip([film.at_rate(_RATE) for film in films], titles, strict=True):
-        before = f"{title}: " if len(films) > 1 else ""
-        found += [*_limits(film, before), *_panels(film, before)]
-    pieces, y = [_HATCH], 14.0
-    for _, panel in sorted(found, key=lambda item: item[0]):
-        if isinstance(panel, Lanes):
-            pieces.append(_draw_lanes(panel, y, length))
-            y += _TITLE + _LANE * len(panel.lanes) + 10
-        else:
-            pieces.append(_draw(panel, y, length))
-            y += _panel_height(panel)
-    pieces.append(_time_axis(y - 6, length))
-    height = round(y + _AXIS + 4)
-    svg = f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} {height}' {_FONT}>{''.join(pieces)}</svg>"
-    return Charts(svg, height, _LEFT, WIDTH - _RIGHT, length)
+        found += contents(film, f"{title}: " if len(films) > 1 else "")
+    pictures = tuple(_picture(panel, length) for _, panel in sorted(found, key=lambda item: item[0]))
+    return Charts(pictures, _LEFT, WIDTH - _RIGHT, length)
+
+
+def _picture(panel: Panel | Lanes, length: float) -> str:
+    """One chart with the time axis below what it shows, and the key below that."""
+    if isinstance(panel, Lanes):
+        body, below = _HATCH + _draw_lanes(panel, 0.0, length), float(_TITLE + _LANE * len(panel.lanes))
+        key, rows = "", 0
+    else:
+        body, below = _draw(panel, 0.0, length), float(_TITLE + _PANEL)
+        key, rows = _key(panel, below + _AXIS + 4), len(_key_rows(panel))
+    height = round(below + _AXIS + 8 + _KEY * rows)
+    return (
+        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {height}' {_FONT}>{body}"
+        f"{_time_axis(below, length)}{key}</svg>"
+    )
 
 
 def colour_key() -> str:
-    """The scale of colours as a picture, with what carries it."""
+    """The scale of colours as a picture, with what carries it in words."""
     stops = "".join(f"<stop offset='{stop}' stop-color='{colour}'/>" for stop, colour in USE_STOPS)
     right = WIDTH - _RIGHT - 76
     ticks = "".join(
-        f"<text x='{_LEFT + (right - _LEFT) * value}' y='31' font-size='9' text-anchor='middle'>{label}</text>"
-        for value, label in ((0.0, "0"), (0.5, "half"), (1.0, "limit"))
+        f"<text x='{_LEFT + (right - _LEFT) * value}' y='21' font-size='9' text-anchor='middle'>{label}</text>"
+        for value, label in ((0.0, "0"), (0.5, "half"), (1.0, "at the limit"))
+    )
+    words = (
+        "Colour of the water: its height over its limit, the red ring. Colour at the foot: slip, tip, lift and twist "
+        "over their limits. Arrow: apparent gravity; where it is square to the tray, nothing pulls sideways."
     )
     return (
-        f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} 36' {_FONT} fill='#222'>"
+        f"<div class='nospill-key' style='max-width:{_WIDEST}px'>"
+        f"<svg style='width:100%;height:auto' viewBox='0 0 {WIDTH} 25' {_FONT} fill='#222'>"
         f"<defs><linearGradient id='nospill-use'>{stops}</linearGradient></defs>"
-        "<text x='0' y='9' font-size='10'>Colour: use of a limit. Liquid: height; band at the foot: contact.</text>"
-        f"<rect x='{_LEFT}' y='13' width='{right - _LEFT}' height='9' fill='url(#nospill-use)'/>"
-        f"<rect x='{right + 36}' y='13' width='12' height='9' fill='#000'/>"
-        f"<text x='{right + 42}' y='31' font-size='9' text-anchor='middle'>broken</text>{ticks}</svg>"
+        f"<rect x='{_LEFT}' y='2' width='{right - _LEFT}' height='9' fill='url(#nospill-use)'/>"
+        f"<rect x='{right + 44}' y='2' width='12' height='9' fill='#000'/>"
+        f"<text x='{right + 50}' y='21' font-size='9' text-anchor='middle'>broken</text>{ticks}</svg>"
+        f"<div style='font:11px/1.35 system-ui,sans-serif;color:#444;margin:2px 0 8px 0'>{words}</div></div>"
     )
-
-
-def _limits(film: Film, before: str) -> list[tuple[int, Lanes]]:
-    """What holds a plan back, with its rank; nothing where the motion comes near no limit."""
-    rows = limiting_rows(film.judgement)[:_MOST_LANES]
-    names = limiting_names([item.row for item in rows], film.plan.scene.robot.joints)
-    lanes = [
-        Lane(name, item.share, item.t[::_EVERY], item.use[::_EVERY], item.at_limit[::_EVERY])
-        for name, item in zip(names, rows, strict=True)
-    ]
-    return [(0, Lanes(f"{before}what holds it back (/// at limit)", tuple(lanes)))] if lanes else []
 
 
 def _draw_lanes(panel: Lanes, top: float, length: float) -> str:
@@ -190,35 +156,6 @@ def _draw_lanes(panel: Lanes, top: float, length: float) -> str:
             if lane.at_limit[start]:
                 pieces.append(f"<rect {place} fill='url(#nospill-hatch)'/>")
     return "".join(pieces)
-
-
-def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
-    """A plan's panels with their rank from top to bottom."""
-    panels: list[tuple[int, Panel]] = []
-    if film.liquids:
-        limits = sorted({track.limit for track in film.liquids.values()})
-        lines = [Line(name, film.t, 1e3 * track.height) for name, track in film.liquids.items()]
-        # A liquid that leaves its cup must not squeeze the others; 1.6 limits show that it did.
-        reached = min(max(float(np.max(line.values)) for line in lines), 1.6e3 * limits[-1])
-        highest = max(1e3 * limits[-1], reached)
-        named = tuple((1e3 * limit, f"{1e3 * limit:.3g} mm") for limit in limits)
-        panels.append((1, Panel(f"{before}liquid height [mm]", tuple(lines), named, 0.0, 1.15 * highest)))
-    uses = [Line(name, film.t, use) for name, use in film.contact_use.items()]
-    if uses:
-        top = float(np.clip(1.1 * max(np.max(line.values) for line in uses), 1.15, 2.0))
-        panels.append((2, Panel(f"{before}contact, use of limit [1]", tuple(uses), ((1.0, "limit 1"),), 0.0, top)))
-    speeds = [
-        Line(name, film.t, film.joint_speed_use[:, index])
-        for index, name in enumerate(short_names(film.plan.scene.robot.joints))
-    ]
-    reach = max(1.15, 1.05 * max(float(np.max(np.abs(line.values))) for line in speeds))
-    both = ((1.0, "limit 1"), (-1.0, "limit -1"))
-    panels.append((3, Panel(f"{before}joint speed over limit [1]", tuple(speeds), both, -reach, reach)))
-    return panels
-
-
-def _panel_height(panel: Panel) -> float:
-    return _TITLE + _PANEL + _KEY * len(_key_rows(panel)) + 10
 
 
 def _draw(panel: Panel, top: float, length: float) -> str:
@@ -253,15 +190,26 @@ def _draw(panel: Panel, top: float, length: float) -> str:
             f"<polyline points='{path}' fill='none' stroke='{SERIES[index % len(SERIES)]}' stroke-width='1.4' "
             f"stroke-dasharray='{SVG_DASHES[index % len(SVG_DASHES)]}'/>"
         )
-    for value, label in panel.limits:
-        y = float(height(value))
-        beside = y - 2
-        pieces.append(
-            f"<line x1='{_LEFT}' x2='{right}' y1='{y:.1f}' y2='{y:.1f}' stroke='{RED}' stroke-width='1.2'/>"
-            f"<text x='{right - 2}' y='{beside:.1f}' font-size='9' text-anchor='end' fill='#9A4300'>{label}</text>"
-        )
-    pieces.append(_key(panel, lower))
+    pieces += _limits(panel, height, lambda time: float(at(np.asarray(time))))
     return "".join(pieces)
+
+
+def _limits(panel: Panel, height: Callable[[float], np.ndarray], at: Callable[[float], float]) -> list[str]:
+    """Lines of the limits, each with its name at the right end, or at the left where another name is there."""
+    right = WIDTH - _RIGHT
+    pieces, taken = [], []
+    for limit in panel.limits:
+        y, start = float(height(limit.value)), at(limit.start)
+        crowded = any(abs(y - other) < _BESIDE for other in taken)
+        x, anchor = (_LEFT + 2, "start") if crowded else ((start if limit.start else right) - 2, "end")
+        if not crowded:
+            taken.append(y)
+        pieces.append(
+            f"<line x1='{start:.1f}' x2='{right}' y1='{y:.1f}' y2='{y:.1f}' stroke='{RED}' stroke-width='1.2'/>"
+            f"<text x='{x:.1f}' y='{y - 2:.1f}' font-size='9' text-anchor='{anchor}' fill='#9A4300' {_HALO}>"
+            f"{escape(cut(limit.name, 40))}</text>"
+        )
+    return pieces
 
 
 def _key_rows(panel: Panel) -> list[list[int]]:
@@ -299,16 +247,17 @@ def _key(panel: Panel, lower: float) -> str:
 
 
 def _time_axis(y: float, length: float) -> str:
-    pieces = []
+    right = WIDTH - _RIGHT
+    pieces = [f"<line x1='{_LEFT}' x2='{right}' y1='{y}' y2='{y}' stroke='{GREY}'/>"]
     for tick in _ticks(0.0, length):
-        x = _LEFT + (WIDTH - _LEFT - _RIGHT) * tick / length
+        x = _LEFT + (right - _LEFT) * tick / length
+        last = tick > 0.9 * length
+        label = f"{tick:g} s"
         pieces.append(
             f"<line x1='{x:.1f}' x2='{x:.1f}' y1='{y}' y2='{y + 3}' stroke='{GREY}'/>"
-            f"<text x='{x:.1f}' y='{y + 13}' font-size='9' text-anchor='middle' fill='#444'>{tick:g}</text>"
+            f"<text x='{right if last else round(x, 1)}' y='{y + 13}' font-size='9' "
+            f"text-anchor='{'end' if last else 'middle'}' fill='#444'>{label}</text>"
         )
-    right = WIDTH - _RIGHT
-    pieces.append(f"<line x1='{_LEFT}' x2='{right}' y1='{y}' y2='{y}' stroke='{GREY}'/>")
-    pieces.append(f"<text x='{right}' y='{y + 23}' font-size='9' text-anchor='end' fill='#444'>time [s]</text>")
     return "".join(pieces)
 
 

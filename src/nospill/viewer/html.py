@@ -96,8 +96,8 @@ _STYLE = (
     "overflow-y:auto;background:#fff;border-left:1px solid #ddd;font-family:system-ui,sans-serif;color:#222}"
     "#nospill-side h1{font-size:13px;line-height:1.35;margin:0 0 4px}"
     "#nospill-side p{font-size:11px;color:#555;margin:0 0 8px}"
-    "@media(max-width:760px){#root{width:100%!important;height:55%!important}"
-    "#nospill-side{top:55%;left:0;width:100%;border-left:0;border-top:1px solid #ddd}}"
+    "@media(max-width:760px){#root{width:100%!important;height:50%!important}"
+    "#nospill-side{top:50%;left:0;width:100%;border-left:0;border-top:1px solid #ddd}}"
 )
 
 

@@ -7,7 +7,7 @@ import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,8 @@ from nospill.film.views import CLOSE, View, arrangement
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals
+from nospill.viewer.names import letters_of
+from nospill.viewer.phone import PAGE, PHONE_STYLE
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView, prepare
 
@@ -30,11 +32,12 @@ _ASPECT = 1.05
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """Plans in a scene: their views and their charts, titled alike, and the ground."""
+    """Plans in a scene: their views, their charts, titled alike, the ground, and whether names are shown at first."""
 
     views: tuple[PlanView, ...]
     charts: Charts
     ground: viser.SceneNodeHandle
+    named: bool = True
 
 
 def title_of(film: Film) -> str:
@@ -62,30 +65,36 @@ def show_plans(
     Raises:
         ScenarioError: a robot's URDF cannot be read.
     """
-    ground = prepare(server.scene)
+    ground, titles = prepare(server.scene), short_titles(films)
     views = tuple(
         PlanView(
             server.scene,
             film,
             root=f"/plan_{number + 1}",
-            title=title_of(film) if len(films) > 1 else "",
+            title=title if len(films) > 1 else "",
             chain=visuals.chain if visuals else None,
             meshes=visuals.meshes if visuals else None,
             ground=ground if number == 0 else None,
         )
-        for number, film in enumerate(films)
+        for number, (film, title) in enumerate(zip(films, titles, strict=True))
     )
-    shown = Shown(views, draw_charts(films, short_titles(films)), ground)
-    aim(server, shown, view)
-    return shown
+    shown = Shown(views, draw_charts(films, titles), ground)
+    return replace(shown, named=aim(server, shown, view))
 
 
-def aim(server: viser.ViserServer, shown: Shown, view: View) -> None:
-    """See everything from another view, in every browser that looks on and in those to come."""
-    places, camera = arrangement([item.film for item in shown.views], view, aspect=_ASPECT)
+def aim(server: viser.ViserServer, shown: Shown, view: View) -> bool:
+    """See everything from another view, in every browser that looks on and in those to come.
+
+    Returns:
+        Whether there is room for the names of the objects; they are hidden where there is none.
+    """
+    films = [item.film for item in shown.views]
+    places, camera = arrangement(films, view, aspect=_ASPECT)
+    letters = letters_of(films, [item.title for item in shown.views], places, view, camera)
     with server.atomic():
         for item, place in zip(shown.views, places, strict=True):
             item.ride(view, place)
+            item.write_names(letters)
         # Trays that go their own ways have no ground in common.
         shown.ground.visible = view not in CLOSE or len(shown.views) == 1
         start = server.initial_camera
@@ -93,6 +102,7 @@ def aim(server: viser.ViserServer, shown: Shown, view: View) -> None:
         for client in server.get_clients().values():
             now = client.camera
             now.position, now.look_at, now.fov = camera.position, camera.look_at, camera.angle
+    return letters.apart
 
 
 @contextmanager
@@ -136,7 +146,10 @@ def live_viewer(
         server.gui.main_panel.dock_right()
         server.gui.set_panel_label("nospill")
         lines = "<br>".join(escape(title_of(film)) for film in films)
-        server.gui.add_html(f"<div style='padding:4px 8px;font-size:14px;line-height:1.4'>{lines}</div>")
+        server.gui.add_html(
+            f"<div id='{PAGE}' style='padding:4px 8px;font-size:14px;line-height:1.4'>"
+            f"<style>{PHONE_STYLE}</style>{lines}</div>"
+        )
         shown = show_plans(server, films, visuals=visuals, view=view)
         player = Player(
             server.gui,
@@ -144,6 +157,7 @@ def live_viewer(
             charts=shown.charts,
             atomic=server.atomic,
             aim=lambda chosen: aim(server, shown, chosen),
+            named=shown.named,
         )
         stop = threading.Event()
         thread = threading.Thread(target=player.run, args=(stop,), daemon=True)

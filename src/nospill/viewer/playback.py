@@ -69,7 +69,8 @@ class Player:
         *,
         charts: Charts,
         atomic: Callable[[], AbstractContextManager[None]],
-        aim: Callable[[View], None] | None = None,
+        aim: Callable[[View], bool] | None = None,
+        named: bool = True,
     ) -> None:
         """Add the controls.
 
@@ -78,7 +79,9 @@ class Player:
             views: what is played.
             charts: drawn below the controls.
             atomic: of the server or client, so that a picture arrives whole.
-            aim: sees everything from another view; where there is none, there are no buttons for it.
+            aim: sees everything from another view, and says whether there is room for names; where there is none,
+                there are no buttons for it.
+            named: whether names are shown at first.
         """
         self._views, self._charts, self._atomic = views, charts, atomic
         self.clock = Clock(charts.length)
@@ -91,7 +94,7 @@ class Player:
         self._slider = gui.add_slider("Time [s]", 0.0, round(charts.length, 3), 0.001, 0.0)
         self._speed = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value=START_SPEED)
         self._loop = gui.add_checkbox("Loop", True)
-        self._names = gui.add_checkbox("Names", True)
+        self._names = gui.add_checkbox("Names", named)
         self._path = gui.add_checkbox("Path", True)
         self._page = gui.add_html(_page(charts))
         self._cursor = gui.add_html("")
@@ -130,7 +133,9 @@ class Player:
             def _(event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
                 assert self._aim is not None
                 with self._lock:
-                    self._aim(next(view for view, name in VIEW_NAMES.items() if name == event.target.value))
+                    chosen = next(view for view, name in VIEW_NAMES.items() if name == event.target.value)
+                    named = self._aim(chosen)
+                self._names.value = named  # which calls the function below, so not under the lock
 
         @self._speed.on_update
         def _(_event: object) -> None:

@@ -24,6 +24,8 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import TRAY_THICKNESS, Tray
+from nospill.viewer.gravity import against, arrow, free_spot
+from nospill.viewer.names import ABOVE_RIM, Letters, title_height
 
 if TYPE_CHECKING:
     import trimesh
@@ -33,10 +35,11 @@ _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), 
 _CUP_OPACITY = 0.22
 _OBSTACLE_OPACITY = 0.5
 _PATH_POINTS = 120
+LETTERS = 0.02
+"""m; height of the letters of names before a view is chosen."""
 _BELOW = np.array([0.0, 0.0, -0.001])
 """m; the ground lies a little below the robot's foot."""
-_ABOVE_RIM = 0.012
-"""m; height of a name above its object."""
+_ARROW = (70, 70, 70)
 
 
 class TrayView:
@@ -67,13 +70,15 @@ class TrayView:
         _add(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
         for item in cargo:
             self._add_object(scene, item, f"{root}/{item.name}")
-            self._tops.append(np.array([*item.position, item.container.height + _ABOVE_RIM]))
+            self._tops.append(np.array([*item.position, item.container.height + ABOVE_RIM]))
             self._labels.append(
                 scene.add_label(
                     f"{names or root}/name_{item.name}",
-                    item.name,
+                    item.title,
                     position=tuple(self._tops[-1]),
                     anchor="bottom-center",
+                    font_size_mode="scene",
+                    font_scene_height=LETTERS,
                 )
             )
 
@@ -124,6 +129,11 @@ class TrayView:
         """Show or hide the names above the objects."""
         for label in self._labels:
             label.visible = wanted
+
+    def set_letters(self, height: float) -> None:
+        """Write the names in letters of this height, m."""
+        for label in self._labels:
+            label.font_scene_height = height
 
 
 class ArmView:
@@ -199,6 +209,7 @@ class PlanView:
         film: what is shown.
         root: name of the node everything hangs below, which stands still.
         arm, tray: the parts.
+        title: written above the tray.
     """
 
     def __init__(
@@ -219,7 +230,7 @@ class PlanView:
             scene: where to.
             film: the plan's pictures.
             root: name of a node that does not exist yet.
-            title: written in front of the arm's foot; empty for none.
+            title: written above the tray; empty for none.
             position: of the robot's base in the world, m.
             chain: as in `ArmView`, likewise `meshes`.
             meshes: see there.
@@ -247,10 +258,19 @@ class PlanView:
         self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
         self._paths = add_path(scene, f"{world}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
         add_obstacles(scene, f"{world}/obstacles", whole.obstacles)
-        if title:
+        self._above = np.array([0.0, 0.0, title_height(film)])
+        self.title = title
+        self._title = (
             scene.add_label(
-                f"{world}/title", title, position=(0.0, 0.0, -0.05), anchor="top-center", font_screen_scale=1.1
+                f"{root}/title", title, anchor="bottom-center", font_size_mode="scene", font_scene_height=LETTERS
             )
+            if title
+            else None
+        )
+        pointer = f"{tray_node}/gravity"
+        self._gravity = scene.add_frame(pointer, show_axes=False, position=(*free_spot(whole.tray, whole.cargo), 0.0))
+        _add(scene, f"{pointer}/arrow", arrow(whole.cargo), color=_ARROW, cast_shadow=False)
+        self._pulls = against(film.specific_force)
         assert planned.joints == whole.robot.joints
         self._attitudes = self.arm.attitudes(film.joint_position)
         self._carriage, self._close, self._path_wanted = carriage(film, View.ARM), False, True
@@ -270,9 +290,11 @@ class PlanView:
         if self._ground is not None:
             self._ground.position = self._root.position + position + rotation @ _BELOW
             self._ground.wxyz = (w, x, y, z)
-        self.tray.place_names(
-            position + rotation @ self.film.tray_position[index], rotation @ self.film.tray_rotation[index]
-        )
+        self._gravity.wxyz = self._pulls[index]
+        place = position + rotation @ self.film.tray_position[index]
+        self.tray.place_names(place, rotation @ self.film.tray_rotation[index])
+        if self._title is not None:
+            self._title.position = place + self._above
         for name, track in self.film.liquids.items():
             self.tray.set_liquid(name, track.coordinates[index], use=float(track.height[index] / track.limit))
         for name, use in self.film.contact_use.items():
@@ -285,6 +307,13 @@ class PlanView:
         self.show_path(self._path_wanted)
         shown, self._shown = self._shown, -1
         self.show(float(self.film.t[shown]))
+
+    def write_names(self, letters: Letters) -> None:
+        """Write the names of objects and plan in these letters; names that would cover each other are hidden."""
+        self.tray.show_names(letters.apart)
+        self.tray.set_letters(letters.names)
+        if self._title is not None:
+            self._title.font_scene_height = letters.titles
 
     def show_path(self, wanted: bool) -> None:
         """Show or hide the path; seen from close by it would cut through the cups and is hidden in any case."""

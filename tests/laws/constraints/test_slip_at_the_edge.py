@@ -117,6 +117,7 @@ def patch(kind: str, heading: float, line: float) -> tuple[np.ndarray, np.ndarra
     return inside, pressure / pressure.sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FOOTPRINTS)
 def test_slip_at_its_limit_is_inside_the_limit_surface_in_random_states(kind):
     """What the law allows, 1,500 random wrenches under 30 random pressures, against the dissipation of every sliding.

@@ -22,6 +22,7 @@ def test_stiffness_is_free_of_gravity():
             assert mode.stiffness * STANDARD_GRAVITY == pytest.approx(mode.frequency**2, rel=1e-14)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(st.sampled_from(sorted(CONTAINERS)), st.floats(0.1, 3.0), st.integers(1, 8), st.floats(0.01, 0.5))
 def test_static_tilt_gives_the_flat_surface(shape, fill, count, angle):

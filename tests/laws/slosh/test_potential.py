@@ -158,6 +158,7 @@ def first_frequency(container: Cylinder | Box) -> float:
     return min(mode.frequency for mode in container.slosh_modes(WATER, DEPTH, 1).oscillators if "x" in mode.directions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("container", CONTAINERS, ids=["cylinder", "box"])
 @pytest.mark.parametrize("kind", ["surge", "pitch"])
 @pytest.mark.parametrize("relative", [0.3, 0.5, 0.9, 1.2, 2.0])

@@ -50,8 +50,9 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.limits_applied": "all",
         "tray.footprint_reserve": 0.05,
         "robot.base_position": ["0 m", "0 m", "0 m"],
+        "planning": {},
     }
-    assert len(WARNINGS) == 11
+    assert len(WARNINGS) == 12
     assert found(quiet) == {}
 
 
@@ -168,9 +169,22 @@ def test_much_back_off(found) -> None:
     assert ("back-off", "tip | cup") not in warnings
 
 
+@pytest.mark.parametrize(("use", "warned"), [(0.96, True), (0.98, False)])
+def test_a_stated_weight_that_decides(found, judgement: Judgement, use: float, warned: bool) -> None:
+    first, *_ = judgement.traces
+    limit = np.ones_like(first.margin)
+    traces = (replace(first, constraint="slip", limit=limit, margin=(1.0 - use) * limit),)
+    warnings = found({"planning": {"path_jerk_weight": 1e-5}}, traces=traces)
+    assert (("smoothness", "motion") in warnings) == warned
+    assert ("smoothness", "motion") not in found({"planning": {}}, traces=traces)
+    if warned:
+        assert "comes nearest, 96 %" in warnings["smoothness", "motion"].text
+
+
 # --- where they go --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_plan_keeps_its_warnings_and_its_verdict(gentle_plan, tmp_path: Path) -> None:
     plan: Plan = gentle_plan("matrix-liquid")
     judgement = judge(plan.trajectory, plan.scene)

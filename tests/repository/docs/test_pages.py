@@ -10,6 +10,7 @@ from pathlib import Path
 
 import nbformat  # pyright: ignore[reportMissingImports]  (an extra of the documentation, where these tests run)
 import pytest
+from nospill_docs import screens
 from nospill_docs.formulas import formula
 from nospill_docs.links import broken_links
 from nospill_docs.notebooks import to_markdown
@@ -121,3 +122,12 @@ def test_results_are_made_once_and_anew_when_their_key_changes(tmp_path: Path) -
     assert places.cached("thing", "key", make) == first and len(made) == 1
     second = places.cached("thing", "other key", make)
     assert len(made) == 2 and second != first and not first.exists()
+
+
+def test_pages_of_pictures_do_without_a_browser(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(screens, "BROWSERS", ("no-such-browser",))
+    places = Places.of(tmp_path)
+    screens.write_screens(places)
+    for page in ("studio", "viewer"):
+        assert "missing" in (places.generated / f"screens-{page}.md").read_text(encoding="utf-8")
+        assert f"_generated/screens-{page}.md" in (DOCS / f"{page}.md").read_text(encoding="utf-8")

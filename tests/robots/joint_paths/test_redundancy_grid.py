@@ -25,6 +25,7 @@ LINES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LINES)
 def test_a_line_that_needs_the_redundant_joint_to_move_is_followed(name: str) -> None:
     start, end, tool = LINES[name]
@@ -46,6 +47,7 @@ def test_a_line_that_needs_the_redundant_joint_to_move_is_followed(name: str) ->
         assert np.abs(between - tray_poses(path, middle)[0]).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_paths_on_the_grid_start_apart() -> None:
     start, end, tool = LINES["across"]
     found = paths_on_grid(ROBOT, straight_line(start, end), 6, np.linspace(0.0, 1.0, 21), tool=tool)

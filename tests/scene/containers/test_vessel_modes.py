@@ -89,6 +89,7 @@ def test_errors_fall_with_the_fourth_power_of_the_elements_size(meridian: Meridi
         assert math.log2(coarse / fine) > 3.4, key
 
 
+@pytest.mark.slow
 @settings(max_examples=14, deadline=None)
 @given(vessels, fills, st.integers(1, 4))
 def test_sums_of_mass_moment_and_inertia(shape: str, fill: float, count: int) -> None:

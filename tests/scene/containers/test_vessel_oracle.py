@@ -12,6 +12,7 @@ from tests.builders import VESSELS
 pytestmark = pytest.mark.oracle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "level"), [("tapered", 0.08), ("bowl", 0.04)])
 def test_frequencies_and_masses(shape: str, level: float) -> None:
     skfem = pytest.importorskip("skfem")

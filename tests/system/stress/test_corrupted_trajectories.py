@@ -50,6 +50,7 @@ def test_the_plan_itself_is_certified(subject: Subject) -> None:
     assert subject.certified()
 
 
+@pytest.mark.slow
 @given(st.sampled_from(sorted(LEAST)), st.floats(0.0, 1.0), st.floats(1.0, 1e3), st.booleans(), st.integers(0, 5))
 @QUICK
 def test_one_sample_changed(subject: Subject, name: str, where: float, size: float, up: bool, component: int) -> None:
@@ -63,6 +64,7 @@ def test_one_sample_changed(subject: Subject, name: str, where: float, size: flo
     assert not subject.certified(**{name: values})
 
 
+@pytest.mark.slow
 @given(st.floats(0.02, 0.98), st.integers(1, 200))
 @QUICK
 def test_samples_missing(subject: Subject, where: float, count: int) -> None:
@@ -73,6 +75,7 @@ def test_samples_missing(subject: Subject, where: float, count: int) -> None:
     assert not subject.certified(**{name: getattr(subject.trajectory, name)[kept] for name in columns})
 
 
+@pytest.mark.slow
 @given(st.data())
 @QUICK
 def test_samples_swapped(subject: Subject, data: st.DataObject) -> None:

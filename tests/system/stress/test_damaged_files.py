@@ -114,6 +114,7 @@ def trees() -> st.SearchStrategy[object]:
     )
 
 
+@pytest.mark.slow
 def test_tables_of_a_plan_folder_that_say_something_else(saved: Path) -> None:
     originals = {name: json.loads((saved / name).read_text()) for name in ("certificate.json", "summary.json")}
 
@@ -139,6 +140,7 @@ def test_tables_of_a_plan_folder_that_say_something_else(saved: Path) -> None:
     run()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(EXPORTERS))
 @given(noise=NOISE, at=st.integers(0, 100_000), cut=st.integers(0, 200))
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -48,6 +48,7 @@ def whole(folder: Path, plan: Plan) -> None:
     assert load_plan(folder).duration == plan.duration
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("after", [0.0, 0.002, 0.005, 0.01, 0.02, 0.035])
 def test_killed_at_any_moment(saved: Path, small_plan: Plan, tmp_path: Path, after: float) -> None:
     """kill -9 while a plan is written again and again: under its name, or aside, there is a whole plan."""
@@ -156,6 +157,7 @@ def test_the_command_line_says_so_before_it_plans(
     assert content(tmp_path) == {"thesis/chapter.tex": b"years of work"}
 
 
+@pytest.mark.slow
 def test_two_plans_into_one_folder(saved: Path, small_plan: Plan, tmp_path: Path) -> None:
     target = tmp_path / "out" / "plan"
     writers = [run(WRITER, str(saved), str(target), "8") for _ in range(2)]

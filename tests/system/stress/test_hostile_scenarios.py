@@ -149,6 +149,7 @@ def test_waypoints_from_a_device_that_never_ends(tmp_path: Path) -> None:
     assert done.stdout.startswith("refused")
 
 
+@pytest.mark.slow
 def test_ten_megabytes_of_waypoints_are_refused(tmp_path: Path) -> None:
     points = np.random.default_rng(0).normal(size=(1000, 3))
     (tmp_path / "way.csv").write_text("\n".join(",".join(map(repr, row)) for row in points.tolist() * 180))

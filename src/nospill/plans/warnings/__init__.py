@@ -20,6 +20,7 @@ from nospill.plans.warnings.liquids import (
 )
 from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
+from nospill.plans.warnings.smoothness import smoothness
 from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
@@ -34,6 +35,7 @@ WARNINGS: tuple[Warn, ...] = (
     below_the_base,
     no_reserve,
     back_off,
+    smoothness,
 )
 """Every warning, in the order in which they are shown."""
 

@@ -45,7 +45,8 @@ typedef struct {
     int *degree;           /* entries of each column */
     int *row_of;           /* dual row that each column is paired with, -1 for none */
     int *column_of;        /* column that each dual row is paired with, -1 for none */
-    int *reached, *queue;  /* of a search: the row from which each column was reached; rows to look at */
+    int *reached, *queue;  /* of a search: the row from which each column was reached, -1 for none; rows to look at */
+    int *visited;          /* of a search: columns in the order in which they were reached */
 } Pairs;
 
 /* Pair a dual row with the free column of the fewest entries, of several the last. */
@@ -59,17 +60,17 @@ static void pair_at_once(Pairs *p, int row, double least) {
     if (best >= 0) p->row_of[best] = row, p->column_of[row] = best;
 }
 
-/* Pair a dual row by moving others to other columns: the shortest augmenting path. */
+/* Pair a dual row by moving others to other columns: the shortest augmenting path. What a search without success has
+   reached stays marked: no later path leads over it, so all such searches together look at each entry once. */
 static void pair_by_moving(Pairs *p, int row, double least) {
-    int next = 0, last = 0;
-    for (int c = 0; c < p->primal; c++) p->reached[c] = -1;
+    int next = 0, last = 0, count = 0;
     p->queue[last++] = row;
     while (next < last) {
         int from = p->queue[next++];
         for (int q = p->start[from]; q < p->start[from + 1]; q++) {
             int k = p->sequence[q], c = p->column[k];
             if (p->size[k] < least || p->reached[c] >= 0) continue;
-            p->reached[c] = from;
+            p->reached[c] = from, p->visited[count++] = c;
             if (p->row_of[c] >= 0) {
                 p->queue[last++] = p->row_of[c];
                 continue;
@@ -79,6 +80,7 @@ static void pair_by_moving(Pairs *p, int row, double least) {
                 p->row_of[c] = mover, p->column_of[mover] = c;
                 c = left;
             }
+            while (count) p->reached[p->visited[--count]] = -1;
             return;
         }
     }
@@ -88,6 +90,7 @@ static void find_pairs(Pairs *p) {
     for (int c = 0; c < p->primal; c++) p->row_of[c] = -1;
     for (int d = 0; d < p->dual; d++) p->column_of[d] = -1;
     for (int pass = 0; pass < 2; pass++) {
+        for (int c = 0; c < p->primal; c++) p->reached[c] = -1;
         for (int d = 0; d < p->dual; d++)
             if (p->column_of[d] < 0) pair_at_once(p, d, LEAST_ENTRY[pass]);
         for (int d = 0; d < p->dual; d++)
@@ -111,15 +114,15 @@ static int primal_rows(int entries, const int *row, const int *column) {
 static int order_pivots(int n, int entries, const int *row, const int *column, const double *value, int *position,
                         int *width) {
     size_t rows = (size_t)n + 1, all = (size_t)entries + 1;
-    int *whole = malloc((8 * rows + 3 * all) * sizeof *whole);
+    int *whole = malloc((9 * rows + 3 * all) * sizeof *whole);
     int *key = whole, *other = key + all, *part = other + 2 * all;
     double *size = malloc((all + rows) * sizeof *size), *largest = size + all;
     long long *start = malloc((2 * rows + all) * sizeof *start), *pattern = start + rows, *sequence = pattern + all;
     int primal = primal_rows(entries, row, column), nodes = 0, last = 0, end = n, found = 0;
     if (whole && size && start) {
         Pairs p = {primal,          n - primal,      part,            other + all,     other,          size,
-                   part + rows, part + 2 * rows, part + 3 * rows, part + 4 * rows, part + 5 * rows};
-        int *node = part + 6 * rows, *first = part + 7 * rows;
+                   part + rows, part + 2 * rows, part + 3 * rows, part + 4 * rows, part + 5 * rows, part + 6 * rows};
+        int *node = part + 7 * rows, *first = part + 8 * rows;
         memset(p.degree, 0, rows * sizeof *p.degree);
         memset(largest, 0, rows * sizeof *largest);
         for (int k = 0; k < entries; k++) {

@@ -1,0 +1,82 @@
+"""The same motion at other speeds, as a controller's override plays it: largest uses of the limits on objects.
+
+Slower is not safer. A tray that leans against its acceleration leans too much when it is played slowly, and a liquid
+that comes to rest at the end of a motion does not after the same motion in another time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.judge.replay import replay
+from nospill.judge.traces import constraint_traces
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import OF_OBJECTS, Role
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.scene import Scene
+
+SPEEDS = tuple(round(float(speed), 3) for speed in np.geomspace(0.1, 0.95, 12))
+"""Parts of the planned speed that are looked at; a figure that needs more asks for its own."""
+
+_RATE = 500.0
+"""Hz, of the grid: uses agree within 0.1 % with those at the judge's rate."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedUse:
+    """What a motion uses of its limits on objects at another speed.
+
+    Attributes:
+        speed: part of the planned speed.
+        liquid: largest use of a limit on a liquid (height, trough, residual), as `limit_use`; 0 without liquids.
+        contact: largest use of a limit on a contact (lift, slip, tip, twist).
+        worst: constraint and object that use most, "slip | c1".
+    """
+
+    speed: float
+    liquid: float
+    contact: float
+    worst: str
+
+
+def at_speed(trajectory: Trajectory, speed: float) -> Trajectory:
+    """The record of a motion played at a part of its speed: t/v, rates times v, accelerations times v^2.
+
+    The columns of the liquids stay as they are, and do not belong to it.
+    """
+    rates = {name: getattr(trajectory, name) * speed for name in ("s_rate", "tilt_rate", "joint_speed")}
+    second = ("s_acceleration", "tilt_acceleration", "joint_acceleration")
+    return replace(
+        trajectory,
+        t=trajectory.t / speed,
+        **rates,
+        **{name: getattr(trajectory, name) * speed**2 for name in second},
+    )
+
+
+def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:
+    """Largest uses of a motion, without its holds, at some speeds.
+
+    Raises:
+        ModelError: the liquids cannot be integrated at one of them.
+    """
+    return tuple(_use(at_speed(trajectory, speed), scene, speed) for speed in speeds)
+
+
+def _use(slower: Trajectory, scene: Scene, speed: float) -> SpeedUse:
+    traces = constraint_traces(slower, scene, replay(slower, scene, rate=_RATE), points=OF_OBJECTS)
+    worst = max(traces, key=_largest)
+    return SpeedUse(
+        speed,
+        max((_largest(trace) for trace in traces if BY_NAME[trace.constraint].role is Role.LIQUID), default=0.0),
+        max((_largest(trace) for trace in traces if BY_NAME[trace.constraint].role is Role.CONTACT), default=0.0),
+        f"{worst.constraint} | {worst.subject}",
+    )
+
+
+def _largest(trace: Trace) -> float:
+    return float(np.max(trace.use))

@@ -1,0 +1,35 @@
+"""The motion as it looks, for a report: the whole arm, and the tray from near, at one moment."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from PIL import Image
+
+from nospill.film.picture import draw
+from nospill.film.props import Stagehand
+from nospill.film.timeline import make_film
+from nospill.film.views import CLOSE, View, carriage, viewpoint
+from nospill.plots.evidence import Evidence
+
+MOMENT = 0.35
+"""Part of the motion's time: mostly on the way, and seldom level."""
+_SIZE, _RATE, _QUALITY = (760, 500), 50.0, 82
+
+
+def scene_picture(evidence: Evidence) -> bytes:
+    """Both views side by side as JPEG.
+
+    Raises:
+        ScenarioError: the robot's URDF cannot be read.
+    """
+    film = make_film(evidence.plan, evidence.judgement, rate=_RATE)
+    index, views = film.index(MOMENT * film.end_time), []
+    for view in (View.ARM, View.TRAY):
+        hand = Stagehand(film, path=view not in CLOSE)
+        camera = viewpoint([film], view, aspect=_SIZE[0] / _SIZE[1])
+        views.append(draw(hand, index, camera, carriage(film, view), size=_SIZE))
+    file = io.BytesIO()
+    Image.fromarray(np.hstack(views)).save(file, format="JPEG", quality=_QUALITY)
+    return file.getvalue()

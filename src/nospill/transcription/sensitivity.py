@@ -1,0 +1,82 @@
+"""What a wider limit would save: the multipliers of a solution times what its rows would move.
+
+By the envelope theorem the optimum's objective changes with a number p of the problem by dL/dp = df/dp + lambda' dg/dp,
+the variables held. Limits stand among the parameters of the rows, so that the rows at two values of a limit are all
+that is needed; no row has a derivative of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields, replace
+
+import numpy as np
+
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import JointKey, LimitKey, MotionKey, ObjectKey, RowId
+from nospill.laws.parameters import ObjectNumbers, SceneNumbers
+from nospill.transcription.problem import Problem
+from nospill.transcription.solvers import Solution
+
+WIDER = 0.1
+"""Part by which a limit is made wider."""
+ALL = "all"
+"""Subject of what is saved where a limit counts for several of them."""
+_STEP = 1e-4
+"""Part of a limit by which it is moved either way for its derivative; rows are at most quadratic in it."""
+_NUMBERS = {"friction": "planned_friction"}
+"""Key of a limit of an object -> name of its number, where that is another."""
+
+
+def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict[RowId, float]:
+    """Seconds that the motion would be shorter with one limit `WIDER`, to the first order.
+
+    A limit of objects is widened for all of them at once: like objects are at their limits at the same instants, and
+    what one of them alone would save is then not determined by the multipliers (it is nothing). So is a limit of the
+    motion, which all tilt angles share.
+
+    Args:
+        problem: that was solved.
+        solution: its answer.
+        rows: whose limits, subjects as in the scene; those without a limit that can be widened by itself are left out.
+
+    Returns:
+        By row, with the subject `ALL` where it is about more than one. The limit is that of the scenario: with
+        `max_slosh_height` the residual height moves too, with `friction` what holds objects against turning.
+    """
+    found: dict[RowId, float] = {}
+    for row in rows:
+        constraint = BY_NAME.get(row.constraint)
+        key = constraint.limit_key if constraint is not None else None
+        name = row if isinstance(key, JointKey) else RowId(row.constraint, ALL)
+        more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
+        if name not in found and more is not None and less is not None:
+            slope = (_lagrangian(problem, solution, more) - _lagrangian(problem, solution, less)) / (2.0 * _STEP)
+            found[name] = -WIDER * slope
+    return found
+
+
+def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers) -> float:
+    """The part of the Lagrangian that changes with the numbers."""
+    transcription = problem.transcription
+    backoff = {index: problem.backoff.get(row, 0.0) for index, row in problem.rows.items()}
+    parameters = transcription.parameters(numbers, problem.scales, backoff)
+    values = np.asarray(transcription.constraint_function(solution.variables, parameters)).ravel()
+    return float(solution.multipliers @ values)
+
+
+def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:
+    """The numbers with one limit so many times as large; None where nothing is called a limit alone."""
+    numbers = problem.numbers
+    if isinstance(key, JointKey):
+        values = np.array(getattr(numbers, key.attribute), dtype=float)
+        values[problem.scene.robot.joints.index(row.subject)] *= factor
+        return replace(numbers, **{key.attribute: values})
+    if isinstance(key, MotionKey):
+        return replace(numbers, **{key.key: factor * getattr(numbers, key.key)})
+    if isinstance(key, ObjectKey):
+        name = _NUMBERS.get(key.key, key.key)
+        if name in {field.name for field in fields(ObjectNumbers)}:
+            objects = tuple(replace(own, **{name: factor * getattr(own, name)}) for own in numbers.objects)
+            return replace(numbers, objects=objects)
+    return None

@@ -1,0 +1,35 @@
+"""Weights of the jerks in the cost, which the scenario states or the duration gives."""
+
+from __future__ import annotations
+
+from nospill.scene.scene import Scene
+
+_SMOOTHNESS = 1.2e-7
+"""Weight of a jerk per duration^7, 1/s^6, where none is stated. A short motion from 0 to 1 in T has jerks of some
+60 / T^3, so its smoothness costs the same small part of T at every T: measured, 0.002 to 0.005 of it."""
+
+_LARGEST = 1e-5
+"""Of a jerk, where none is stated: long motions have the jerks of short ones at their ends and where liquids swing."""
+
+_ALL_THAT_COUNTS = 1e3
+"""How much larger the weights are where the duration is given: smoothness costs about as much as time."""
+
+_MUCH_SHORTER = 0.6
+"""Part of the expected duration below which the weight was 36 times too large."""
+
+_NAMES = ("path_jerk_weight", "tilt_jerk_weight")
+
+
+def jerk_weights(scene: Scene, duration: float) -> dict[str, float]:
+    """Weights by name, for a motion that is expected to take `duration`, s; of a given duration nothing else counts."""
+    if scene.motion.duration is not None:
+        return dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
+    usual = min(_SMOOTHNESS * duration**7, _LARGEST)
+    stated = {name: getattr(scene.planning, name) for name in _NAMES}
+    return {name: usual if weight is None else weight for name, weight in stated.items()}
+
+
+def weigh_too_much(scene: Scene, expected: float, found: float) -> bool:
+    """Whether the weights for the expected duration, s, hold back an answer that was found to be much shorter."""
+    unstated = any(getattr(scene.planning, name) is None for name in _NAMES)
+    return unstated and found < _MUCH_SHORTER * expected

@@ -1,0 +1,34 @@
+"""slow: a plan of a lower speed, certified; what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from nospill.plans.loading import load_plan
+from tests.cli.stand_in import nospill
+
+
+@pytest.mark.slow
+def test_half_the_speed_is_twice_the_duration_and_certified(gentle_plan, tmp_path: Path) -> None:
+    plan = gentle_plan("pp-two-cups")
+    plan.save(tmp_path / "fast")
+    result = nospill("slow", str(tmp_path / "fast"), "--to", "50%")
+    assert result.exit_code == 0, result.stderr
+    slower = load_plan(tmp_path / "fast-50-percent")
+    assert slower.certificate.ok
+    assert slower.duration == pytest.approx(2 * load_plan(tmp_path / "fast").duration, rel=1e-3)
+    stated = json.loads((tmp_path / "fast-50-percent" / "summary.json").read_text())
+    assert stated["largest_use_at_lower_speeds"]["contact"] > 0.0
+    assert len(stated["other_speeds"]) == 12
+
+
+@pytest.mark.parametrize(
+    ("speed", "says"), [("0", "must be above 0"), ("120%", "at most 100 %"), ("half", "give a plain number")]
+)
+def test_speeds_that_are_none(speed: str, says: str, tmp_path: Path) -> None:
+    result = nospill("slow", str(tmp_path), "--to", speed)
+    assert result.exit_code == 2
+    assert says in result.stderr and result.stderr.count("\n") == 1
