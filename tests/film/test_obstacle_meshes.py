@@ -11,6 +11,7 @@ from nospill.core.shapes import (
     capsule_shape,
     cylinder_shape,
     halfspace_shape,
+    hull_shape,
     polyhedron,
     sphere_shape,
 )
@@ -35,6 +36,7 @@ def volume(mesh: Mesh) -> float:
         (box_shape((0.1, 0.2, 0.3)), 0.006),
         (cylinder_shape(0.1, 0.5), np.pi * 0.01 * 0.5),
         (sphere_shape(0.1), 4 / 3 * np.pi * 1e-3),
+        (hull_shape(np.array(list(np.ndindex(2, 2, 2))) * 0.2 - 0.1), 0.008),
         (capsule_shape(0.1, 0.5), 4 / 3 * np.pi * 1e-3 + np.pi * 0.01 * 0.3),
     ],
     ids=lambda value: getattr(value, "kind", ""),

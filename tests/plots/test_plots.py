@@ -41,7 +41,7 @@ from tests.waiting import run_python
 
 LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
-APPLYING = {"slosh-heights", "margins", "joints", "other-speeds", "tilt", "summary"}
+APPLYING = {"slosh-heights", "margins", "joints", "tilt", "other-speeds", "summary"}
 """Figures of every plan that tilts with liquids and has no obstacles; limits where it comes near any."""
 
 

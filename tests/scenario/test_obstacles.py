@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -111,3 +112,48 @@ def test_the_foot_of_the_arm_stays_outside(side: float, x: float, yaw: float) ->
         assert swallowed
     if np.max(foot) > side / 2 + 1e-6:
         assert not swallowed
+
+
+WEDGE = np.array([[x, y, z] for x in (0, 200) for y, z in ((0, 0), (100, 0), (0, 300))], dtype=float)
+
+
+def wedge(folder: Path) -> None:
+    (folder / "wedge.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in WEDGE), encoding="utf-8")
+
+
+def test_a_mesh_is_its_hull_and_needs_no_file_any_more(tmp_path: Path) -> None:
+    wedge(tmp_path)
+    entry = {"name": "wedge", "shape": "mesh", "file": "wedge.obj", "scale": 0.001, "at": [1.0, 0.0, 0.0]}
+    scene = scene_from_table({**VALID, "obstacle": [entry]}, name="cell", folder=tmp_path)
+    (found,) = scene.obstacles
+    np.testing.assert_allclose(sorted(found.shape.points.tolist()), sorted((WEDGE / 1e3).tolist()))
+    assert found.distance(np.array([1.1, 0.01, 0.01])) == pytest.approx(-0.01)
+    assert found.distance(np.array([1.1, 0.01, 0.5])) > 0.0
+    kept = tomllib.loads(scenario_text(scene))
+    assert "file" not in kept["obstacle"][0] and "scale" not in kept["obstacle"][0]
+    again = scene_from_table(kept, name="cell", folder=tmp_path / "elsewhere")
+    np.testing.assert_allclose(again.obstacles[0].shape.points, found.shape.points)
+    moved = replace(found, position=np.array([1.5, 0.0, 0.0]))
+    np.testing.assert_allclose(
+        described(replace(scene, obstacles=(moved,))).obstacles[0].shape.points, found.shape.points
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"file": "none.stl"}, 'obstacle "wedge": file "none.stl" is not there'),
+        ({"file": "wedge.step"}, 'obstacle "wedge": file "wedge.step" is no mesh that can be read; give an STL or OBJ'),
+        ({"scale": 1.0}, r'obstacle "wedge": file "wedge.obj" is 300 m large; .*give scale = 0.001'),
+        ({"scale": 0.0}, 'obstacle "wedge": scale 0.0 is out of range'),
+        ({"points": [[0.0, 0.0, 0.0]] * 4}, 'obstacle "wedge": file and points: both are given'),
+        ({"file": None}, 'obstacle "wedge": file and points: neither is given'),
+        ({"file": None, "points": [[0.0, 0.0, 0.0]] * 4}, 'obstacle "wedge": points hold no solid'),
+    ],
+)
+def test_bad_meshes_are_refused(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+    wedge(tmp_path)
+    entry = {"name": "wedge", "shape": "mesh", "file": "wedge.obj", "scale": 0.001, "at": [1.0, 0.0, 0.0], **change}
+    entry = {key: value for key, value in entry.items() if value is not None}
+    with pytest.raises(ScenarioError, match=message):
+        scene_from_table({**VALID, "obstacle": [entry]}, name="cell", folder=tmp_path)

@@ -20,11 +20,13 @@ pytest.importorskip("mujoco")
 pytest.importorskip("coal")
 
 NAME = "cups-past-a-column"
+WEDGE = [[x, y, z] for x in (0.0, 0.3) for y, z in ((0.0, 0.0), (0.3, 0.0), (0.0, 0.5))]
 AROUND = [
     {"name": "box", "shape": "box", "at": [0.75, 0.1, 0.5], "size": [0.2, 0.3, 0.4], "yaw": 0.3, "roll": 0.3},
     {"name": "post", "shape": "cylinder", "at": [0.1, 0.75, 0.55], "radius": 0.09, "height": 0.4, "pitch": 0.4},
     {"name": "rail", "shape": "capsule", "at": [-0.2, 0.6, 0.4], "radius": 0.09, "height": 0.4, "roll": 1.0},
     {"name": "ball", "shape": "sphere", "at": [0.3, -0.6, 0.6], "radius": "150 mm"},
+    {"name": "wedge", "shape": "mesh", "at": [-0.2, -0.6, 0.3], "points": WEDGE, "yaw": 0.4},
     {"name": "wall", "shape": "halfspace", "at": [-0.5, 0.0, 0.0], "pitch": "90 deg"},
 ]
 

@@ -9,7 +9,7 @@ import typer
 
 from nospill.cli import app
 from nospill.export import EXPORTERS
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import BY_NAME
 from nospill.robots.description.catalog import robot_table
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
@@ -55,7 +55,7 @@ def constraints_table() -> str:
             item.description,
             f"`{type(item).__module__.removeprefix('nospill.').replace('.', '/')}.py`",
         )
-        for item in CONSTRAINTS
+        for item in BY_NAME.values()
     ]
     return markdown_table(("constraint", "unit", "judged", "what it says", "file"), rows)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.core.shapes import Shape
+from nospill.core.shapes import Shape, polyhedron
 from nospill.film.geometry import TUBE_SIDES, Mesh, bands, joined, prism
 from nospill.scene.obstacles import Obstacle
 
@@ -41,6 +41,8 @@ def _own(shape: Shape) -> Mesh:
     if shape.kind == "cylinder":
         radius, height = shape.sizes
         return prism(radius * _circle(), -height / 2, height / 2)
+    if shape.kind == "hull":
+        return _hull(shape)
     # sphere and capsule: two half balls, apart by the straight part; the poles are small circles
     half, radius = float(shape.points[-1, 2]), shape.ball
     angles = np.linspace(-np.pi / 2 + 0.02, np.pi / 2 - 0.02, 2 * _RINGS)
@@ -48,6 +50,19 @@ def _own(shape: Shape) -> Mesh:
     rings = [radius * np.cos(angle) * _circle() for angle in angles]
     lids = [prism(rings[end], low, high) for end, low, high in _lids(heights)]
     return joined([bands(rings, heights), *lids])
+
+
+def _hull(shape: Shape) -> Mesh:
+    """Its corners are its own for every face, so that light breaks at its edges."""
+    # imported here: needed for hulls only
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(polyhedron(shape))
+    corners = hull.points[hull.simplices]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inwards = np.sum(normal * hull.equations[:, :3], axis=1) < 0.0
+    corners[inwards] = corners[inwards][:, ::-1]
+    return Mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
 
 
 def _lids(heights: np.ndarray) -> tuple[tuple[int, float, float], ...]:

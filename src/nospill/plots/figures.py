@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from nospill.errors import PlanFolderError
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
-from nospill.plots.clearance import clearance_figure
 from nospill.plots.contact_use import contact_use_figure
+from nospill.plots.distances import distances_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import joints_figure
 from nospill.plots.limiting import limiting_figure
@@ -32,7 +32,7 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "joints": joints_figure,
     "tilt": tilt_figure,
     "other-speeds": other_speeds_figure,
-    "distances": clearance_figure,
+    "distances": distances_figure,
     "summary": summary_figure,
 }
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""

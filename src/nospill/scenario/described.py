@@ -230,7 +230,9 @@ def _place_obstacles(table: dict[str, Any], obstacles: tuple[Obstacle, ...], ori
             continue
         sizes = [_written(size, "length") for size in item.shape.sizes]
         keys = _SIZES.get(item.shape.kind, ())
-        values = {"name": item.name, "shape": item.shape.kind, "at": _written(item.position, "length")}
+        kind = "mesh" if item.shape.kind == "hull" else item.shape.kind
+        values = {"name": item.name, "shape": kind, "at": _written(item.position, "length")}
+        values |= {"points": item.shape.points.tolist()} if kind == "mesh" else {}
         values |= {keys[0]: sizes} if keys == ("size",) else dict(zip(keys, sizes, strict=True))
         values |= dict(zip(("roll", "pitch", "yaw"), _written(item.rpy, "angle"), strict=True))
         entries.append(values | {"clearance": _written(item.clearance, "length")})

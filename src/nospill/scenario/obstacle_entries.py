@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
 from nospill.core.arrays import read_only
-from nospill.core.shapes import Shape, box_shape, capsule_shape, cylinder_shape, halfspace_shape, sphere_shape
-from nospill.core.units import format_quantity
+from nospill.core.files import UnreadableError
+from nospill.core.mesh_files import hull_corners, mesh_points
+from nospill.core.shapes import (
+    Shape,
+    box_shape,
+    capsule_shape,
+    cylinder_shape,
+    halfspace_shape,
+    hull_shape,
+    sphere_shape,
+)
+from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Size, Table, Vector
 from nospill.scene.obstacles import Obstacle
+
+_FARTHEST = 50.0
+"""m; corners of a mesh are no farther from its origin."""
 
 MOST_OBSTACLES = 100
 """Obstacles that one scenario may have: each makes a pair with every body of the arm and every object."""
@@ -31,6 +46,14 @@ class ObstacleTable(Table):
         Measured(dimension="length", at_least=0.0, at_most=1.0),
         Field(description="distance that arm, tray and cargo keep from it"),
     ] = 0.01
+
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """Keys to replace so that the entry needs no other file (None: to remove); files are looked up in `folder`.
+
+        Raises:
+            ScenarioError: a file it names cannot be read; starts with the key.
+        """
+        return {}
 
     def solid(self) -> Shape:
         """The shape in its own frame.
@@ -110,17 +133,72 @@ class HalfspaceObstacle(ObstacleTable):
         return halfspace_shape()
 
 
+MOST_CORNERS = 2000
+"""Corners that the hull of a mesh may have."""
+
+
+class MeshObstacle(ObstacleTable):
+    """`shape = "mesh"`: the convex hull of a mesh; what is hollow or bent is given as several files."""
+
+    shape: Literal["mesh"]
+    file: Annotated[
+        str | None,
+        Field(strict=True, description="STL or OBJ file beside the scenario file, up to 10 MB"),
+    ] = None
+    scale: Annotated[
+        float,
+        Measured(dimension="number", at_least=1e-6, at_most=1e3),
+        Field(description="factor from the file's unit to m, 0.001 for a file in mm"),
+    ] = 1.0
+    points: Annotated[
+        list[Point] | None,
+        Field(min_length=4, max_length=MOST_CORNERS, description="corners of the hull, in the place of a file"),
+    ] = None
+
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """See `ObstacleTable`: the corners of the file's hull take the place of its name."""
+        if (self.file is None) == (self.points is None):
+            given = "neither is given" if self.file is None else "both are given"
+            raise ScenarioError(f"file and points: {given}; a mesh needs exactly one of them")
+        if self.file is None:
+            return {}
+        try:
+            corners = self.scale * hull_corners(mesh_points(folder / self.file))
+        except UnreadableError as error:
+            raise ScenarioError(f"file {as_written(self.file)} {error}") from None
+        if len(corners) > MOST_CORNERS:
+            raise ScenarioError(
+                f"file {as_written(self.file)} has a hull of {len(corners)} corners; "
+                f"at most {MOST_CORNERS} are taken: simplify it"
+            )
+        if np.max(np.abs(corners)) > _FARTHEST:
+            size = format_quantity(float(np.max(np.ptp(corners, axis=0))), "length", unit="m", digits=4)
+            raise ScenarioError(
+                f"file {as_written(self.file)} is {size} large; its corners may be {_FARTHEST:g} m from its origin: "
+                "give scale = 0.001 for a file in mm"
+            )
+        return {"file": None, "scale": None, "points": np.round(corners, 9).tolist()}
+
+    def solid(self) -> Shape:
+        """See `ObstacleTable`; the corners are at hand, `standalone` comes first."""
+        try:
+            return hull_shape(hull_corners(np.array(self.points or []).reshape(-1, 3)))
+        except UnreadableError as error:
+            raise ScenarioError(f"points {error}".replace("points holds", "points hold")) from None
+
+
 OBSTACLE_TABLES: dict[str, type[ObstacleTable]] = {
     "box": BoxObstacle,
     "cylinder": CylinderObstacle,
     "sphere": SphereObstacle,
     "capsule": CapsuleObstacle,
     "halfspace": HalfspaceObstacle,
+    "mesh": MeshObstacle,
 }
 """Shape -> the keys of its entry."""
 
 ObstacleEntry = Annotated[
-    BoxObstacle | CylinderObstacle | SphereObstacle | CapsuleObstacle | HalfspaceObstacle,
+    BoxObstacle | CylinderObstacle | SphereObstacle | CapsuleObstacle | HalfspaceObstacle | MeshObstacle,
     Field(discriminator="shape"),
 ]
 """Any of them, distinguished by `shape`."""

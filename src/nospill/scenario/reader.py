@@ -24,7 +24,7 @@ from nospill.robots.tool import Tool
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
-from nospill.scenario.messages import Fault, cargo_place, faults_of, report
+from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
@@ -115,7 +115,9 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
-    obstacles = read_obstacles(scenario.obstacle, robot=robot, cargo=cargo, path=path, label=label)
+    described_obstacles = _standalone_obstacles(scenario, folder, label)
+    around = [entry.model_copy(update=new) for entry, new in zip(scenario.obstacle, described_obstacles, strict=True)]
+    obstacles = read_obstacles(around, robot=robot, cargo=cargo, path=path, label=label)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -124,6 +126,10 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         "path": {**table["path"], **read_in},
         "cargo": [{**entry, **update} for entry, update in zip(table["cargo"], described_cargo, strict=True)],
     }
+    if described_obstacles:
+        source["obstacle"] = [
+            {**entry, **update} for entry, update in zip(table["obstacle"], described_obstacles, strict=True)
+        ]
     return Scene(
         name=scene_name,
         fidelity=scenario.fidelity,
@@ -168,6 +174,15 @@ def _standalone_cargo(scenario: Scenario, folder: FilePath, label: str) -> list[
     found: list[dict[str, object]] = []
     for index, entry in enumerate(scenario.cargo):
         with _at(label, cargo_place(index, {"name": entry.name})):
+            found.append(entry.standalone(folder))
+    return found
+
+
+def _standalone_obstacles(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:
+    """What each obstacle needs in place of the files that it names."""
+    found: list[dict[str, object]] = []
+    for index, entry in enumerate(scenario.obstacle):
+        with _at(label, entry_place("obstacle", index, {"name": entry.name})):
             found.append(entry.standalone(folder))
     return found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from importlib import metadata
 from pathlib import Path
 
@@ -11,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.core.mesh_files import mesh_points
 from nospill.robots.description.catalog import load_robot
-from nospill.robots.description.collision_geometry import collision_capsules, enclosing_capsule, mesh_points
+from nospill.robots.description.collision_geometry import collision_capsules, enclosing_capsule
 from nospill.robots.robot import LinkCapsule
 
 SHARE = Path(str(metadata.distribution("numpy").locate_file("cmeel.prefix/share/example-robot-data/robots")))
@@ -69,7 +69,7 @@ def test_primitives_are_held_where_they_stand(shape: str, corners: list[list[flo
     [
         ('<mesh filename="none.stl"/>', "not there"),
         ('<mesh filename="package://none/a.stl"/>', "not there"),
-        ('<mesh filename="a.dae"/>', "STL and OBJ are read"),
+        ('<mesh filename="a.dae"/>', "give an STL or OBJ file"),
         ('<mesh filename="empty.stl"/>', "holds no solid"),
         ('<mesh filename="text.obj"/>', "could not convert"),
         ('<box size="1 2"/>', "3 numbers"),
@@ -84,21 +84,6 @@ def test_what_cannot_be_read_is_said(tmp_path: Path, shape: str, reason: str) ->
         (tmp_path / name).write_text(content)
     read = collision_capsules(ROBOT.format(at="0 0 0", turn="0 0 0", shape=shape), tmp_path)
     assert read.capsules == () and reason in read.unread["a"]
-
-
-def test_both_kinds_of_stl_and_obj_give_the_same_corners(tmp_path: Path) -> None:
-    corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 0]]], dtype=float)
-    binary = b"solid" + b" " * 75 + struct.pack("<I", 2)
-    text, obj = "solid a\n", ""
-    for facet in corners:
-        binary += struct.pack("<12fH", 0, 0, 0, *facet.ravel(), 0)
-        text += "facet normal 0 0 0\nouter loop\n" + "".join(f"  vertex {x} {y} {z}\n" for x, y, z in facet)
-        obj += "".join(f"v {x} {y} {z}\n" for x, y, z in facet)
-    (tmp_path / "b.stl").write_bytes(binary)
-    (tmp_path / "t.STL").write_text(text)
-    (tmp_path / "o.obj").write_text(obj)
-    for name in ("b.stl", "t.STL", "o.obj"):
-        np.testing.assert_allclose(mesh_points(tmp_path / name), corners.reshape(-1, 3))
 
 
 def meshes(folder: str) -> dict[str, np.ndarray]:

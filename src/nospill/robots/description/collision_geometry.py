@@ -7,20 +7,18 @@ OBJ files; of others, and of files that are not there, the link is left to the e
 from __future__ import annotations
 
 import re
-import struct
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
+from nospill.core.files import UnreadableError
+from nospill.core.mesh_files import hull_corners, mesh_points
 from nospill.core.shapes import box_shape, cylinder_shape, polyhedron
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.robot import LinkCapsule
 
-LARGEST_MESH = 10_000_000
-"""Bytes."""
-_FACET = struct.Struct("<12fH")
 _WIDENINGS = (1.0, 1.03, 1.08, 1.15, 1.25)
 """Radii that are tried, in parts of the least one about an axis: a wider capsule may be a shorter one."""
 _ROUNDING = 1e-9
@@ -39,7 +37,7 @@ class CollisionCapsules:
     unread: dict[str, str]
 
 
-class _UnreadableError(Exception):
+class _GeometryError(Exception):
     """An element that gives no points; says why."""
 
 
@@ -56,7 +54,7 @@ def collision_capsules(text: str, folder: Path) -> CollisionCapsules:
         name = link.get("name", "")
         try:
             own = [_capsule(name, element, folder) for element in link.findall("collision")]
-        except _UnreadableError as error:
+        except _GeometryError as error:
             unread[name] = str(error)
         else:
             found += own
@@ -113,7 +111,7 @@ def _capsule(link: str, element: ElementTree.Element, folder: Path) -> LinkCapsu
     geometry = element.find("geometry")
     shape = None if geometry is None or not len(geometry) else geometry[0]
     if shape is None:
-        raise _UnreadableError("a collision element without geometry")
+        raise _GeometryError("a collision element without geometry")
     if shape.tag == "sphere":
         start = end = np.zeros(3)
         radius = _numbers(shape.get("radius"), 1)[0]
@@ -123,7 +121,7 @@ def _capsule(link: str, element: ElementTree.Element, folder: Path) -> LinkCapsu
     else:
         start, end, radius = enclosing_capsule(_points(shape, folder))
     if not radius > 0.0:
-        raise _UnreadableError(f"a <{shape.tag}> of no size")
+        raise _GeometryError(f"a <{shape.tag}> of no size")
     ends = [tuple((place + turn @ point).tolist()) for point in (start, end)]
     return LinkCapsule(link, ends[0], ends[1], float(radius))
 
@@ -136,19 +134,12 @@ def _points(shape: ElementTree.Element, folder: Path) -> np.ndarray:
         return polyhedron(cylinder_shape(radius, length))
     if shape.tag == "mesh":
         scale = _numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0))
-        return _outermost(mesh_points(_mesh_file(shape.get("filename", ""), folder))) * scale
-    raise _UnreadableError(f"a <{shape.tag[:20]}>, which is not known")
-
-
-def _outermost(points: np.ndarray) -> np.ndarray:
-    """The corners of the hull alone, where there is one."""
-    # imported here: slow to import, and needed for meshes only
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return points[ConvexHull(points).vertices]
-    except QhullError:
-        return points
+        name = shape.get("filename", "")
+        try:
+            return hull_corners(mesh_points(_mesh_file(name, folder))) * scale
+        except UnreadableError as error:
+            raise _GeometryError(f"mesh file {name[:80]!r}, which {error}") from None
+    raise _GeometryError(f"a <{shape.tag[:20]}>, which is not known")
 
 
 def _mesh_file(name: str, folder: Path) -> Path:
@@ -163,40 +154,7 @@ def _mesh_file(name: str, folder: Path) -> Path:
                 return place
         except (OSError, ValueError):  # ValueError: a NUL character in the path
             break
-    raise _UnreadableError(f"mesh file {name[:80]!r}, which is not there")
-
-
-def mesh_points(file: Path) -> np.ndarray:
-    """Corners (k, 3) of the triangles in an STL file (binary or text) or of an OBJ file, in its own unit."""
-    kind = file.suffix.lower()
-    if kind not in (".stl", ".obj"):
-        raise _UnreadableError(f"mesh file {file.name!r}; STL and OBJ are read")
-    if file.stat().st_size > LARGEST_MESH:
-        raise _UnreadableError(f"mesh file {file.name!r}, which is larger than {LARGEST_MESH / 1e6:g} MB")
-    try:
-        data = file.read_bytes()
-        points = _obj_points(data.decode()) if kind == ".obj" else _stl_points(data)
-    except (OSError, ValueError, struct.error) as error:
-        raise _UnreadableError(f"mesh file {file.name!r}: {error}") from None
-    if len(points) < 4 or not np.all(np.isfinite(points)):
-        raise _UnreadableError(f"mesh file {file.name!r}, which holds no solid")
-    return points
-
-
-def _stl_points(data: bytes) -> np.ndarray:
-    count = int.from_bytes(data[80:84], "little")
-    if len(data) >= 84 and len(data) == 84 + count * _FACET.size:
-        facets = np.frombuffer(data, np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("end", "<u2")]), offset=84)
-        return facets["corners"].reshape(-1, 3).astype(float)
-    return _rows(re.findall(r"^\s*vertex\s+(.+)$", data.decode("ascii"), re.MULTILINE))
-
-
-def _obj_points(text: str) -> np.ndarray:
-    return _rows(re.findall(r"^\s*v\s+(.+)$", text, re.MULTILINE))
-
-
-def _rows(lines: list[str]) -> np.ndarray:
-    return np.array([[float(word) for word in line.split()[:3]] for line in lines]).reshape(-1, 3)
+    return places[0]
 
 
 def _numbers(text: str | None, count: int, standard: tuple[float, ...] | None = None) -> np.ndarray:
@@ -205,5 +163,5 @@ def _numbers(text: str | None, count: int, standard: tuple[float, ...] | None = 
     except ValueError:
         values = np.empty(0)
     if values.shape != (count,) or not np.all(np.abs(values) < 1e6):
-        raise _UnreadableError(f"{str(text)[:40]!r} where {count} numbers must stand")
+        raise _GeometryError(f"{str(text)[:40]!r} where {count} numbers must stand")
     return values.astype(float)

@@ -14,7 +14,7 @@ _MOST = 8
 """Panels; the ones that come nearest to their limits are drawn."""
 
 
-def clearance_figure(evidence: Evidence) -> Figure | None:
+def distances_figure(evidence: Evidence) -> Figure | None:
     """One panel per obstacle with what is nearest to it, and one for the arm with itself; None without obstacles."""
     played = evidence.judgement.replay
     t = np.linspace(played.t[0], played.t[-1], _INSTANTS)

@@ -13,7 +13,7 @@ from nospill.collisions.over_time import nearest_over_time
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
-from nospill.plots.clearance import clearance_figure
+from nospill.plots.distances import distances_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import LOOK
 from nospill.scene.scene import Scene
@@ -45,7 +45,7 @@ def obstacles(scene: Scene) -> list[dict[str, object]]:
 
 def test_a_panel_for_each_obstacle_and_one_for_the_arm(evidence: Evidence) -> None:
     with matplotlib.rc_context(LOOK):
-        figure = clearance_figure(evidence)
+        figure = distances_figure(evidence)
     assert figure is not None
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     assert titles == ["to column", "to table", "to ball", "arm with itself and its load"]
@@ -59,4 +59,4 @@ def test_a_panel_for_each_obstacle_and_one_for_the_arm(evidence: Evidence) -> No
 def test_none_without_obstacles(evidence: Evidence) -> None:
     bare = replace(evidence.plan.scene, obstacles=())
     assert nearest_over_time(bare, evidence.plan.trajectory.joint_position) == ()
-    assert clearance_figure(Evidence(replace(evidence.plan, scene=bare), evidence.judgement)) is None
+    assert distances_figure(Evidence(replace(evidence.plan, scene=bare), evidence.judgement)) is None

@@ -1,0 +1,76 @@
+"""Corners of meshes in STL files (binary or text) and OBJ files, and those of their hulls."""
+
+from __future__ import annotations
+
+import os
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from nospill.core.files import MissingFileError, UnreadableError
+
+LARGEST_MESH = 10_000_000
+"""Bytes."""
+MESH_FORMATS = (".stl", ".obj")
+
+_FACET = struct.Struct("<12fH")
+_RECORD = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("end", "<u2")])
+
+
+def mesh_points(file: str | os.PathLike[str]) -> np.ndarray:
+    """Corners (k, 3) of the triangles in a file, in its own unit.
+
+    Raises:
+        UnreadableError: it is missing, too large, of another format, or holds no numbers; the reason alone.
+    """
+    path = Path(file)
+    kind = path.suffix.lower()
+    if kind not in MESH_FORMATS:
+        raise UnreadableError("is no mesh that can be read; give an STL or OBJ file")
+    try:
+        if not path.is_file():
+            raise MissingFileError("is not there")
+        size = path.stat().st_size
+        if size > LARGEST_MESH:
+            raise UnreadableError(f"is larger than {LARGEST_MESH / 1e6:g} MB ({size / 1e6:.1f} MB); simplify it")
+        data = path.read_bytes()
+        points = _obj_points(data.decode()) if kind == ".obj" else _stl_points(data)
+    except OSError as error:
+        raise UnreadableError(f"cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a NUL character in the path, bytes that are no text, words that are no numbers
+        raise UnreadableError(f"cannot be read: {error}") from None
+    if len(points) < 4 or not np.all(np.isfinite(points)):
+        raise UnreadableError("holds no solid")
+    return points
+
+
+def hull_corners(points: np.ndarray) -> np.ndarray:
+    """The corners (n, 3) of the hull of points (k, 3).
+
+    Raises:
+        UnreadableError: they lie in a plane.
+    """
+    # imported here: slow to import, and needed for meshes only
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return points[ConvexHull(points).vertices]
+    except QhullError:
+        raise UnreadableError("holds no solid: its corners lie in a plane") from None
+
+
+def _stl_points(data: bytes) -> np.ndarray:
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) >= 84 and len(data) == 84 + count * _FACET.size:
+        return np.frombuffer(data, _RECORD, offset=84)["corners"].reshape(-1, 3).astype(float)
+    return _rows(re.findall(r"^\s*vertex\s+(.+)$", data.decode("ascii"), re.MULTILINE))
+
+
+def _obj_points(text: str) -> np.ndarray:
+    return _rows(re.findall(r"^\s*v\s+(.+)$", text, re.MULTILINE))
+
+
+def _rows(lines: list[str]) -> np.ndarray:
+    return np.array([[float(word) for word in line.split()[:3]] for line in lines]).reshape(-1, 3)
