@@ -51,6 +51,7 @@ def test_the_trapezoid_is_certified_and_no_shorter_one_near_it_is() -> None:
     assert 2.2 < found.end_time < 2.6
 
 
+@pytest.mark.slow
 def test_what_has_no_certified_motion_is_left_out(
     gentle_plan: Callable[..., Plan], monkeypatch: pytest.MonkeyPatch
 ) -> None:

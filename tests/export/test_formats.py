@@ -242,6 +242,7 @@ def test_bag_as_the_library_reads_it(planned, written):
 # --- poses of the tray ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_tray_poses_are_those_of_the_plan(gentle_plan, tmp_path):
     plan, path = gentle_plan("mixed-tray", 1), tmp_path / "a.csv"
     EXPORTERS["tray-csv"].write(resampled(plan.trajectory, 500.0), plan.scene, path)

@@ -111,6 +111,7 @@ def approach_rules(scene: Scene, path: JointPath) -> ApproachRules:
     return ApproachRules(start, False, full, full, 10 * full, 1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_nothing_is_judged_or_imported_without_obstacles(passing) -> None:
     scene, _, record = passing
     bare = replace(scene, obstacles=())
@@ -128,6 +129,7 @@ def test_without_coal_the_extra_is_named(passing, monkeypatch: pytest.MonkeyPatc
         certify(record, replace(scene))
 
 
+@pytest.mark.slow
 def test_a_folder_whose_obstacle_was_moved_is_not_certified(passing, tmp_path: Path) -> None:
     """The folder's scenario is what its trajectory is judged by, whatever the saved certificate says."""
     scene, _, record = passing

@@ -57,6 +57,7 @@ def test_holds_are_the_fewest_periods_that_are_long_enough(before, after, rate):
         assert periods == 0 or (periods - 1) / rate < wanted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100.0, 300.0, 500.0])
 @pytest.mark.parametrize(("before", "after"), [(0.5, 0.3), (0.0, 0.25), (0.123, 0.0)])
 def test_samples_stand_exactly_and_the_motion_between_is_untouched(held_plan, rate, before, after):
@@ -105,6 +106,7 @@ def test_the_judge_sees_the_holds_and_the_duration_does_not(held_plan):
     assert np.allclose(played.slosh_displacement[inside], short.slosh_displacement, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_wave_that_comes_back_in_the_hold_is_judged(held_plan):
     """Cut off in full swing: the height passes its limit only after the end, where only the hold is looked at."""
     plan = held_plan(0.0, 0.0)
@@ -157,6 +159,7 @@ def test_a_file_without_its_holds_is_refused(held_plan, tmp_path, name):
         judge_file(plan, exporter, path)
 
 
+@pytest.mark.slow
 def test_a_rate_is_found_with_holds_too(held_plan):
     assert rate_that_would_do(held_plan(0.123, 0.05), EXPORTERS["mat"]) is not None
 

@@ -52,7 +52,7 @@ def moved(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {}, "none", {}, "start (1, 2) deg")
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
+        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement)
 
     return make
 
@@ -67,12 +67,14 @@ def loaded(moved) -> Plan:
     return with_approach(moved(shift=[0.5, 0, 0, 0, 0, 0], tray="loaded"))
 
 
+@pytest.mark.slow
 def test_a_plan_that_asks_for_none_is_left_alone(moved):
     plan = moved()
     bare = replace(plan, scene=replace(plan.scene, approach=None))
     assert with_approach(bare) is bare
 
 
+@pytest.mark.slow
 def test_the_certificate_has_the_rows_of_both(whole, moved):
     assert whole.approach is not None and whole.certificate.ok
     own = [row for row in whole.certificate.rows if row.constraint.startswith(APPROACH)]
@@ -124,6 +126,7 @@ def test_it_comes_back_from_its_folder_and_is_judged_the_same(loaded, tmp_path):
         load_plan(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_folders_of_earlier_versions_are_read(moved, tmp_path):
     plan = moved()
     source = {key: value for key, value in plan.scene.source.items() if key != "approach"}
@@ -157,6 +160,7 @@ def test_a_failed_summary_has_the_new_keys(whole):
     assert list(failed_summary("x", "no")) == list(whole.summary())
 
 
+@pytest.mark.slow
 def test_a_loaded_tray_that_leans_too_far_is_refused_and_the_constraint_named(moved):
     with pytest.raises(NoSolutionError, match=r"No approach found: .*c1.*start nearer") as caught:
         with_approach(moved(shift=[0.3, 0, 0, 0, 0.8, 0], tray="loaded"))
@@ -220,6 +224,7 @@ def test_export_and_check_tell_of_it(whole, tmp_path):
     assert "nothing checks for collisions" in answer.stdout
 
 
+@pytest.mark.slow
 def test_export_refuses_what_is_not_there(moved, tmp_path):
     plan = moved()
     source = {key: value for key, value in plan.scene.source.items() if key != "approach"}
@@ -270,6 +275,7 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
     assert np.array_equal(plan.approach.samples.position[0], home)  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 def test_an_obstacle_between_is_named(moved) -> None:
     """A ball where the flange is half-way to the start, and the same out of the way."""
     pytest.importorskip("coal")

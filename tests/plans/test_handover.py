@@ -81,6 +81,7 @@ def test_no_rate_would_do_for_a_motion_that_is_too_fast(gentle_plan):
     assert rate_that_would_do(replace(plan, scene=slow), EXPORTERS["mat"]) is None
 
 
+@pytest.mark.slow
 def test_the_planned_motion_as_its_own_receiver_changes_no_verdict(gentle_plan):
     plan = gentle_plan("matrix-liquid-soft-end", 1)
     record = plan.trajectory

@@ -55,6 +55,7 @@ def test_what_is_wanted_is_said_in_one_sentence(call: Any, told: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_plan_is_no_scene_and_a_name_no_scene_to_judge_by(gentle_plan) -> None:
     plan: Plan = gentle_plan("matrix-liquid")
     with pytest.raises(NospillError, match=r"its scene is plan\.scene"):

@@ -35,6 +35,7 @@ def test_after_the_wait_the_surface_stays_below_two_per_cent_and_shortly_before_
     assert heights[(later >= 0.9 * wait) & (later < wait)].max() > 0.9 * still
 
 
+@pytest.mark.slow
 def test_a_summary_says_it_and_liquids_without_damping_never_rest(gentle_plan) -> None:
     plan: Plan = gentle_plan("matrix-liquid-soft-end")
     assert plan.summary()["settling_s"] == pytest.approx(settling_time(plan.scene, plan.certificate))

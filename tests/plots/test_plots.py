@@ -254,6 +254,7 @@ def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, picture
         assert len(series(axes)) == sum(trace.constraint == name for trace in tilting.judgement.traces) > 0
 
 
+@pytest.mark.slow
 def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
     """A constraint that plots has never heard of, which may be missing for some objects."""
     known = next(constraint for constraint in CONSTRAINTS if constraint.name == "tip")

@@ -80,6 +80,7 @@ def test_figures_turn_red_where_their_limit_fails(slow_report: Report, fast_repo
     assert page.count("<li class='fails'>") == sum(not tile.ok for tile in fast_report.tiles)
 
 
+@pytest.mark.slow
 def test_warnings_are_those_of_the_judged_motion(slow_report: Report, slow_plan: Plan) -> None:
     assert slow_report.warnings.rows == (("none", "", ""),)
     tightened = replace(slow_plan, report=replace(slow_plan.report, backoff={"slip | cup": 0.2}))
@@ -111,6 +112,7 @@ def test_the_verdict_is_that_of_the_samples_not_of_the_file(fast_plan: Plan, slo
     assert report.detail.startswith(f"{failed} of {len(fast_plan.certificate.rows)} rows fail")
 
 
+@pytest.mark.slow
 def test_checksum_is_that_of_the_file(folder: Path, slow_report: Report) -> None:
     digest = hashlib.sha256((folder / TRAJECTORY_FILE).read_bytes()).hexdigest()
     for report in (slow_report, make_report(load_plan(folder))):
@@ -118,6 +120,7 @@ def test_checksum_is_that_of_the_file(folder: Path, slow_report: Report) -> None
         assert f"{digest[:16]}…{digest[-8:]}" in stated
 
 
+@pytest.mark.slow
 def test_controller_files_that_differ_are_marked(slow_plan: Plan) -> None:
     report = make_report(slow_plan, controller_files={"robot.csv": "moves otherwise"})
     (index,) = report.versions.failing

@@ -119,6 +119,7 @@ def test_figures_are_vector_pictures_without_addresses(hostile_page: str) -> Non
         assert all(link.startswith("#") for link in links)
 
 
+@pytest.mark.slow
 def test_same_plan_gives_the_same_page(hostile_page: str, hostile_plan: Plan) -> None:
     report = make_report(hostile_plan)
     assert html_page(report, report_svgs(report.evidence)) == hostile_page

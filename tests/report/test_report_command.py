@@ -46,6 +46,7 @@ def record(folder: Path, report: VerifyReport) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_page_goes_beside_the_folder_and_nothing_into_it(folder: Path) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     result = nospill("report", folder)
@@ -109,6 +110,7 @@ def test_no_plan_no_report(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_an_old_report_survives_a_disk_that_refuses(
     slow_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,6 +150,7 @@ def test_no_record_is_no_verdict(folder: Path, slow_plan: Plan) -> None:
     assert read_second_opinion(folder, slow_plan.scene) is NOT_ASKED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moved", [None, "block"])
 def test_record_is_shown(folder: Path, slow_plan: Plan, moved: str | None) -> None:
     wanted = simulated(slow_plan.scene, moved=moved)

@@ -48,6 +48,7 @@ def bounded_from_above(pair: tuple[ast.expr, ast.expr], by: ast.cmpop) -> bool:
     return ordered and isinstance(large, ast.Constant) and bool(MEASURED.search(ast.unparse(small)))
 
 
+@pytest.mark.slow
 def test_no_test_reads_a_clock() -> None:
     found = {label(path): clocks_read(ast.parse(path.read_text())) for path in FILES}
     assert not any(found.values()), f"wait by tests/waiting.py, or count what is to be fast: {found}"

@@ -86,6 +86,7 @@ def outside(path: Path) -> frozenset[str]:
 FILES = [*python_files("src"), *python_files("benchmarks"), *python_files("tests")]
 
 
+@pytest.mark.slow
 def test_what_is_imported_is_brought_by_the_tests_requirements(files_brought: frozenset[str]) -> None:
     importers = {name: path for path in FILES if DOCS not in path.parents for name in outside(path)}
     assert len(importers) > 10

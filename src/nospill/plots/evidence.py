@@ -23,7 +23,7 @@ from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import Plan
 from nospill.plans.records import MotionMaxima, motion_maxima
 
-_SPEEDS = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 28))
+_SPEEDS = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 19))
 """Parts of the planned speed."""
 
 AFTER_END = 0.4

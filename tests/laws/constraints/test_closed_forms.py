@@ -209,7 +209,9 @@ def test_joints_are_measured_against_the_nearer_limit():
 
 def test_the_table_has_every_constraint_once():
     """A class that is not in the table constrains nothing."""
-    assert {type(constraint) for constraint in (*CONSTRAINTS, *JUDGED_ALONE)} == set(_leaves(Constraint))
+    assert {type(constraint) for constraint in (*CONSTRAINTS, *JUDGED_ALONE)} == {
+        leaf for leaf in _leaves(Constraint) if leaf.__module__.startswith("nospill.")
+    }  # other tests make their own
 
 
 def _leaves(parent: type) -> list[type]:

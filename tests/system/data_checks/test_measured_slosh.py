@@ -16,7 +16,7 @@ from nospill.simulation.compare import Comparison
 from nospill.simulation.motion_file import read_heights
 from tests.builders import measured_data
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
 Runs = dict[str, tuple[Comparison, ...]]
 ONE_MODE, TWO_MODES, CORRECTED = range(3)

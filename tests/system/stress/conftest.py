@@ -26,7 +26,7 @@ def small_plan(smooth_motion: Callable[..., object]) -> Plan:
         motion_maxima(judgement, scene),
         report,
         judgement,
-    )
+    ).with_second_looks()
 
 
 def _faithful(scene):

@@ -89,6 +89,7 @@ def test_samples_swapped(subject: Subject, data: st.DataObject) -> None:
     assert not subject.certified(**changed)
 
 
+@pytest.mark.slow
 @given(st.floats(0.3, 0.9))
 @QUICK
 def test_played_faster(subject: Subject, factor: float) -> None:

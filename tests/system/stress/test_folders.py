@@ -168,6 +168,7 @@ def test_two_plans_into_one_folder(saved: Path, small_plan: Plan, tmp_path: Path
     assert os.listdir(target.parent) == ["plan"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("there", ["plan", "foreign", "nothing"])
 def test_a_link_in_the_place_of_the_folder(small_plan: Plan, tmp_path: Path, there: str) -> None:
     """It is followed, and what it leads to is held to the same rule."""
