@@ -105,6 +105,7 @@ def test_a_broken_row_of_the_approach_breaks_the_certificate(whole):
 
 
 def test_it_comes_back_from_its_folder_and_is_judged_the_same(loaded, tmp_path):
+    loaded = loaded.with_second_looks()
     loaded.save(tmp_path / "out")
     back = load_plan(tmp_path / "out")
     assert back.approach is not None and loaded.approach is not None
