@@ -16,7 +16,6 @@ ROOT = Path(__file__).parents[2]
 
 ONE_OF_EACH = (
     "over the tray's edge",
-    "weak elbow of seven joints",
     "starts out of reach",
     "turn beyond the wrist",
     "approach from outside the limits",

@@ -242,27 +242,3 @@ def test_what_is_wrong_is_marked_and_plans_nothing(
     far = camera.position
     page.set_viewport_size({"width": 600, "height": 800})
     until(page, lambda: bool(np.any(np.abs(camera.position - far) > 0.1)), "the camera stands back in a narrow window")
-
-
-def test_two_tabs_are_independent(running: tuple[str, dict[int, Session]], open_tab: Callable[..., Any]) -> None:
-    address, sessions = running
-    one, two = open_tab(address), open_tab(address)
-    assert len(sessions) == 2
-    first, second = sessions.values()
-    drag(one, 0, 50.0, 0.0)
-    until(one, lambda: first.draft.value(("cargo", 0, "at")) == ["50 mm", "70 mm"], "moved in one tab")
-    field(two, "Liquid height").fill("40 mm")
-    until(two, lambda: second.draft.value(("cargo", 0, "liquid_height")) == "40 mm", "filled in the other")
-    assert second.draft.value(("cargo", 0, "at")) == ["0 mm", "70 mm"]
-    assert first.draft.value(("cargo", 0, "liquid_height")) == "49 mm"
-    assert field(one, "Liquid height").input_value() == "49 mm"
-    assert field(two, "At x").input_value() == "0 mm"
-    for page in (one, two):
-        press(page, "Plan")
-    durations = []
-    for page in (one, two):
-        page.wait_for_selector("#nospill-verdict")
-        durations.append(float(page.get_attribute("#nospill-verdict", "data-duration")))
-    assert abs(durations[0] - durations[1]) > 1e-6
-    two.close()
-    until(one, lambda: len(sessions) == 1, "the session of the closed tab has ended")

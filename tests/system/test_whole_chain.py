@@ -83,7 +83,7 @@ def test_a_real_plan_is_checked_and_drawn_again(
     drawn = real("plot", str(copy))
     assert drawn.returncode == 0, drawn.stderr
     assert {Path(line).name for line in drawn.stdout.splitlines()} == {
-        f"{name}.png" for name in ("joints", "limits", "margins", "summary", "tilt")
+        f"{name}.png" for name in ("joints", "limits", "margins", "other-speeds", "summary", "tilt")
     }
 
 
