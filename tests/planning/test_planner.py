@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from nospill.errors import NoSolutionError
-from nospill.judge.certificate import certify
 from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
@@ -21,7 +20,6 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import build_problem
@@ -35,73 +33,6 @@ pytestmark = pytest.mark.slow
 
 Changed = Callable[..., Scene]
 Example = Callable[[str], Plan]
-
-# --- the examples ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_every_example_is_certified(name: str, example_plan: Example) -> None:
-    found = example_plan(name)
-    assert found.status == found.certificate.word and found.certificate.ok
-    assert all(row.ok and row.worst_margin >= 0.0 for row in found.certificate.rows)
-    # Judged again from the record alone.
-    assert certify(found.trajectory, found.scene) == found.certificate
-    # The fastest motion meets a limit of the scene, and meets it closely.
-    names = {constraint.name for constraint in CONSTRAINTS}
-    assert 0.99 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
-    report = found.report
-    assert report.starts.tried >= report.starts.converged == len(report.starts.durations) >= report.starts.agreed >= 1
-    assert 0 < report.solve_time < report.plan_time and report.iterations > 0
-    assert sum(report.phases.values()) <= report.plan_time
-    assert {"build", "solve", "certify"} <= set(report.phases)
-
-
-@pytest.mark.parametrize(
-    ("name", "duration", "acceleration"),
-    [
-        ("matrix-liquid", pytest.approx(1.843, rel=0.007), pytest.approx(5.36, rel=0.03)),
-        ("matrix-rigid", pytest.approx(1.40, rel=0.01), pytest.approx(6.03, rel=0.02)),
-    ],
-)
-def test_published_figures(name: str, duration: float, acceleration: float, example_plan: Example) -> None:
-    assert example_plan(name).duration == duration
-    assert example_plan(name).maxima.tray_acceleration == acceleration
-
-
-def test_the_rigid_experiment_tilts_and_saturates_the_first_joint(example_plan: Example) -> None:
-    found = example_plan("matrix-rigid")
-    assert np.degrees(found.maxima.tilt) == pytest.approx(19.9, abs=0.5)
-    speed = np.max(np.abs(found.trajectory.joint_speed), axis=0) / found.scene.robot.max_speed
-    assert np.argmax(speed) == 0 and 0.99 <= speed[0] <= 1.0
-
-
-@pytest.mark.parametrize(
-    ("name", "longest"),
-    [("matrix-liquid-soft-end", 1.73), ("matrix-liquid-still", 2.05), ("matrix-liquid-tilt", 1.57)],
-)
-def test_durations_that_were_promised(name: str, longest: float, example_plan: Example) -> None:
-    assert example_plan(name).duration <= longest
-
-
-@pytest.mark.parametrize(("fidelity", "longest"), [("full", 1.57), ("deliverable", 1.50)])
-def test_tilting_saves_an_eighth(fidelity: str, longest: float, example_plan: Example, changed_scene: Changed) -> None:
-    def planned(tilt: str) -> Plan:
-        if (fidelity, tilt) == ("full", "free"):
-            return example_plan("matrix-liquid-tilt")
-        return plan(changed_scene("matrix-liquid-tilt", {"fidelity": fidelity, "motion.tilt": tilt}))
-
-    tilting, level = planned("free"), planned("fixed")
-    assert tilting.certificate.ok and level.certificate.ok
-    assert level.maxima.tilt < 1e-6 < 0.2 < tilting.maxima.tilt
-    assert tilting.duration <= longest
-    assert tilting.duration <= 0.88 * level.duration
-
-
-def test_a_harder_end_takes_longer(example_plan: Example) -> None:
-    names = ("matrix-liquid-soft-end", "matrix-liquid", "matrix-liquid-still")
-    soft, published, still = (example_plan(name).duration for name in names)
-    assert soft < published < still
-
 
 # --- the same answer another way ------------------------------------------------------------------------------------
 
