@@ -156,7 +156,8 @@ def full_model_note(certificate: Certificate) -> str:
     heights, others = [], []
     for name, row in worst.items():
         if name in _HEIGHTS:
-            over = f"{100 * (row.use - 1):.2g} % over its limit"
+            excess = 100 * (row.use - 1)
+            over = f"{excess:.{0 if excess >= 9.95 else 1}f} % over its limit"
             heights.append(f'{1e3 * row.worst_value:.3g} mm in "{row.label}"{_HEIGHTS[name]}, {over}')
         elif name in _BREAKS:
             others.append(f'"{row.label}" {_BREAKS[name]}, {100 * row.use:.0f} %')
