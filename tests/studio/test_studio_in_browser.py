@@ -121,11 +121,12 @@ def test_a_phone_and_a_keyboard_suffice_to_move_fill_plan_and_save(
         assert scene["width"] == 400.0 and scene["y"] + scene["height"] <= sheet["y"]  # side by side, not behind
         assert sheet["x"] >= 0.0 and sheet["x"] + sheet["width"] <= 400.0
         tab_to(page, "left, x ")
-        for _ in range(3):
-            keys.press("ArrowRight")
-        keys.press("ArrowDown")
-        until(page, lambda: field(page, "At x").input_value() == "15 mm", "the cup has moved")
-        until(page, lambda: field(page, "At y").input_value() == "65 mm", "the cup has moved")
+        for key, name, place in (("Right", "At x", "5 mm"), ("Right", "At x", "10 mm"), ("Down", "At y", "65 mm")):
+            keys.press(f"Arrow{key}")
+            until(page, lambda name=name, place=place: field(page, name).input_value() == place, "the cup has moved")
+            page.wait_for_function(
+                "document.activeElement.id == 'nospill-object-0'"
+            )  # drawn anew, it has the focus again
         tab_to(page, "Liquid height")
         assert page.get_attribute(":focus", "placeholder") == "from the volume"
         keys.press("Control+a")
