@@ -14,6 +14,7 @@ from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
 from nospill.scenario.described import described, difference
 from nospill.scenario.examples import EXAMPLES
+from nospill.scenario.reader import is_as_read
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.liquids import LIQUIDS
@@ -100,3 +101,12 @@ def test_what_is_wrong_or_cannot_be_said_is_refused(change: Callable[[Scene], Sc
     with pytest.raises(ScenarioError, match=told) as caught:
         described(change(SCENE))
     assert "\n" not in str(caught.value)
+
+
+def test_only_the_scene_itself_with_its_own_source_is_as_read() -> None:
+    scene = read_scenario("pp-two-cups")
+    assert is_as_read(scene)
+    assert not is_as_read(replace(scene))
+    source: Any = scene.source
+    source["tray"] = {**source["tray"], "friction": 0.1}
+    assert not is_as_read(scene)

@@ -12,7 +12,7 @@ import numpy as np
 from nospill.core.units import DIMENSIONS
 from nospill.errors import ScenarioError
 from nospill.robots.robot import Robot
-from nospill.scenario.reader import scene_from_table
+from nospill.scenario.reader import is_as_read, scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.obstacles import Obstacle
@@ -60,6 +60,8 @@ def described(scene: Scene) -> Scene:
         ScenarioError: the changed scenario describes no possible task, or no scenario describes the scene (another
             path, masses that contradict the sizes); names what.
     """
+    if is_as_read(scene):
+        return scene
     original = scene_from_table(scene.source, name=scene.name)
     _require_kinds(scene, original)
     if difference(original, scene) is None and _same(original.start_near, scene.start_near):
