@@ -18,7 +18,7 @@ from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 
 _WARM_BARRIER = 1e-6
-_PUSH_IF_BROKEN = 0.05
+_PUSH_IF_BROKEN = 0.09
 _BROKEN_ITERATIONS = 50
 
 
