@@ -161,3 +161,10 @@ def test_what_the_reader_refuses_can_be_read_with_the_change(
 def _by_name(place: str) -> str:
     head, *rest = place.split(".")
     return place if head != "cargo" else ".".join([head, f"c{int(rest[0]) + 1}", *rest[1:]])
+
+
+def test_a_limit_of_the_path_parameter_takes_the_place_of_one_in_metres(changed_scene: Callable[..., Scene]) -> None:
+    scene = changed_scene("pp-two-cups", {"motion": {"max_jerk": "20 m/s^3"}})
+    changed = with_change(scene, Change("path jerk", "motion.path_jerk_limit", 39.6, "path_jerk_limit 39.6 1/s^3"))
+    assert changed.motion.path_jerk_limit == 39.6
+    assert scene.source["motion"] == {"max_jerk": "20 m/s^3"}

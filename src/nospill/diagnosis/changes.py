@@ -23,6 +23,8 @@ def with_change(scene: Scene, change: Change) -> Scene:
 def changed_table(table: Mapping[str, Any], change: Change) -> dict[str, Any]:
     """The parsed content of a scenario file with a change made; the table given stays as it is.
 
+    A `path_jerk_limit` takes the place of a `max_jerk`.
+
     Args:
         table: keys and values as in the file.
         change: as an error suggests it.
@@ -30,7 +32,10 @@ def changed_table(table: Mapping[str, Any], change: Change) -> dict[str, Any]:
     Raises:
         ScenarioError: the change names an object that is not on the tray.
     """
-    return with_value(table, change.place, change.value)
+    changed = with_value(table, change.place, change.value)
+    if change.place == "motion.path_jerk_limit":
+        changed["motion"].pop("max_jerk", None)  # in the place of which it stands
+    return changed
 
 
 def advice(changes: Sequence[Change], otherwise: str) -> str:
