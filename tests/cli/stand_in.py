@@ -16,7 +16,7 @@ from nospill.core.files import atomic_folder
 from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.plans.names import is_plan_folder
-from nospill.plans.summary import SUMMARY_KEYS, failed_summary
+from nospill.plans.plan import SUMMARY_KEYS, failed_summary
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plots import FIRST_FIGURES
 
@@ -111,7 +111,7 @@ class StandIn:
         functions = {
             "scenario": {"read_scenario": read_scenario},
             "planning.planner": {"plan": plan},
-            "plans.summary": {"failed_summary": failed_summary},
+            "plans.plan": {"failed_summary": failed_summary},
             "plans.loading": {"load_plan": load_plan},
             "plans.approach": {"judge_whole": judge_whole},
             "plans.settling": {"settling_time": lambda *_: 0.0, "AFTER_APPROACH": ""},

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.plans.summary import SUMMARY_KEYS
+from nospill.plans.plan import SUMMARY_KEYS
 from nospill.plots import FIRST_FIGURES
 from tests.cli.stand_in import StandIn, nospill, raising, row
 from tests.waiting import finished, wait_until

@@ -14,8 +14,7 @@ from nospill.comparison.compared import LEVEL, TRAPEZOID
 from nospill.comparison.trapezoid import _JERKS, along, profile
 from nospill.core.paths import straight_line
 from nospill.judge.certificate import certify
-from nospill.plans.plan import Plan
-from nospill.plans.summary import failed_summary
+from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario
 
 

@@ -26,10 +26,9 @@ from nospill.plans.approach import (
     with_approach,
 )
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import Plan
+from nospill.plans.plan import Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import AFTER_APPROACH, settling_time
-from nospill.plans.summary import failed_summary
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import write_scenario
 from nospill.scene.obstacles import Obstacle

@@ -17,9 +17,8 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate, Row, limit_use
 from nospill.judge.wording import describe, shown_unit
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import Plan
+from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
-from nospill.plans.summary import SUMMARY_KEYS, failed_summary
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_path_of, smooth_record

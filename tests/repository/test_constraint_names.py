@@ -26,7 +26,7 @@ OTHER_MEANINGS = {
         "comparison/compared.py": "key of a scenario",
         "judge/record_checks.py": "column of a trajectory",
         "judge/traces.py": "name of a symbol",
-        "plans/summary.py": "attribute of the largest figures",
+        "plans/plan.py": "attribute of the largest figures",
         "plots/figures.py": "name of a figure",
         "report/page.py": "name of a figure",
         "studio/fields.py": "key of a scenario",

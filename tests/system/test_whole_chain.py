@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from nospill.cli.progress import CERTIFICATE, COARSE, FINE
-from nospill.plans.summary import SUMMARY_KEYS
+from nospill.plans.plan import SUMMARY_KEYS
 from nospill.scenario.examples import example_path
 from tests.waiting import finished, run_python
 

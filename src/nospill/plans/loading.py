@@ -11,8 +11,7 @@ from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.names import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
-from nospill.plans.plan import Plan
-from nospill.plans.summary import restored_records
+from nospill.plans.plan import Plan, restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene

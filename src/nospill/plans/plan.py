@@ -1,23 +1,27 @@
-"""The record of one planning task: question, answer, verdict and cost."""
+"""The record of one planning task: question, answer, verdict and cost, and its summary."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from nospill.approach import Segment
 from nospill.judge.certificate import Judgement
 from nospill.judge.full_model import with_full_model
 from nospill.judge.limiting import held_back, would_save
-from nospill.judge.other_speeds import uses_at
+from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, remedy
+from nospill.judge.wording import describe, full_model_note, remedy
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
-from nospill.plans.records import MotionMaxima, PlanningReport, motion_maxima
-from nospill.plans.summary import summary_of
+from nospill.plans.names import APPROACH_FILE
+from nospill.plans.records import MotionMaxima, PlanningReport, Starts, motion_maxima
+from nospill.plans.settling import settling_time
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plans.warnings.speeds import other_speeds
@@ -89,7 +93,7 @@ class Plan:
 
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
-        return summary_of(self)
+        return {key: entry.written(self) for key, entry in _SUMMARY.items()}
 
     def timed(self, phase: str, seconds: float) -> Plan:
         """The same plan with the time of one more phase in its report."""
@@ -146,3 +150,147 @@ def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, repo
         judgement=judgement,
         warnings=plan_warnings(scene, judgement, report.backoff),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Computed:
+    """An entry of the summary that follows from the plan.
+
+    Attributes:
+        written: the plan -> its value.
+    """
+
+    written: Callable[[Plan], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """An entry of the summary that a plan folder is read back from.
+
+    Attributes:
+        record: attribute of the plan, "maxima" or "report".
+        name: attribute of that record.
+        to_json: its value -> what is written.
+        from_json: what is written -> its value.
+    """
+
+    record: str
+    name: str
+    to_json: Callable[[Any], Any] = lambda value: value
+    from_json: Callable[[Any], Any] = lambda value: value
+
+    def written(self, plan: Plan) -> Any:
+        """The value as it is written."""
+        return self.to_json(getattr(getattr(plan, self.record), self.name))
+
+
+def _degrees(angle: float) -> float:
+    return float(np.degrees(angle))
+
+
+def _radians(angle: float) -> float:
+    return float(np.radians(angle))
+
+
+def _starts(found: Mapping[str, Any]) -> Starts:
+    return Starts(found["tried"], found["converged"], found["agreed"], tuple(found["durations"]))
+
+
+def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
+    return {name: float(value) for name, value in dict(found).items()}
+
+
+def _speeds_written(uses: tuple[SpeedUse, ...] | None) -> list[dict[str, Any]] | None:
+    return None if uses is None else [asdict(item) for item in uses]
+
+
+def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | None:
+    return None if found is None else tuple(SpeedUse(**item) for item in found)
+
+
+def _settling(plan: Plan) -> float | None:
+    found = settling_time(plan.scene, plan.certificate)
+    return found if np.isfinite(found) else None
+
+
+def _largest_uses(plan: Plan) -> dict[str, float] | None:
+    uses = plan.maxima.other_speeds
+    return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
+
+
+def _certificate_summary(plan: Plan) -> dict[str, Any]:
+    worst = plan.certificate.worst
+    return {
+        "ok": plan.certificate.ok,
+        "worst_constraint": f"{worst.constraint} | {worst.label}",
+        "worst_margin": worst.worst_margin,
+        "full_model": full_model_note(plan.certificate),
+    }
+
+
+def _approach_summary(plan: Plan) -> dict[str, Any] | None:
+    segment = plan.approach
+    if segment is None:
+        return None
+    tray = "loaded" if segment.loaded else "empty"
+    return {"file": APPROACH_FILE, "duration_s": segment.duration, "tray": tray, "stretch": segment.stretch}
+
+
+_SUMMARY: dict[str, _Computed | _Kept] = {
+    "scenario": _Computed(lambda plan: plan.scene.name),
+    "status": _Computed(lambda plan: plan.status),
+    "message": _Computed(lambda plan: plan.message),
+    "duration_s": _Computed(lambda plan: plan.duration),
+    "plan_time_s": _Kept("report", "plan_time"),
+    "solve_time_s": _Kept("report", "solve_time"),
+    "iterations": _Kept("report", "iterations"),
+    "starts": _Kept("report", "starts", asdict, _starts),
+    "max_tray_acceleration_m_s2": _Kept("maxima", "tray_acceleration"),
+    "max_tray_angular_acceleration_rad_s2": _Kept("maxima", "tray_angular_acceleration"),
+    "max_tilt_deg": _Kept("maxima", "tilt", _degrees, _radians),
+    "max_joint_speed_use": _Kept("maxima", "joint_speed_use"),
+    "max_slosh_height_m": _Kept("maxima", "slosh_height"),
+    "residual_slosh_height_m": _Kept("maxima", "residual_height"),
+    "certificate": _Computed(_certificate_summary),
+    "held_back": _Computed(lambda plan: plan.held_back),
+    "time_at_limit": _Kept("maxima", "time_at_limit"),
+    "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
+    "largest_use_at_lower_speeds": _Computed(_largest_uses),
+    "settling_s": _Computed(_settling),
+    "would_save": _Computed(lambda plan: plan.would_save),
+    "savings_s": _Kept("report", "savings", from_json=_fractions),
+    "compared_s": _Kept("report", "compared", from_json=_fractions),
+    "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
+    "rounds": _Kept("report", "rounds"),
+    "backoff": _Kept("report", "backoff", from_json=_fractions),
+    "phases_s": _Kept("report", "phases"),
+    "solver_status": _Kept("report", "solver_status"),
+    "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
+    "branch": _Kept("report", "branch"),
+    "base_yaw": _Kept("report", "base_yaw"),
+    "approach": _Computed(_approach_summary),
+}
+
+
+SUMMARY_KEYS = tuple(_SUMMARY)
+"""Keys of the summary, in order; a failed one has them all, null from the duration on."""
+
+
+def failed_summary(scenario: str, message: str) -> dict[str, Any]:
+    """The summary of a scenario without a solution: all of `SUMMARY_KEYS`, null from the duration on."""
+    return dict.fromkeys(SUMMARY_KEYS) | {"scenario": scenario, "status": "failed", "message": message}
+
+
+def restored_records(summary: Mapping[str, Any]) -> tuple[MotionMaxima, PlanningReport]:
+    """Largest figures and cost of planning from a summary; a key that older plans lack has its default.
+
+    Raises:
+        KeyError: a key is missing.
+    """
+    known = (*fields(MotionMaxima), *fields(PlanningReport))
+    optional = {item.name for item in known if item.default is not MISSING or item.default_factory is not MISSING}
+    found: dict[str, dict[str, Any]] = {"maxima": {}, "report": {}}
+    for key, entry in _SUMMARY.items():
+        if isinstance(entry, _Kept) and (key in summary or entry.name not in optional):
+            found[entry.record][entry.name] = entry.from_json(summary[key])
+    return MotionMaxima(**found["maxima"]), PlanningReport(**found["report"])
