@@ -14,7 +14,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.trough import Trough
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.log import Log
+from nospill.plans.log import Log
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem

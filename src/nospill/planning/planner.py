@@ -13,12 +13,12 @@ from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log, OnProgress
-from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import certified_by_refinement
 from nospill.planning.search import Searcher, found_motion
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
+from nospill.plans.log import Log, OnProgress
+from nospill.plans.log import PlanningProgress as PlanningProgress
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene

@@ -14,7 +14,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, problem_about, solved
-from nospill.planning.log import Log
+from nospill.plans.log import Log
 from nospill.robots.kinematics.regularity import clearance
 from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of

@@ -9,9 +9,9 @@ from nospill import diagnosis
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
-from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
 from nospill.planning.starts import Attempt, attempts
+from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.passages import passages

@@ -8,8 +8,8 @@ from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
-from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
+from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.solvers import Solution
