@@ -45,6 +45,19 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     return Searcher(task, log).last_resort(joint_path, last)
 
 
+def search_elsewhere(task: Task, joint_path: JointPath, log: Log) -> Candidate:
+    """The best answer on the coarse grid of the starts after those that `search` compares.
+
+    Raises:
+        NoSolutionError: there is none.
+    """
+    scene = task.searched_scene
+    found, _ = best_of(task, joint_path, log, attempts(scene, brief=False)[scene.planning.starts :])
+    if found is None:
+        raise NoSolutionError("No other motion found.")
+    return found
+
+
 def best_of(
     task: Task, joint_path: JointPath, log: Log, tries: Sequence[Attempt]
 ) -> tuple[Candidate | None, Candidate | None]:
