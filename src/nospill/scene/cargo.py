@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -120,6 +121,12 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
     modes = cargo.container.slosh_modes(filling.liquid, filling.liquid_height, count, damping=slowest.damping)
     return replace(cargo, filling=replace(filling, modes=modes))
+
+
+def titles_of(cargo: Sequence[Cargo]) -> dict[str, str]:
+    """What objects are called, by name; a name beside the label where two have the same one."""
+    titles = [item.title for item in cargo]
+    return {item.name: item.title if titles.count(item.title) == 1 else f"{item.title} ({item.name})" for item in cargo}
 
 
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:
