@@ -11,10 +11,10 @@ from matplotlib.ticker import MultipleLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from nospill.film.robot_model import read_chain
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 
 DOT_INTERVAL = 0.1
 """s between the dots on the path."""
@@ -112,10 +112,9 @@ def _instants(evidence: Evidence) -> np.ndarray:
 
 def _wrists(evidence: Evidence, instants: np.ndarray) -> list[np.ndarray]:
     """The arm's joints at some instants from the tray backwards as far as is drawn, as lines (n, 3), m."""
-    scene, played = evidence.plan.scene, evidence.judgement.replay
-    chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
-    frames = [position for position, _ in chain.frames(played.joint_position[instants])]
-    lines = np.stack([played.tray.position[instants], *frames[::-1]], axis=1)
+    played = evidence.judgement.replay
+    frames = joint_frames(arm_chain(evidence.plan.scene.robot), played.joint_position[instants])
+    lines = np.stack([played.tray.position[instants], *frames.position[:0:-1]], axis=1)
     found = []
     for line in lines:
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
