@@ -107,6 +107,13 @@ class CargoTable(Table):
         Measured(dimension="ratio", at_least=0.0, below=1.0),
         Field(description="damping ratio of the first mode, instead of the formula's"),
     ] = None
+    contact_line: Annotated[
+        Literal["free", "pinned"] | None,
+        Field(
+            description="how the surface meets the wall of a small vessel: free to slide, or pinned; takes surface "
+            "tension into the frequency, which is left out when not given"
+        ),
+    ] = None
     mass: Annotated[Mass | None, Field(description="total mass as it stands on the tray, liquid included")] = None
     empty_mass: Annotated[
         float | None,
