@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from nospill.cli.cache import cache
+from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
 from nospill.cli.listings import examples, robots, schema
@@ -40,6 +41,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     export,
     simulate,
     compare,
+    executed,
     examples,
     robots,
     schema,
