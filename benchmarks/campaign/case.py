@@ -27,10 +27,10 @@ from nospill.judge.wording import describe
 from nospill.planning import planner
 from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import best_of, found_motion
 from nospill.planning.starts import Attempt
+from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
 from nospill.scenario import scene_from_table

@@ -14,9 +14,9 @@ from nospill.cli import app
 from nospill.diagnosis import last_resort, motion, with_change
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.search import Searcher
+from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import preferred_path
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import USUAL_START

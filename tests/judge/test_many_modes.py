@@ -20,9 +20,9 @@ from nospill.judge.wording import full_model_note
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.candidate import exported
-from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.search import found_motion
+from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo

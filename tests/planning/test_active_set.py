@@ -17,9 +17,9 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from, started_from
+from nospill.plans.log import Log
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.task import Task

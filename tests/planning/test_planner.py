@@ -17,8 +17,12 @@ from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
+from nospill.planning import planner
+from nospill.planning.candidate import Candidate
 from nospill.planning.planner import Planner, PlanningProgress, plan
+from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.plans.loading import load_plan
+from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
@@ -249,3 +253,32 @@ def test_a_warm_start_that_leads_nowhere_is_given_up(example_plan: Example, chan
     other = plan(scene, warm=example_plan("matrix-rigid"))
     assert other.certificate.ok
     assert other.duration == pytest.approx(plan(scene).duration, rel=3e-3)
+
+
+# --- when the certificate does not hold ------------------------------------------------------------------------------
+
+
+def test_where_refinement_certifies_nothing_the_next_starts_are_refined(
+    changed_scene: Changed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first refinement is judged against a limit that the scene does not have."""
+    judged: list[Judged] = []
+
+    def refined(candidate: Candidate, log: Log) -> Judged:
+        found = certified_by_refinement(candidate, log)
+        if not judged:
+            certificate = dataclasses.replace(found.judgement.certificate, ok=False)
+            found = dataclasses.replace(found, judgement=dataclasses.replace(found.judgement, certificate=certificate))
+        judged.append(found)
+        return found
+
+    monkeypatch.setattr(planner, "certified_by_refinement", refined)
+    found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
+    assert len(judged) == 2 and judged[1].candidate is not judged[0].candidate
+    assert found.certificate.ok
+    assert len(found.report.starts.durations) == 2
+
+
+def test_an_ignored_constraint_asks_for_no_other_start(changed_scene: Changed) -> None:
+    found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}), ignore="slip")
+    assert not found.certificate.ok and len(found.report.starts.durations) == 1

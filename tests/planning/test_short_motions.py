@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from nospill.laws.constraints import CONSTRAINTS
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import problem_about
 from nospill.planning.planner import plan
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
+from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import Start, smooth_start
+from nospill.transcription.task import Task
+from tests.builders import joint_path_of
 
 NAMES = {constraint.name for constraint in CONSTRAINTS}
 
@@ -40,6 +47,22 @@ def test_a_turn_on_the_spot_has_the_way_of_the_corners() -> None:
     scene = scene_from_table(table, name="turn")
     corner = (0.335**2 + 0.25**2) ** 0.5 / 2
     assert scene.motion.path_jerk_limit == pytest.approx(10.0 / (corner * 3.14159265 / 4), rel=1e-6)
+
+
+def test_the_objective_is_that_of_the_expected_duration_on_any_motion() -> None:
+    scene = line(0.5)
+    joint_path = joint_path_of(scene)
+    active = ActiveSet.of(Task.of(scene), joint_path.q)
+    short, long = (smooth_start(scene, joint_path, 20, Start(stretch)) for stretch in (0.8, 1.2))
+    kept = replace(active, expected=1.0)
+
+    def weight(active: ActiveSet, motion: Stages) -> float | None:
+        return problem_about(active, motion).numbers.path_jerk_weight
+
+    assert weight(active, short) == pytest.approx(1.2e-7 * short.duration**7)
+    assert weight(active, long) == pytest.approx(1.2e-7 * long.duration**7)
+    assert long.duration == pytest.approx(1.5 * short.duration)
+    assert weight(kept, short) == weight(kept, long) == pytest.approx(1.2e-7)
 
 
 @pytest.mark.slow

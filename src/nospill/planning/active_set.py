@@ -49,6 +49,8 @@ class ActiveSet:
         rows: the rows that take part.
         possible: the rows that may: all but those of ignored constraints and those known to hold.
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
+        expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
+            another objective.
     """
 
     task: Task
@@ -58,6 +60,7 @@ class ActiveSet:
     rows: frozenset[RowId]
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
+    expected: float | None = None
 
     @classmethod
     def of(
@@ -136,6 +139,7 @@ class ActiveSet:
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined).with_backoff(self.backoff)
+        grown = replace(grown, expected=self.expected)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

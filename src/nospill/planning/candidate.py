@@ -14,7 +14,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.trough import Trough
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.log import Log
+from nospill.plans.log import Log
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
@@ -89,7 +89,7 @@ def problem_about(active: ActiveSet, motion: Stages) -> Problem:
     return build_problem(
         active.scene,
         motion.intervals,
-        nominal_duration=motion.duration,
+        nominal_duration=active.expected or motion.duration,
         backoff=active.backoff,
         active=active.rows,
         payload=active.task.payload,
@@ -119,7 +119,10 @@ def near_optimum(barrier: float, iterations: int) -> Options:
 def solved(
     active: ActiveSet, start: Stages, log: Log, options: Options = MappingProxyType({}), warm: Solution | None = None
 ) -> Candidate:
-    """Solve on the grid of a start, with the multipliers of `warm`, an answer of a problem of the same shape."""
+    """Solve on the grid of a start, with the multipliers of `warm`, an answer of a problem of the same shape.
+
+    Where the weights of a longer motion hold the answer back, it is solved again from there with its own.
+    """
     planning = active.scene.planning
     stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
@@ -132,6 +135,12 @@ def solved(
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm)
     log.solutions.append(solution)
+    expected, found = active.expected or start.duration, solution.stages.duration
+    if usable(solution) and weigh_too_much(active.scene, expected, found):
+        options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}
+        again = solved(replace(active, expected=found), solution.stages, log, options)
+        if usable(again.solution):
+            return again
     return Candidate(active, solution)
 
 
@@ -141,9 +150,9 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         candidate = solved(active, start, log, options)
         if not usable(candidate.solution):
             return candidate
-        slack = slack_of(active, candidate.stages)
+        slack = slack_of(candidate.active, candidate.stages)
         broken = active.near(slack, -FEASIBLE)
-        if broken <= active.rows and not weigh_too_much(active.scene, start.duration, candidate.stages.duration):
+        if broken <= candidate.active.rows:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
-        active, start = active.with_rows(active.rows | broken), candidate.stages
+        active, start = candidate.active.with_rows(active.rows | broken), candidate.stages
         options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}

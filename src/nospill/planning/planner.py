@@ -8,17 +8,17 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 from nospill import diagnosis
-from nospill.errors import ScenarioError
+from nospill.errors import NoSolutionError, ScenarioError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
-from nospill.planning.log import Log, OnProgress
-from nospill.planning.log import PlanningProgress as PlanningProgress
-from nospill.planning.refinement import certified_by_refinement
-from nospill.planning.search import Searcher, found_motion
+from nospill.planning.refinement import Judged, certified_by_refinement
+from nospill.planning.search import Searcher, found_motion, search_elsewhere
 from nospill.planning.warm_start import restarted
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
+from nospill.plans.log import Log, OnProgress
+from nospill.plans.log import PlanningProgress as PlanningProgress
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
@@ -74,14 +74,7 @@ def _planned(
         with log.phase("base yaw"), _advised(scene, ignore, log):
             scene = choose_base_yaw(scene)
     task = Task.of(scene, ignore)
-    candidate = None
-    if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
-        candidate = restarted(task, warm, last, log)
-    if candidate is None:
-        with log.phase("kinematics"), _advised(scene, ignore, log):
-            paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
-        candidate = found_motion(task, preferred_path(paths, scene.robot, scene.start_near), log)
-    judged = certified_by_refinement(candidate, log)
+    judged = _first_certified(_candidates(task, warm, last, log), log)
     report = PlanningReport(
         plan_time=time.perf_counter() - log.began,
         solve_time=sum(solution.solve_time_s for solution in log.solutions),
@@ -105,6 +98,40 @@ def _planned(
     return replace(
         found, report=replace(report, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
     ), judged.candidate
+
+
+def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log) -> Iterator[Candidate]:
+    """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does."""
+    scene = task.scene
+    if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
+        found = restarted(task, warm, last, log)
+        if found is not None:
+            yield found
+    with log.phase("kinematics"), _advised(scene, task.ignored, log):
+        paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
+    joint_path = preferred_path(paths, scene.robot, scene.start_near)
+    yield found_motion(task, joint_path, log)
+    yield found_motion(task, joint_path, log, search=search_elsewhere)
+
+
+def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:
+    """The first motion that is certified after refinement, the first of all where none is.
+
+    Raises:
+        NoSolutionError: no motion was found.
+    """
+    first: Judged | None = None
+    try:
+        for candidate in candidates:
+            judged = certified_by_refinement(candidate, log)
+            first = first or judged
+            if judged.judgement.certificate.ok or candidate.active.task.ignored or log.out_of_time:
+                return judged if judged.judgement.certificate.ok else first
+    except NoSolutionError:
+        if first is None:
+            raise
+    assert first is not None  # `_candidates` raises where it finds none
+    return first
 
 
 @contextmanager

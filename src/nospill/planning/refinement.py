@@ -14,7 +14,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, problem_about, solved
-from nospill.planning.log import Log
+from nospill.plans.log import Log
 from nospill.robots.kinematics.regularity import clearance
 from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
@@ -43,7 +43,9 @@ def fine_intervals(active: ActiveSet, duration: float) -> int:
 
 def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     """The coarse answer on the fine grid, or as far as that is reached: the certificate is independent of the grid."""
-    active, stages = coarse.active, coarse.stages
+    stages = coarse.stages
+    active = replace(coarse.active, expected=stages.duration)
+    coarse = replace(coarse, active=active)
     wanted = fine_intervals(active, stages.duration)
     first = _refined(coarse, wanted, active.near(coarse.solution.slack), log)
     if first is not None:

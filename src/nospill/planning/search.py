@@ -9,9 +9,9 @@ from nospill import diagnosis
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
-from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
 from nospill.planning.starts import Attempt, attempts
+from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.passages import passages
@@ -43,6 +43,19 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     if brief:
         raise NoSolutionError("No motion found at once.")
     return Searcher(task, log).last_resort(joint_path, last)
+
+
+def search_elsewhere(task: Task, joint_path: JointPath, log: Log) -> Candidate:
+    """The best answer on the coarse grid of the starts after those that `search` compares.
+
+    Raises:
+        NoSolutionError: there is none.
+    """
+    scene = task.searched_scene
+    found, _ = best_of(task, joint_path, log, attempts(scene, brief=False)[scene.planning.starts :])
+    if found is None:
+        raise NoSolutionError("No other motion found.")
+    return found
 
 
 def best_of(

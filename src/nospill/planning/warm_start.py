@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
-from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
+from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
 from nospill.transcription.solvers import Solution
@@ -33,6 +35,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
+            active = replace(active, expected=earlier.duration)
             found = _solved_again(active, last.stages, log, warm=last.solution)
             if found is not None:
                 return found
@@ -45,6 +48,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
+    active = replace(active, expected=earlier.duration)
     start = started_from(active, earlier.trajectory)
     return _solved_again(active, start, log, warm=None)
 
