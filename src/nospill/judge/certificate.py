@@ -11,6 +11,7 @@ from nospill.judge.clearance import clearance_rows
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
+from nospill.judge.run import Run, command_rows, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, EvaluationPoint, RowId
@@ -19,6 +20,9 @@ from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes
+
+_OF_JOINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL)
+"""What follows from the joints alone; controls are those of the record."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +104,27 @@ def judge_motion(
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
-    found = _judged(held, scene, motion=motion, rate=rate, points=EVERYWHERE)
-    rows = (*found.certificate.rows, *record_rows(trajectory, held, scene, found.replay))
+    run = run_of(held, scene.controller, motion)
+    alone = run.record is held
+    found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
+    # without its liquids where the record is not about what the joints did
+    recorded = (
+        found.replay
+        if run.described is run.motion
+        else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
+    )
+    rows = (
+        *condensed([*found.certificate.rows, *map(worst_row, controls), *_of_command(run, scene)]),
+        *record_rows(trajectory, held, scene, recorded),
+    )
     verdict = replace(found.certificate, ok=all(row.ok for row in rows), rows=rows)
-    return replace(found, certificate=verdict, end_time=trajectory.end_time)
+    traces = (*found.traces, *controls)
+    return replace(found, certificate=verdict, traces=traces, end_time=trajectory.end_time)
+
+
+def _of_command(run: Run, scene: Scene) -> list[Row]:
+    return [] if run.command is None else command_rows(scene, run.command)
 
 
 def judge_joints(
@@ -117,8 +138,7 @@ def judge_joints(
         motion: what they do between and beside the samples.
         rate: Hz, the least rate of the grid.
     """
-    points = [point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL]
-    return _judged(trajectory, scene, motion=motion, rate=rate, points=points)
+    return _judged(trajectory, scene, motion=motion, rate=rate, points=_OF_JOINTS)
 
 
 def _judged(

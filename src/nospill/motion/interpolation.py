@@ -188,9 +188,13 @@ def resampled(trajectory: Trajectory, rate: float) -> JointSamples:
     """
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:  # not a number fails too
         raise ScenarioError(f"rate is {rate:g} Hz; allowed are {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz; try 500")
-    motion, length = planned_motion(trajectory), float(trajectory.t[-1] - trajectory.t[0])
-    t = np.round(np.arange(math.ceil(length * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
-    position, speed, acceleration = (motion(trajectory.t[0] + t, order) for order in range(3))
+    return sampled(planned_motion(trajectory), float(trajectory.t[0]), float(trajectory.t[-1]), rate)
+
+
+def sampled(motion: JointMotion, start: float, stop: float, rate: float) -> JointSamples:
+    """Samples of a motion from `start` to `stop` in s, as `resampled` makes them of a plan: times from 0."""
+    t = np.round(np.arange(math.ceil((stop - start) * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
+    position, speed, acceleration = (motion(start + t, order) for order in range(3))
     for column in (speed, acceleration):
         column[[0, -1]] = 0.0
     return JointSamples(t, position, speed, acceleration)
