@@ -17,6 +17,7 @@ from nospill.cli.cache import cache
 from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
+from nospill.cli.identifying import identify
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
@@ -42,6 +43,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     simulate,
     compare,
     executed,
+    identify,
     examples,
     robots,
     schema,

@@ -15,6 +15,9 @@ from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.execution.executed import Executed
+    from nospill.execution.log import JointLog
+    from nospill.plans.plan import Plan
+    from nospill.scene.scene import Scene
 
 _FILES = {"executed.json", "heights.png", "heights.pdf"}
 
@@ -69,15 +72,17 @@ def executed(
 ) -> int:
     """Judge a joint log as a plan is judged, with the band that its noise leaves; exit code 1 if a row fails."""
     from nospill.core.files import atomic_folder, require_replaceable
-    from nospill.errors import ScenarioError
+    from nospill.execution.executed import executed as judged
     from nospill.execution.record import executed_table
+    from nospill.simulation.motion_file import read_heights
 
-    if (plan is None) == (scenario is None):
-        raise ScenarioError("give either --plan DIR or --scenario SCENARIO: what the log is judged by")
     if output is not None:
         require_replaceable(output, replaceable=_only_ours)
     with only_stderr() if as_json else nullcontext():
-        found = _found(log, plan, scenario, measured or (), offset or (), unit, rate)
+        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
+        files = assigned("--measured", measured or (), "FILE.csv")
+        heights = {name: read_heights(text) for name, text in files.items()}
+        found = judged(recorded, scene, plan=planned, measured=heights)
         table = executed_table(found)
         if output is not None:
             from nospill.plots.executed import save_executed
@@ -100,29 +105,27 @@ def executed(
     return 0 if found.ok else 1
 
 
-def _found(
-    log: Path,
-    plan: Path | None,
-    scenario: str | None,
-    measured: Sequence[str],
-    offset: Sequence[str],
-    unit: str,
-    rate: float | None,
-) -> Executed:
+def read_run(
+    log: Path, plan: Path | None, scenario: str | None, offset: Sequence[str], unit: str, rate: float | None
+) -> tuple[JointLog, Scene, Plan | None]:
+    """A log with the scene that it is judged by, and its plan if there is one.
+
+    Raises:
+        ScenarioError: neither plan nor scenario or both, an offset or a log that cannot be read.
+        PlanFolderError: no plan in the folder.
+    """
     from nospill.core.units import quantity
-    from nospill.execution.executed import executed as judged
+    from nospill.errors import ScenarioError
     from nospill.execution.reading import read_log
     from nospill.plans.loading import load_plan
     from nospill.scenario import read_scenario
-    from nospill.simulation.motion_file import read_heights
 
+    if (plan is None) == (scenario is None):
+        raise ScenarioError("give either --plan DIR or --scenario SCENARIO: what the log is judged by")
     offsets = {name: quantity(text, "angle") for name, text in assigned("--offset", offset, '"180 deg"').items()}
-    files = assigned("--measured", measured, "FILE.csv")
     planned = None if plan is None else load_plan(plan)
     scene = read_scenario(str(scenario)) if planned is None else planned.scene
-    heights = {name: read_heights(text) for name, text in files.items()}
-    recorded = read_log(log, scene.robot, offsets=offsets, rate=rate, unit=unit)
-    return judged(recorded, scene, plan=planned, measured=heights)
+    return read_log(log, scene.robot, offsets=offsets, rate=rate, unit=unit), scene, planned
 
 
 def assigned(option: str, given: Sequence[str], example: str) -> dict[str, str]:

@@ -112,7 +112,7 @@ def executed(
         ModelError: the liquids cannot be integrated.
     """
     given = dict(measured or {})
-    _check_measured(given, scene)
+    require_liquids(given, scene)
     recorded = recorded_motion(log, scene)
     followed = _tracking(recorded, scene, plan)
     clock = followed.clock if plan is not None and followed is not None else recorded.begin
@@ -242,7 +242,8 @@ def _longer(heights: Heights, recorded: RecordedMotion) -> float:
     return float(heights.t[-1] - heights.t[0]) - (recorded.end - recorded.begin) + _AFTER
 
 
-def _check_measured(measured: Mapping[str, Heights], scene: Scene) -> None:
+def require_liquids(measured: Mapping[str, Heights], scene: Scene) -> None:
+    """Raise ScenarioError where a measured height is of no object with a liquid."""
     liquids = [cargo.name for cargo in scene.cargo if cargo.filling]
     for name in measured:
         if name not in liquids:
