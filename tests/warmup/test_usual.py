@@ -14,11 +14,12 @@ from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import arm_kind, object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
-from nospill.scenario import read_scenario
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
 from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.warmup.usual import Part, usual_parts
+from tests.builders import changed_table
 
 Entry = tuple[str, Structure]
 KEPT = (
@@ -74,7 +75,7 @@ def test_no_part_is_made_twice(asked: list[Entry]) -> None:
 def test_the_objects_of_examples_are_usual(name: str, asked: list[Entry]) -> None:
     """Those of the first problem, of one with all planned modes, and of the judge."""
     ask(*(part.make for part in usual_laws()))
-    usual, scene = set(asked), read_scenario(name)
+    usual, scene = set(asked), scene_from_table(changed_table(read_scenario(name).source, {"planning": {}}), name=name)
     all_planned = replace(scene, cargo=tuple(with_modes(item, scene.planned_modes) for item in scene.cargo))
     asked.clear()
     for structure in map(structure_of, (scene.with_one_mode(), all_planned)):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -30,7 +31,10 @@ _SLIGHT = 5e-3
 costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
-_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.1
+_MORE, _LEAST, _MOST, _MOST_AT_END = 1.5, 3e-4, 0.1, 0.3
+
+_TOO_MUCH, _MOST_MODES = 0.8, 6
+"""Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
 
 Members = frozenset[VariantId]
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
@@ -46,6 +50,7 @@ class ActiveSet:
         scene: of the problem; its objects are the members.
         members: the variants of objects in the problem.
         refined: objects that are in it with more than one mode of their liquid.
+        modes: of those.
         rows: the rows that take part.
         possible: the rows that may: all but those of ignored constraints and those known to hold.
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
@@ -57,6 +62,7 @@ class ActiveSet:
     scene: Scene
     members: frozenset[VariantId]
     refined: frozenset[str]
+    modes: int
     rows: frozenset[RowId]
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
@@ -64,7 +70,12 @@ class ActiveSet:
 
     @classmethod
     def of(
-        cls, task: Task, q: np.ndarray, members: Members | None = None, refined: frozenset[str] = frozenset()
+        cls,
+        task: Task,
+        q: np.ndarray,
+        members: Members | None = None,
+        refined: frozenset[str] = frozenset(),
+        modes: int = 0,
     ) -> ActiveSet:
         """All rows of some members, each with its first back-off.
 
@@ -73,16 +84,18 @@ class ActiveSet:
             q: (m, n) rad, joint positions along the path.
             members: those in the problem; the stated variants of the outer objects when left out.
             refined: objects that carry more than one mode.
+            modes: of those; 0 for as many as the optimiser carries at first.
         """
         members = task.first_members if members is None else members
-        scene = task.problem_scene(members, refined)
+        modes = modes or task.scene.planned_modes
+        scene = task.problem_scene(members, refined, modes)
         rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
         left_out = set(task.ignored)
         if not scene.motion.tilt_free and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q)
-        return cls(task, scene, members, refined, possible, possible, backoff)
+        return cls(task, scene, members, refined, modes, possible, possible, backoff)
 
     @property
     def names(self) -> dict[VariantId, str]:
@@ -91,8 +104,12 @@ class ActiveSet:
 
     def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
-        final = {row for row in self.possible if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END}
-        return replace(self, rows=self.possible.intersection(rows) | final)
+        return replace(self, rows=self.possible.intersection(rows) | self._final)
+
+    @property
+    def _final(self) -> frozenset[RowId]:
+        """Rows on the final state."""
+        return frozenset(row for row in self.possible if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END)
 
     def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left."""
@@ -111,7 +128,7 @@ class ActiveSet:
         above = ((row, value) for row, value in self.backoff.items() if value > BY_NAME[row.constraint].backoff)
         return {row.label: value for row, value in above}
 
-    def after(self, judgement: Judgement) -> ActiveSet:
+    def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
         Modes join first, of the liquids that break a limit; then members, of every constraint and object the worst
@@ -122,6 +139,10 @@ class ActiveSet:
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
             return self.joined(self.members, refined, judgement)
+        modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
+        if refined and modes > self.modes and max(map(self.backoff.__getitem__, self._final)) > _TOO_MUCH:
+            kept = {row: value for row, value in self.backoff.items() if row not in self._final}
+            return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
         missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT))
         if missing:
             return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
@@ -129,7 +150,10 @@ class ActiveSet:
         for row in condensed(self._on_members(row for row in rows if row.shortfall > 0.0)):
             key = RowId(row.constraint, row.subject)
             if key in self.rows:
-                backoff[key] += min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, _MOST)
+                most = _MOST_AT_END if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END else _MOST
+                step = min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, most)
+                unused = max(0.0, slack.get(key, 0.0)) / 2  # of a cone it is a difference of squares
+                backoff[key] += min(step + unused, (1.0 - backoff[key]) / 2)
             elif key in backoff:
                 joining.add(key)
         if not joining and backoff == self.backoff:
@@ -138,7 +162,8 @@ class ActiveSet:
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
-        grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined).with_backoff(self.backoff)
+        grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
+        grown = grown.with_backoff(self.backoff)
         grown = replace(grown, expected=self.expected)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 

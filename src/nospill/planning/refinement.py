@@ -96,7 +96,7 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
     tightened = grown = 0
     while not judged.judgement.certificate.ok and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
         before = judged.candidate
-        active = before.active.after(judged.judgement)
+        active = before.active.after(judged.judgement, before.solution.slack)
         if active is before.active:
             break
         log.rounds += 1

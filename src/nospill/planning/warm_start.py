@@ -31,7 +31,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     """
     q = earlier.trajectory.joint_position
     if last is not None and not task.ignored:
-        active = ActiveSet.of(task, q, last.active.members, last.active.refined)
+        active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))

@@ -52,16 +52,14 @@ class Task:
         outer = {cargo.name for cargo in outer_objects(self.model)}
         return frozenset(stated.id for stated, *_ in self.variants if stated.name in outer)
 
-    def problem_scene(self, members: Collection[VariantId], refined: Collection[str]) -> Scene:
+    def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:
         """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
         scene = self.searched_scene
         if EndDisplacement.name in self.ignored:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [replace(item, cargo=with_modes(item.cargo, self.scene.planned_modes)) for item in own]
-            if own[0].name in refined
-            else own
+            [replace(item, cargo=with_modes(item.cargo, modes)) for item in own] if own[0].name in refined else own
             for own in self.variants
         ]
         return scene_of(scene, families, members)
