@@ -36,7 +36,8 @@ def test_the_equation_of_motion_has_the_spring_of_surface_tension() -> None:
     """A mode let go at rest, in standard gravity and in half of it."""
     for gravity in (9.80665, 4.9):
         for line in (None, "free"):
-            scene = replace(scene_with(contact_line=line) if line else scene_with(), gravity=gravity)
+            given = scene_with(contact_line=line) if line else scene_with()
+            scene = replace(given.with_one_mode(), gravity=gravity)
             structure, numbers = structure_of(scene).objects[0], constants(numbers_of(scene)).objects[0]
             assert structure.tense == (line is not None)
             q = SX(ca.DM([1e-6, 0.0]))

@@ -14,6 +14,7 @@ from nospill.errors import ScenarioError
 from nospill.robots.robot import Robot
 from nospill.scenario.reader import is_as_read, scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
+from nospill.scene.controller import Controller
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import ApproachRules, Scene
@@ -46,6 +47,7 @@ _LIMITS = {
     "max_jerk": ("jerk", "angular_jerk"),
     "max_torque": ("torque", "torque"),
 }
+_CONTROLLER = {"delay": "time", "lag": "time", "compensate": None, "tracking_tolerance": "angle"}
 _PLACEMENT = {"yaw": "angle", "friction": "ratio", "friction_reserve": "ratio", "footprint_reserve": "ratio"}
 _LIQUID = {"liquid_height": "length", "max_slosh_height": "length", "freeboard_reserve": "ratio"}
 
@@ -84,6 +86,7 @@ def _require_kinds(scene: Scene, original: Scene) -> None:
     parts += [("cargo", item, Cargo) for item in scene.cargo]
     parts += [("obstacles", item, Obstacle) for item in scene.obstacles]
     parts += [("approach", scene.approach, ApproachRules)] if scene.approach is not None else []
+    parts += [("controller", scene.controller, Controller)] if scene.controller is not None else []
     wrong = [(name, part) for name, part, wanted in parts if not isinstance(part, wanted)]
     if wrong:
         name, part = wrong[0]
@@ -149,6 +152,10 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
         table.pop("approach", None)
     else:
         _join(table, "approach", _approach(scene.approach, original.approach))
+    if scene.controller is None:
+        table.pop("controller", None)
+    else:
+        _join(table, "controller", _changed(scene.controller, original.controller, _CONTROLLER))
     known = {cargo.name: cargo for cargo in original.cargo}
     entries = {entry["name"]: entry for entry in table["cargo"]}
     _place_obstacles(table, scene.obstacles, original.obstacles)

@@ -10,6 +10,7 @@ from pydantic import Field
 from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.arrays import MOST_OBJECTS
 from nospill.scenario.cargo_entries import CargoEntry
+from nospill.scenario.controller_entry import ControllerTable
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
 from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry
 from nospill.scenario.path_entries import PathEntry
@@ -204,6 +205,10 @@ class Scenario(Table):
     ] = None
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
+    ] = None
+    controller: Annotated[
+        ControllerTable | None,
+        Field(description="the table [controller]: how late the joints follow what they are asked for"),
     ] = None
     planning: Annotated[PlanningTable, Field(description="the table [planning]")] = PlanningTable()
     output: Annotated[OutputTable, Field(description="the table [output]")] = OutputTable()

@@ -109,6 +109,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
+    with _at(label, "[controller]"):
+        controller = None if scenario.controller is None else scenario.controller.build(robot)
     with _at(label, "[path]"):
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
@@ -154,6 +156,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         slosh_modes=_slosh_modes(scenario),
         source=_plain(source),
         approach=approach,
+        controller=controller,
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
     )

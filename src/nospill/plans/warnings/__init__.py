@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
+from nospill.plans.warnings.controller import behind_the_command
 from nospill.plans.warnings.liquids import (
     contact_line,
     crest,
@@ -37,6 +38,7 @@ WARNINGS: tuple[Warn, ...] = (
     surface_tension_value,
     no_joint_acceleration_limit,
     below_the_base,
+    behind_the_command,
     no_reserve,
     back_off,
     smoothness,
