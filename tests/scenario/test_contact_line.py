@@ -24,7 +24,7 @@ VIAL = {"radius": "8 mm", "height": "30 mm", "liquid_height": "16 mm", "max_slos
 
 
 def scene_with(fidelity: str = "full", **changes: Any) -> Scene:
-    table = changed_table(read_scenario("pp-two-cups").source, {"fidelity": fidelity})
+    table = changed_table(read_scenario("pp-two-cups").source, {"fidelity": fidelity, "planning.slosh_modes": 1})
     for entry in table["cargo"]:
         for key in ("mass", "centre_of_mass_height"):
             entry.pop(key, None)

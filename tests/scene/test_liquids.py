@@ -17,8 +17,17 @@ def test_the_table_is_keyed_by_name_and_says_where_it_is_from():
 
 @pytest.mark.parametrize(
     ("name", "dynamic_viscosity", "tolerance"),
-    # mPa s at 20 deg C, standard handbook values
-    [("water", 1.0016, 0.001), ("ethanol", 1.20, 0.01), ("glycerol-50", 6.0, 0.01), ("milk", 2.1, 0.1)],
+    # mPa s at 20 deg C (hot water: 60), standard handbook values
+    [
+        ("water", 1.0016, 0.001),
+        ("ethanol", 1.20, 0.01),
+        ("glycerol-50", 6.0, 0.01),
+        ("milk", 2.1, 0.1),
+        ("hot-water", 0.4660, 0.005),
+        ("ethylene-glycol", 16.1, 0.01),
+        ("olive-oil", 84.0, 0.02),
+        ("glycerol", 1412.0, 0.01),
+    ],
 )
 def test_viscosity_times_density_is_the_handbook_value(name: str, dynamic_viscosity: float, tolerance: float):
     liquid = LIQUIDS[name]

@@ -219,7 +219,7 @@ def test_jumps_and_wrong_units_are_no_motion() -> None:
         ({"radius": "4 bananas"}, "radius .*bananas"),
         ({"radus": "49 mm"}, 'unknown key "radus"'),
         ({"liquid_height": "180 mm"}, "above the rim"),
-        ({"liquid": "wine"}, 'liquid "wine" is unknown'),
+        ({"liquid": "lava"}, 'liquid "lava" is unknown'),
         ({"liquid": None}, "liquid is missing|liquid_height is given but liquid is not"),
         ({"shape": "sphere"}, "shape .*sphere"),
         ({"shape": None}, "shape is missing"),

@@ -15,7 +15,7 @@ AFTER_APPROACH = APPROACH + ResidualHeight.name
 def settling_time(scene: Scene, certificate: Certificate, constraint: str = ResidualHeight.name) -> float:
     """Time until every liquid is below 2 % of its `max_slosh_height`, s; 0 where none swings, infinite without damping.
 
-    The bound on what swings falls as exp(-zeta omega t) of the slowest decay, with the least damping of the tolerance.
+    The bound on what swings falls as exp(-zeta omega t) of the slowest decay, at the worst end of the tolerance.
 
     Args:
         scene: with the liquids.
@@ -30,9 +30,15 @@ def settling_time(scene: Scene, certificate: Certificate, constraint: str = Resi
     for cargo in scene.cargo:
         if cargo.filling is None:
             continue
-        decay = min(mode.damping * mode.frequency for mode in cargo.filling.modes.oscillators)
-        decay *= cargo.tolerance.damping[0] if cargo.tolerance is not None else 1.0
+        factors = (1.0, 1.0) if cargo.tolerance is None else cargo.tolerance.damping
+        modes = cargo.filling.modes.oscillators
+        decay = min(_decay(factor * mode.damping) * mode.frequency for factor in factors for mode in modes)
         ratio = heights.get(cargo.name, 0.0) / (STILL_FRACTION * cargo.filling.max_slosh_height)
         if ratio > 1.0:
             longest = max(longest, math.log(ratio) / decay if decay > 0.0 else math.inf)
     return longest
+
+
+def _decay(ratio: float) -> float:
+    """Slowest decay of a mode over its frequency: zeta, and beyond 1, where more damping levels more slowly, less."""
+    return ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))

@@ -31,6 +31,7 @@ from nospill.scenario.profile_files import MOST_POINTS, read_profile
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
+from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
 
@@ -104,8 +105,8 @@ class CargoTable(Table):
     ] = None
     damping: Annotated[
         float | None,
-        Measured(dimension="ratio", at_least=0.0, below=1.0),
-        Field(description="damping ratio of the first mode, instead of the formula's"),
+        Measured(dimension="ratio", at_least=0.0, at_most=MOST_DAMPING),
+        Field(description="damping ratio of the first mode, instead of the formula's; a thick liquid has more than 1"),
     ] = None
     contact_line: Annotated[
         Literal["free", "pinned"] | None,

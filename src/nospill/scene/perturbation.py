@@ -9,7 +9,7 @@ import numpy as np
 from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.containers.prism import LARGEST_DAMPING
+from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.scene import Fidelity
 
@@ -103,7 +103,7 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
             filling.liquid,
             level,
             filling.modes.count,
-            damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
+            damping=min(slowest.damping * by.damping, MOST_DAMPING),
             contact_line=line,
         )
     except ScenarioError as error:

@@ -1,9 +1,9 @@
 """Free motion of the modes after the end of the motion, and its largest displacement, in closed form.
 
 At rest and upright a mode is a damped oscillator, the same along both axes. With s = zeta omega, omega_d = omega
-sqrt(1 - zeta^2), A = q(t_e) and B = (q'(t_e) + s A)/omega_d: q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t). The
-paraboloid terms of the moving cup are left out: at heights of a few millimetres they change the largest displacement
-by less than 1 %.
+sqrt(1 - zeta^2), A = q(t_e) and B = (q'(t_e) + s A)/omega_d: q(t) = exp(-s t) (A cos omega_d t + B sin omega_d t);
+above zeta = 1 the same with hyperbolic functions. The paraboloid terms of the moving cup are left out: at heights of a
+few millimetres they change the largest displacement by less than 1 %.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import numpy as np
 
 from nospill.core.frames import SX
 from nospill.scene.scene import Scene
+
+_LEAST_ROOT = 1e-6
 
 
 def residual_bound(
@@ -33,7 +35,7 @@ def residual_bound(
         displacement: (k, 1) modal displacement at the end, m; k = 1 or 2.
         velocity: (k, 1), m/s.
         frequency: omega, rad/s.
-        damping: zeta, 0 to below 1.
+        damping: zeta, 0 or more.
         smoothing: the bound at rest, m, which makes it smooth there; small against the displacements of interest.
 
     Returns:
@@ -69,7 +71,7 @@ def free_states(
 
     Args:
         frequency: (k,) omega of every coordinate, rad/s.
-        damping: (k,) zeta, below 1.
+        damping: (k,) zeta.
         displacement: (k,) at the end, m.
         velocity: (k,) likewise, m/s.
         t: (m,) since the end, s.
@@ -77,10 +79,16 @@ def free_states(
     Returns:
         (m, k), m and m/s.
     """
-    decay, damped = damping * frequency, frequency * np.sqrt(1 - damping**2)
-    quadrature = (velocity + decay * displacement) / damped
-    later = t[:, None]
-    envelope, cosine, sine = np.exp(-decay * later), np.cos(damped * later), np.sin(damped * later)
-    q = envelope * (displacement * cosine + quadrature * sine)
-    change = envelope * damped * (quadrature * cosine - displacement * sine)
-    return q, change - decay * q
+    decay, later = damping * frequency, t[:, None]
+    # A ratio of exactly 1 is the limit of those beside it.
+    root = np.maximum(np.sqrt(np.abs(1.0 - damping**2)), _LEAST_ROOT)
+    swings = damping < 1.0
+    # Both rates of a mode that creeps; their product is omega^2.
+    faster = np.where(swings, damping, damping + root) * frequency
+    slower = np.where(swings, decay, frequency**2 / np.maximum(faster, _LEAST_ROOT * frequency))
+    fast, slow = np.exp(-faster * later), np.exp(-slower * later)
+    turn = root * frequency * later
+    cosine = np.where(swings, fast * np.cos(turn), (slow + fast) / 2.0)
+    sine = np.where(swings, fast * np.sin(turn), (slow - fast) / 2.0) / (root * frequency)
+    q = displacement * cosine + (velocity + decay * displacement) * sine
+    return q, velocity * cosine - (frequency**2 * displacement + decay * velocity) * sine

@@ -21,6 +21,7 @@ from nospill.scene.containers.prism import (
     prism_inside,
     prism_outside,
     slosh_model,
+    thick_damping,
 )
 from nospill.scene.liquids import Liquid
 
@@ -161,10 +162,11 @@ def boundary_layer_damping(liquid: Liquid, box: Box, liquid_height: float) -> fl
     Laminar Stokes layers of phi = cos(k x) cosh(k z), k = pi/a, on the four walls and the bottom give
     sqrt(nu/(2 omega)) [1/a + 1/b + k (1 - 2h/a)/sinh(2 k h)]; times the same factor by which the published formula for
     cylinders exceeds its own laminar value, since nothing measured is at hand for small boxes.
+    A thick liquid has `thick_damping`.
     """
     along, across = max(box.length, box.width), min(box.length, box.width)
     mode = _mode(1, along=along, across=across, liquid_height=liquid_height, direction="x")
-    return EMPIRICAL_DAMPING * mode.layer_damping(liquid, liquid_height)
+    return thick_damping(EMPIRICAL_DAMPING * mode.layer_damping(liquid, liquid_height), mode, liquid, liquid_height)
 
 
 def enclosed_liquid_inertia(side: float, liquid_height: float) -> float:

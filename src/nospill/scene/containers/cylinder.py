@@ -20,6 +20,7 @@ from nospill.scene.containers.prism import (
     prism_inside,
     prism_outside,
     slosh_model,
+    thick_damping,
 )
 from nospill.scene.liquids import Liquid
 
@@ -126,8 +127,8 @@ class Cylinder:
             liquid: what is in it.
             liquid_height: h at rest, m.
             count: number of modes.
-            damping: ratio of the first mode; default `published_damping`. Higher modes scale with their laminar
-                damping.
+            damping: ratio of the first mode; default `published_damping`, `thick_damping` of a thick liquid. Higher
+                modes scale with their laminar damping.
 
         Raises:
             ScenarioError: nothing in the cup, more than it holds, or a liquid too viscous to slosh.
@@ -142,7 +143,10 @@ class Cylinder:
             enclosed_inertia=np.full(2, mass * enclosed_liquid_inertia(self.radius, liquid_height)),
             quasi_static_gain=np.full(2, self.radius),
         )
-        ratio = published_damping(liquid, self.radius, liquid_height) if damping is None else damping
+        ratio = damping
+        if ratio is None:
+            formula = published_damping(liquid, self.radius, liquid_height)
+            ratio = thick_damping(formula, modes[0], liquid, liquid_height)
         return slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
 
     def _mode(self, root: float, fill: float) -> PrismMode:

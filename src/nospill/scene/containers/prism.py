@@ -28,6 +28,9 @@ over (xi^2 + 1)/((xi^2 - 1) 2 sqrt(2) xi^(1/4)) = 0.5575 with xi = 1.8412."""
 LARGEST_DAMPING = 0.99
 """Cap of the faster modes' damping ratio, which grows without end: beyond it they no longer swing, only follow."""
 
+MOST_DAMPING = 100.0
+"""Largest damping ratio of a slowest mode: a liquid that needs a hundred of its periods to level is none on a tray."""
+
 _SMALLEST_FIXED_FRACTION = 1e-9
 
 
@@ -106,10 +109,20 @@ def check_filling(liquid: Liquid, liquid_height: float, count: int, *, rim: floa
         )
     if count < 1:
         raise ScenarioError(f"slosh modes = {count}: at least 1 is needed for a liquid")
-    if damping is not None and not 0.0 <= damping < 1.0:
+    if damping is not None and not 0.0 <= damping <= MOST_DAMPING:
         raise ScenarioError(
-            f"damping = {damping:g}: a damping ratio from 0 to below 1 is allowed; leave it out for the formula"
+            f"damping = {damping:g}: a damping ratio from 0 to {MOST_DAMPING:g} is allowed; leave it out for the "
+            "formula"
         )
+
+
+def thick_damping(formula: float, mode: LiquidMode, liquid: Liquid, liquid_height: float) -> float:
+    """The damping ratio of a formula for thin layers, or that of creeping flow where that is more.
+
+    In a thick liquid a wave no longer swings and falls as exp(-g t/(2 nu k)) [Lamb, Hydrodynamics, sec. 349], as a mode
+    of damping ratio nu k^2/omega does; walls only add to it.
+    """
+    return max(formula, liquid.kinematic_viscosity * mode.wave_number**2 / mode.frequency(liquid_height))
 
 
 class LiquidMode(Protocol):
@@ -149,10 +162,10 @@ def slosh_model(
     Raises:
         ScenarioError: a liquid too viscous to slosh.
     """
-    if damping >= 1.0:
+    if damping > MOST_DAMPING:
         raise ScenarioError(
-            f"liquid {liquid.name}: damping ratio {damping:.3g} of its slowest mode, below 1 is allowed; it is too "
-            "viscous to slosh: model it as a solid, or state the damping"
+            f"liquid {liquid.name}: damping ratio {damping:.3g} of its slowest mode, at most {MOST_DAMPING:g} is "
+            "allowed; it is too viscous to slosh: model it as a solid, or state the damping"
         )
     slowest = min(modes, key=lambda mode: mode.wave_number)
     scale = damping / slowest.laminar_damping(liquid, liquid_height)

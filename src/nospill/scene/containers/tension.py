@@ -30,6 +30,9 @@ ContactLine = Literal["", "free", "pinned"]
 _MANY = 48
 """Modes with which the pinned line's frequencies are found; half of them tell how far the series has come."""
 _STEPS = 60
+_FASTEST = 2000.0
+"""rad/s; modes that surface tension would make faster swing at this. No arm excites them: they stand where the apparent
+gravity puts them, a few micrometres high."""
 
 
 def liquid_modes(
@@ -59,9 +62,9 @@ def liquid_modes(
         return modes
     free = with_tension(modes, liquid)
     if contact_line == "free":
-        return free
+        return replace(free, oscillators=tuple(map(_bounded, free.oscillators)))
     many = with_tension(container.slosh_modes(liquid, level, max(_MANY, 4 * count), damping=0.0), liquid)
-    return replace(free, oscillators=tuple(_pinned(item, many.oscillators) for item in free.oscillators))
+    return replace(free, oscillators=tuple(_bounded(_pinned(item, many.oscillators)) for item in free.oscillators))
 
 
 def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
@@ -76,6 +79,14 @@ def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
 def wetting_rise(liquid: Liquid) -> float:
     """How much higher a liquid stands at a plane wall that it wets than far from it, m [Landau, Lifshitz, sec. 61]."""
     return math.sqrt(2.0 * liquid.surface_tension / (liquid.density * STANDARD_GRAVITY))
+
+
+def _bounded(item: Oscillator) -> Oscillator:
+    """A mode that is no faster than it needs to be: one that only follows would ask for ever finer steps."""
+    fastest = max(_FASTEST, math.sqrt(item.frequency**2 - item.tension))
+    if item.frequency <= fastest:
+        return item
+    return replace(item, frequency=fastest, tension=fastest**2 - STANDARD_GRAVITY * item.stiffness)
 
 
 def _stretched(item: Oscillator, length: float) -> Oscillator:

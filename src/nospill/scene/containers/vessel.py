@@ -15,7 +15,14 @@ from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.meridian import Meridian
 from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
-from nospill.scene.containers.prism import EMPIRICAL_DAMPING, FrozenLiquid, check_filling, check_size, slosh_model
+from nospill.scene.containers.prism import (
+    EMPIRICAL_DAMPING,
+    FrozenLiquid,
+    check_filling,
+    check_size,
+    slosh_model,
+    thick_damping,
+)
 from nospill.scene.liquids import Liquid
 
 _OUTLINE_POINTS = 64
@@ -192,7 +199,9 @@ class Vessel(ABC):
             quasi_static_gain=np.full(2, self.meridian.radius(liquid_height)),
         )
         layers = modes[0].layer_damping(liquid, liquid_height)
-        ratio = EMPIRICAL_DAMPING * layers if damping is None else damping
+        ratio = damping
+        if ratio is None:
+            ratio = thick_damping(EMPIRICAL_DAMPING * layers, modes[0], liquid, liquid_height)
         return slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
 
 
