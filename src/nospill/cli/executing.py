@@ -208,6 +208,7 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
 
 def _print_heights(found: Executed) -> None:
     """Peaks of the liquids: planned, executed, measured, and which joint added most."""
+    from nospill.execution.record import height_text
     from nospill.laws.constraints.slosh_height import SloshHeight
 
     peaks = {peak.subject: peak for peak in found.peaks if peak.constraint == SloshHeight.name}
@@ -215,7 +216,7 @@ def _print_heights(found: Executed) -> None:
     for name, values in found.heights.items():
         peak, own = peaks.get(name), found.measured.get(name)
         at = int(values.argmax())
-        line: list[object] = [name, f"{1e3 * values[at]:.2f} ± {1e3 * found.height_bands[name][at]:.2g}"]
+        line: list[object] = [name, height_text(float(values[at]), float(found.height_bands[name][at]))]
         if peak is not None:
             line.insert(1, f"{1e3 * peak.planned:.2f}")
             most = sorted(peak.by_joint.items(), key=lambda item: -abs(item[1]))[:2]
