@@ -173,7 +173,7 @@ def _play_on(
     margin: np.ndarray,
     limit: np.ndarray,
 ) -> None:
-    """Residual heights as the judge finds them: from the free motion where the bound of many modes is too high.
+    """Residual heights as the judge finds them, from the free motion where a liquid has many modes.
 
     Args:
         structure: of the object alone.
@@ -187,7 +187,7 @@ def _play_on(
     if ResidualHeight.name not in names or item.modes < 2:
         return
     column = names.index(ResidualHeight.name)
-    for index in map(int, np.flatnonzero(margin[:, column] < 0.0)):
+    for index in range(len(batch)):
         q, qd = np.split(states[index], 2)
         allowed = abs(float(limit[index, column]))
         margin[index, column] = allowed - residual_height(item, batch[index], q, qd, allowed)

@@ -15,7 +15,7 @@ from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
-from nospill.scene.scene import EndCondition, Fidelity
+from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 
 MOST_OBJECTS = 100
 """Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
@@ -160,15 +160,15 @@ class PlanningTable(Table):
     ] = 1
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
     slosh_modes: Annotated[
-        int,
+        int | None,
         Field(
             strict=True,
             ge=1,
-            le=20,
-            description="liquid modes in each direction that are judged and recorded; a search begins with one and "
-            "ends with up to three at full fidelity",
+            le=FULL_MODES,
+            description="liquid modes in each direction that are judged and recorded, 20 at full fidelity and 1 at "
+            "deliverable unless stated; a search begins with one and ends with up to three at full fidelity",
         ),
-    ] = 1
+    ] = None
 
 
 class OutputTable(Table):

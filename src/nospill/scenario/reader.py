@@ -31,7 +31,7 @@ from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene
+from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
@@ -154,7 +154,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         planning=_planning(scenario),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=_slosh_modes(scenario),
         source=_plain(source),
         approach=approach,
         controller=controller,
@@ -178,9 +178,14 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         friction_reserve=scenario.tray.friction_reserve,
         footprint_reserve=scenario.tray.footprint_reserve,
         fidelity=scenario.fidelity,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=_slosh_modes(scenario),
         tolerance=scenario.tolerance,
     )
+
+
+def _slosh_modes(scenario: Scenario) -> int:
+    """As stated, else so many at full fidelity that one more changes nothing, and the published one otherwise."""
+    return scenario.planning.slosh_modes or (FULL_MODES if scenario.fidelity == "full" else 1)
 
 
 def _standalone_cargo(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:

@@ -169,6 +169,15 @@ def test_much_back_off(found) -> None:
     assert ("back-off", "tip | cup") not in warnings
 
 
+@pytest.mark.parametrize(("modes", "warned"), [(1, True), (20, False)])
+def test_back_off_of_a_residual_height_makes_up_for_its_row_where_there_are_several_modes(
+    found, modes: int, warned: bool
+) -> None:
+    label = "residual height | cup"
+    warnings = found({"planning.slosh_modes": modes}, backoff={label: 0.3})
+    assert (("back-off", label) in warnings) is warned
+
+
 @pytest.mark.parametrize(("use", "warned"), [(0.96, True), (0.98, False)])
 def test_a_stated_weight_that_decides(found, judgement: Judgement, use: float, warned: bool) -> None:
     first, *_ = judgement.traces
