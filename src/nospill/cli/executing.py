@@ -63,6 +63,10 @@ def executed(
         float | None,
         typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
     ] = None,
+    bandwidth: Annotated[
+        float,
+        typer.Option("--bandwidth", metavar="HZ", help="Motion that is followed; what is faster counts as noise."),
+    ] = 50.0,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FOLDER", help="Write figure and record here.", show_default=False),
@@ -82,7 +86,7 @@ def executed(
         recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
         files = assigned("--measured", measured or (), "FILE.csv")
         heights = {name: read_heights(text) for name, text in files.items()}
-        found = judged(recorded, scene, plan=planned, measured=heights)
+        found = judged(recorded, scene, plan=planned, measured=heights, bandwidth=bandwidth)
         table = executed_table(found)
         if output is not None:
             from nospill.plots.executed import save_executed

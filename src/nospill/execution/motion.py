@@ -9,7 +9,7 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 from nospill.execution.sampling import Sampling, sampling_of
-from nospill.execution.smoothing import SmoothJoints, smooth_joints
+from nospill.execution.smoothing import BANDWIDTH, SmoothJoints, smooth_joints
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import kinematics
@@ -64,15 +64,21 @@ class RecordedMotion:
         return HeldMotion(own, float(own.knots[0]), float(own.knots[-1]))
 
 
-def recorded_motion(log: JointLog, scene: Scene) -> RecordedMotion:
+def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH) -> RecordedMotion:
     """Make a motion of a log.
+
+    Args:
+        log: of the joints.
+        scene: with the robot.
+        bandwidth: of the motion that is followed, Hz; what is faster counts as noise.
 
     Raises:
         ScenarioError: it cannot be of this arm, does not move, or begins or ends in motion.
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    smooth = smooth_joints(*_with_rest(sampling, log.position[sampling.kept]), sampling.period)
+    samples = _with_rest(sampling, log.position[sampling.kept])
+    smooth = smooth_joints(*samples, sampling.period, bandwidth=bandwidth)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
