@@ -25,7 +25,7 @@ from nospill.scene.scene import Scene
 from nospill.simulation.compare import Comparison, compare
 from nospill.simulation.motion_file import Heights
 
-DRAWS = 8
+DRAWS = 6
 """Motions drawn from the band of the splines; each is judged."""
 WIDE = 1.96
 """Standard deviations to either side of a band of 95 %."""
