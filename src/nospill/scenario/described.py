@@ -263,11 +263,14 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         None if item is None else min(item.modes.oscillators, key=lambda mode: mode.frequency).damping
         for item in (filling, original)
     )
-    return values if _same(damping, before) else values | {"damping": damping}
+    values |= {} if _same(damping, before) else {"damping": damping}
+    line = filling.contact_line
+    return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
 
 
 def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
     values: dict[str, Any] = {"friction": tolerance.friction, "position": _written(tolerance.position, "length")}
     if item.filling is not None:
         values |= {"liquid_height": _written(tolerance.liquid_height, "length"), "damping": list(tolerance.damping)}
+    values |= {"pinned": True} if tolerance.pinned else {}
     return values | ({"mass": tolerance.mass} if item.empty.mass > 0.0 else {})

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from nospill.scenario.approach_entry import ApproachTable
+from nospill.scenario.arrays import MOST_OBJECTS
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.controller_entry import ControllerTable
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
@@ -16,9 +17,6 @@ from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
-
-MOST_OBJECTS = 100
-"""Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
 
 SHORTEST_DURATION = 0.1
 """s; least value of max_duration, twice the shortest motion that is considered."""

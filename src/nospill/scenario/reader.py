@@ -22,6 +22,7 @@ from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
+from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
@@ -118,9 +119,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
-    described_cargo = _standalone_cargo(scenario, folder, label)
-    entries = [entry.model_copy(update=update) for entry, update in zip(scenario.cargo, described_cargo, strict=True)]
-    scenario = scenario.model_copy(update={"cargo": entries})
+    scenario, cargo_tables = _every_object(scenario, table, folder, label)
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
@@ -137,7 +136,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         "name": scene_name,
         "robot": {**table["robot"], **described},
         "path": {**table["path"], **read_in},
-        "cargo": [{**entry, **update} for entry, update in zip(table["cargo"], described_cargo, strict=True)],
+        "cargo": cargo_tables,
     }
     if described_obstacles:
         source["obstacle"] = [
@@ -188,13 +187,25 @@ def _slosh_modes(scenario: Scenario) -> int:
     return scenario.planning.slosh_modes or (FULL_MODES if scenario.fidelity == "full" else 1)
 
 
-def _standalone_cargo(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:
-    """What each entry needs in place of the files that it names."""
-    found: list[dict[str, object]] = []
-    for index, entry in enumerate(scenario.cargo):
+def _every_object(
+    scenario: Scenario, table: Mapping[str, Any], folder: FilePath, label: str
+) -> tuple[Scenario, list[dict[str, Any]]]:
+    """The scenario with an entry for every object, none of which needs a file, and their tables."""
+    entries: list[CargoTable] = []
+    tables: list[dict[str, Any]] = []
+    for index, (entry, given) in enumerate(zip(scenario.cargo, table["cargo"], strict=True)):
         with _at(label, cargo_place(index, {"name": entry.name})):
-            found.append(entry.standalone(folder))
-    return found
+            update = entry.standalone(folder)
+            own = entry.model_copy(update=update)
+            changes: list[dict[str, Any]] = [{}]
+            if own.array is not None:
+                check_array(own.name, own.array, own.container())
+                changes = members(own.name, own.at, own.yaw, own.array)
+        entries += [own.model_copy(update={**change, "array": None}) for change in changes]
+        tables += spread_table({**given, **update}, changes)
+    if len(entries) > MOST_OBJECTS:
+        raise report(label, [("", f"{len(entries)} objects stand on the tray; at most {MOST_OBJECTS} may")])
+    return scenario.model_copy(update={"cargo": entries}), tables
 
 
 def _standalone_obstacles(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:

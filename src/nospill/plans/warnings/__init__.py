@@ -11,10 +11,12 @@ from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
 from nospill.plans.warnings.controller import behind_the_command
 from nospill.plans.warnings.liquids import (
+    contact_line,
     crest,
     damping,
     density,
     distance_to_the_rim,
+    meniscus,
     surface_tension,
     surface_tension_value,
     viscosity,
@@ -28,6 +30,8 @@ WARNINGS: tuple[Warn, ...] = (
     crest,
     distance_to_the_rim,
     surface_tension,
+    contact_line,
+    meniscus,
     damping,
     density,
     viscosity,
