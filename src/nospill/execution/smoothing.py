@@ -84,27 +84,31 @@ class SmoothJoints:
         return replace(self, coefficients=self.coefficients + self.local * off)
 
 
-def smooth_joints(t: np.ndarray, position: np.ndarray, period: float, *, bandwidth: float = BANDWIDTH) -> SmoothJoints:
+def smooth_joints(
+    t: np.ndarray, position: np.ndarray, period: float, *, bandwidth: float = BANDWIDTH, rest: float = 0.0
+) -> SmoothJoints:
     """Fit the splines.
 
     Args:
-        t: (m,) increasing, from rest to rest, s.
+        t: (m,) increasing, s.
         position: (m, n), rad.
         period: usual distance of samples, s.
         bandwidth: of the motion that is followed, Hz.
+        rest: how long before the first sample and after the last one the splines begin and end, s.
     """
-    length = float(t[-1] - t[0])
+    begin, length = float(t[0]) - rest, float(t[-1] - t[0]) + 2.0 * rest
     every = max(1, round(0.5 / bandwidth / period))
     spans = max(1, round(length / (every * period)))
-    inner = t[0] + length / spans * np.arange(1, spans)
-    knots = np.concatenate([np.repeat(t[0], _DEGREE + 1), inner, np.repeat(t[-1], _DEGREE + 1)])
-    rest = _at_rest(spans + _DEGREE)
-    basis = _design(t, knots, 0) @ rest
+    inner = begin + length / spans * np.arange(1, spans)
+    ends = np.repeat([[begin], [begin + length]], _DEGREE + 1, axis=1)
+    knots = np.concatenate([ends[0], inner, ends[1]])
+    free = _at_rest(spans + _DEGREE)
+    basis = _design(t, knots, 0) @ free
     gram, rough = _bands(basis.T @ basis), _roughness(knots, spans, length)
     fits = [_fit(column, basis, gram, rough) for column in position.T]
     found, noise, factors, residual = (np.array(part) for part in zip(*fits, strict=True))
     left = position - basis @ found.T
-    return SmoothJoints(knots, rest @ found.T, noise, factors, residual, _local(t, left, knots, period))
+    return SmoothJoints(knots, free @ found.T, noise, factors, residual, _local(t, left, knots, period))
 
 
 def _greville(knots: np.ndarray) -> np.ndarray:
