@@ -84,3 +84,34 @@ def test_samples_may_be_missing() -> None:
     found = smooth_joints(T[kept], noisy(1e-5)[kept], PERIOD)
     inside, beside = found.deviation(np.array([T[707], T[900]]), 2)
     assert np.all(inside > 1.1 * beside)
+
+
+def test_noise_that_is_larger_in_motion_widens_the_band_there() -> None:
+    generator = np.random.default_rng(4)
+    loud = (T > 1.0) & (T < 2.0)
+    position = motion(T) + np.where(loud, 5e-5, 2e-6)[:, None] * generator.standard_normal((len(T), 2))
+    found = smooth_joints(T, position, PERIOD)
+    quiet, noisy_part = found.deviation(np.array([0.5, 1.5]), 2)
+    assert np.all(noisy_part > 3.0 * quiet)
+
+
+def test_a_wider_band_of_frequencies_follows_a_jump_of_the_jerk() -> None:
+    """A motion whose jerk jumps, as the commands of a plan have it."""
+    step = PERIOD / 20
+    fine_t = np.arange(0.0, T[-1] + step, step)
+    jerk = 100.0 * np.sign(np.sin(np.pi * (fine_t - 1.0) / 0.2 + 1e-9)) * ((fine_t >= 1.0) & (fine_t < 1.8))
+    jerk *= np.where(fine_t < 1.4, 1.0, -1.0)
+    acceleration = step * np.cumsum(jerk)
+    position = step**2 * np.cumsum(np.cumsum(acceleration))
+    samples = np.interp(T, fine_t, position)[:, None]
+    at = np.linspace(0.98, 1.06, 41)
+    truth = np.interp(at, fine_t, acceleration)
+    coarse, close = (
+        np.max(np.abs(smooth_joints(T, samples, PERIOD, bandwidth=own)(at, 2)[:, 0] - truth)) for own in (50.0, 250.0)
+    )
+    assert close < 0.3 * coarse
+
+
+def test_drawn_motions_begin_and_end_at_rest() -> None:
+    found = smooth_joints(T, noisy(1e-5), PERIOD).drawn(np.random.default_rng(2))
+    assert np.max(np.abs(found(T[[0, -1]], 2))) < 1e-9

@@ -72,6 +72,14 @@ def test_every_file_holds_the_command_and_is_certified_through_the_controller(
 
 
 @pytest.mark.slow
+def test_a_plan_that_is_its_own_command_is_tightened_until_the_joints_keep_the_limits(late_plan: Plan) -> None:
+    uncompensated = replace(late_plan.scene, controller=replace(LATE, compensate=False))
+    found = plan(uncompensated)
+    assert found.certificate.ok
+    assert found.duration < 1.03 * late_plan.duration
+
+
+@pytest.mark.slow
 def test_a_plan_folder_comes_back_with_its_controller(late_plan: Plan, tmp_path: Path) -> None:
     late_plan.save(tmp_path / "late")
     again = load_plan(tmp_path / "late")

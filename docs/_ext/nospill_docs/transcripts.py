@@ -13,6 +13,11 @@ from nospill_docs.places import Places, copy_if_changed
 
 TRANSCRIPTS: dict[str, tuple[str, ...]] = {
     "two-cups": ("nospill plan two-cups.toml -o out/two-cups", "nospill check out/two-cups"),
+    "executed": (
+        "nospill plan two-cups.toml -o out/two-cups",
+        "nospill executed out/two-cups/robot.csv --plan out/two-cups --bandwidth 250",
+        "nospill identify out/two-cups/robot.csv --plan out/two-cups --stayed tea",
+    ),
     "misspelt": ("nospill plan misspelt.toml",),
     "out-of-reach": ("nospill plan out-of-reach.toml",),
     "impossible": ("nospill plan impossible.toml",),

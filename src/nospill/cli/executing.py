@@ -63,6 +63,10 @@ def executed(
         float | None,
         typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
     ] = None,
+    bandwidth: Annotated[
+        float,
+        typer.Option("--bandwidth", metavar="HZ", help="Motion that is followed; what is faster counts as noise."),
+    ] = 50.0,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FOLDER", help="Write figure and record here.", show_default=False),
@@ -82,7 +86,7 @@ def executed(
         recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
         files = assigned("--measured", measured or (), "FILE.csv")
         heights = {name: read_heights(text) for name, text in files.items()}
-        found = judged(recorded, scene, plan=planned, measured=heights)
+        found = judged(recorded, scene, plan=planned, measured=heights, bandwidth=bandwidth)
         table = executed_table(found)
         if output is not None:
             from nospill.plots.executed import save_executed
@@ -208,6 +212,7 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
 
 def _print_heights(found: Executed) -> None:
     """Peaks of the liquids: planned, executed, measured, and which joint added most."""
+    from nospill.execution.record import height_text
     from nospill.laws.constraints.slosh_height import SloshHeight
 
     peaks = {peak.subject: peak for peak in found.peaks if peak.constraint == SloshHeight.name}
@@ -215,7 +220,7 @@ def _print_heights(found: Executed) -> None:
     for name, values in found.heights.items():
         peak, own = peaks.get(name), found.measured.get(name)
         at = int(values.argmax())
-        line: list[object] = [name, f"{1e3 * values[at]:.2f} ± {1e3 * found.height_bands[name][at]:.2g}"]
+        line: list[object] = [name, height_text(float(values[at]), float(found.height_bands[name][at]))]
         if peak is not None:
             line.insert(1, f"{1e3 * peak.planned:.2f}")
             most = sorted(peak.by_joint.items(), key=lambda item: -abs(item[1]))[:2]

@@ -93,7 +93,8 @@ def identify(
     return 0
 
 
-_SHOWN = {"s": (1e3, "ms"), "m": (1e3, "mm"), "1": (1.0, ""), "rad/s": (1.0, "rad/s")}
+_SHOWN = {"s": (1e3, "ms", 3), "m": (1e3, "mm", 2), "1": (1.0, "", 5), "rad/s": (1.0, "rad/s", 3)}
+"""SI unit -> factor, unit and decimals as shown."""
 
 
 def _print(found: Identified) -> None:
@@ -102,9 +103,9 @@ def _print(found: Identified) -> None:
     if estimates:
         rows = []
         for own in estimates:
-            factor, unit = _SHOWN[own.unit]
-            value = f"{factor * own.value:.5g}" if own.told else "-"
-            wide = f"± {factor * own.half_width:.2g}" if own.told else "not identifiable from this motion"
+            factor, unit, digits = _SHOWN[own.unit]
+            value = f"{factor * own.value:.{digits}f}" if own.told else "-"
+            wide = f"± {factor * own.half_width:.{digits}f}" if own.told else "not identifiable from this motion"
             rows.append((own.name, own.subject, value, unit, wide))
         print_table(("number", "of", "value", "unit", "95 %"), rows, right=("value",))
         print()

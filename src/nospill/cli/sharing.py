@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nospill.cli.executing import assigned, read_run
 from nospill.cli.progress import ProgressLine
 from nospill.cli.reporting import beside
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.execution.executed import Executed
     from nospill.plans.plan import Plan
 
 
@@ -27,6 +30,21 @@ def report(
         Path | None, typer.Option("--pdf", metavar="FILE.pdf", help="Write a PDF too.", show_default=False)
     ] = None,
     verify: Annotated[bool, typer.Option("--verify", help="Simulate the objects in MuJoCo first.")] = False,
+    executed: Annotated[
+        Path | None,
+        typer.Option("--executed", metavar="LOG", help="What was executed, as for that command.", show_default=False),
+    ] = None,
+    measured: Annotated[
+        list[str] | None,
+        typer.Option("--measured", metavar="CUP=FILE.csv", help="With --executed: see there.", show_default=False),
+    ] = None,
+    offset: Annotated[
+        list[str] | None,
+        typer.Option("--offset", metavar="JOINT=ANGLE", help="With --executed: see there.", show_default=False),
+    ] = None,
+    unit: Annotated[
+        str, typer.Option("--unit", metavar="rad|deg", help="With --executed: of angles without a unit.")
+    ] = "rad",
 ) -> int:
     """Write a plan as one self-contained HTML page: verdict, scenario, certificate, figures; with --pdf as PDF too."""
     page = report_place(folder, output)
@@ -49,13 +67,24 @@ def report(
             opinion = read_second_opinion(folder, plan.scene)
         progress.say("judge")
         compared = compare_plan_files(plan.trajectory, plan.scene, folder)
-        made = make_report(plan, opinion=opinion, controller_files=compared)
+        run = None if executed is None else _judged_run(executed, folder, measured or (), offset or (), unit)
+        made = make_report(plan, opinion=opinion, controller_files=compared, executed=run)
         progress.say("draw")
         size = save_report(made, page, pdf=pdf)
     print(f"written to {page} ({size / 1e6:.1f} MB), {made.verdict}")
     if pdf is not None:
         print(f"written to {pdf}")
     return 0
+
+
+def _judged_run(log: Path, folder: Path, measured: Sequence[str], offset: Sequence[str], unit: str) -> Executed:
+    """A log of a plan, judged."""
+    from nospill.execution.executed import executed
+    from nospill.simulation.motion_file import read_heights
+
+    recorded, scene, plan = read_run(log, folder, None, offset, unit, None)
+    heights = {name: read_heights(text) for name, text in assigned("--measured", measured, "FILE.csv").items()}
+    return executed(recorded, scene, plan=plan, measured=heights)
 
 
 def report_place(folder: Path, output: Path | None = None) -> Path:

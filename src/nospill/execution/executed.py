@@ -10,7 +10,7 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples
-from nospill.execution.smoothing import SmoothJoints
+from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
 from nospill.execution.tracking import Tracking, followed_command, tracking
 from nospill.judge.certificate import Judgement, judge, judge_joints
 from nospill.judge.replay import replay
@@ -25,7 +25,7 @@ from nospill.scene.scene import Scene
 from nospill.simulation.compare import Comparison, compare
 from nospill.simulation.motion_file import Heights
 
-DRAWS = 8
+DRAWS = 6
 """Motions drawn from the band of the splines; each is judged."""
 WIDE = 1.96
 """Standard deviations to either side of a band of 95 %."""
@@ -98,6 +98,7 @@ def executed(
     *,
     plan: Plan | None = None,
     measured: Mapping[str, Heights] | None = None,
+    bandwidth: float = BANDWIDTH,
 ) -> Executed:
     """Judge what was executed.
 
@@ -106,6 +107,7 @@ def executed(
         scene: what it must keep to.
         plan: what was planned, of the same scene.
         measured: heights of liquids, by object; their clocks are aligned.
+        bandwidth: of the motion of the joints that is followed, Hz; what is faster counts as noise.
 
     Raises:
         ScenarioError: the log is not of this robot or this plan, or no whole motion; a measured object has no liquid.
@@ -113,7 +115,9 @@ def executed(
     """
     given = dict(measured or {})
     require_liquids(given, scene)
-    recorded = recorded_motion(log, scene)
+    if not bandwidth > 0.0:
+        raise ScenarioError(f"--bandwidth {bandwidth:g}: hertz above 0 are needed, for example 50")
+    recorded = recorded_motion(log, scene, bandwidth=bandwidth)
     followed = _tracking(recorded, scene, plan)
     clock = followed.clock if plan is not None and followed is not None else recorded.begin
     begin, end = recorded.begin - clock, recorded.end - clock

@@ -173,7 +173,7 @@ def scenario_text(found: Identified) -> str:
             lines.append("# zero stands where this motion does not tell")
         for key in ("delay", "lag"):
             values = [max(getattr(fit, key).value, 0.0) if fit in told else 0.0 for fit in found.joints]
-            listed = ", ".join(f'"{1e3 * value:.4g} ms"' for value in values)
+            listed = ", ".join(f'"{round(1e3 * value, 2):g} ms"' for value in values)
             lines.append(f"{key} = [{listed}]")
     tolerance = _tolerance(found)
     if tolerance:

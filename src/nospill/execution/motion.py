@@ -9,17 +9,19 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 from nospill.execution.sampling import Sampling, sampling_of
-from nospill.execution.smoothing import SmoothJoints, smooth_joints
+from nospill.execution.smoothing import BANDWIDTH, SmoothJoints, smooth_joints
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 
 REST = 1e-3
-"""rad/s; joints slower than this stand."""
+"""rad/s; joints slower than this stand, and those whose speed is not told from noise."""
 
+_TOLD_FROM_NOISE, _LOOKS = 5.0, 100
+"""Standard deviations of the speed that noise alone hardly reaches, and instants at which they are looked at."""
 _RESTING = 0.05
-"""s; of rest that is put before and after the samples."""
+"""s; before and after the samples, in which the arm comes to rest whatever it does in them."""
 _MIDWAY = 0.05
 """rad/s; a log that begins or ends faster is not of a whole motion."""
 _LEANS = np.radians(5.0)
@@ -64,19 +66,26 @@ class RecordedMotion:
         return HeldMotion(own, float(own.knots[0]), float(own.knots[-1]))
 
 
-def recorded_motion(log: JointLog, scene: Scene) -> RecordedMotion:
+def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH) -> RecordedMotion:
     """Make a motion of a log.
+
+    Args:
+        log: of the joints.
+        scene: with the robot.
+        bandwidth: of the motion that is followed, Hz; what is faster counts as noise.
 
     Raises:
         ScenarioError: it cannot be of this arm, does not move, or begins or ends in motion.
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    smooth = smooth_joints(*_with_rest(sampling, log.position[sampling.kept]), sampling.period)
+    position = log.position[sampling.kept]
+    smooth = smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
-    moving = np.flatnonzero(np.max(speed, axis=1) > REST)
+    noise = np.median(smooth.deviation(np.linspace(t[0], t[-1], _LOOKS), 1), axis=0)
+    moving = np.flatnonzero(np.any(speed > np.maximum(REST, _TOLD_FROM_NOISE * noise), axis=1))
     if not len(moving):
         raise ScenarioError(f"{log.origin}: the arm never moves by more than {REST:g} rad/s; give the log of a motion")
     for index, word in ((0, "begins"), (-1, "stops")):
@@ -96,16 +105,6 @@ def samples(motion: HeldMotion, joints: tuple[str, ...], span: Span, rate: float
     t = span.start + np.arange(int(np.ceil((span.stop - span.start) * rate - 1e-6)) + 1) / rate
     still = HeldMotion(motion, span.begin, span.end)
     return Trajectory.of_joints(t, joints, *(still(t, order) for order in range(3)))
-
-
-def _with_rest(sampling: Sampling, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The samples with some at rest before the first and after the last, so that the splines begin and end at rest."""
-    count = int(np.ceil(_RESTING / sampling.period))
-    rest = sampling.period * np.arange(1, count + 1)
-    t = np.concatenate([sampling.t[0] - rest[::-1], sampling.t, sampling.t[-1] + rest])
-    return t, np.concatenate(
-        [np.repeat(position[:1], count, axis=0), position, np.repeat(position[-1:], count, axis=0)]
-    )
 
 
 def _check_positions(log: JointLog, scene: Scene) -> None:

@@ -11,6 +11,9 @@ from nospill.execution.tracking import Tracking
 from nospill.judge.verdict import Row, limit_use
 from nospill.laws.constraints.base import RowId
 
+_SMALL = 0.01
+"""mm; narrower bands are not told apart."""
+
 
 def use_band(found: Executed, row: Row) -> float | None:
     """Half width of the 95 % band of a row's use of its limit; None where nothing is known of it."""
@@ -24,6 +27,12 @@ def undecided(found: Executed) -> list[Row]:
     """Rows that the noise of the log leaves open: their limit is within the band."""
     rows = found.judgement.certificate.rows
     return [row for row in rows if abs(row.worst_margin) < found.bands.get(RowId(row.constraint, row.subject), 0.0)]
+
+
+def height_text(height: float, band: float) -> str:
+    """A height and the half width of its band, m, in mm: "15.01 ± 0.02"."""
+    wide = f"± {1e3 * band:.2f}" if 1e3 * band >= _SMALL else f"± < {_SMALL:g}"
+    return f"{1e3 * height:.2f} {wide}"
 
 
 def log_lines(found: Executed) -> list[str]:

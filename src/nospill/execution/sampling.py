@@ -12,8 +12,8 @@ from nospill.execution.log import JointLog
 _UNEVEN = 0.3
 """Part of a period: where the stamps are off an even clock by more (rms), there is no even clock."""
 _STEPS_OF_RESOLUTION = 4.0
-"""A row that repeats the one before is one sample recorded twice where the arm goes on by more than this after it; at
-rest rows repeat each other anyway."""
+"""A row that repeats the one before is one sample recorded twice where the arm moves by more than this before and after
+it; at rest rows repeat each other anyway."""
 _FOURTH = 4
 _ROUNDING = 1e-13
 """rad; what rounding of digits leaves of equal positions."""
@@ -113,10 +113,11 @@ def _resolution(values: np.ndarray) -> float:
 
 
 def _doubled(position: np.ndarray, resolution: float) -> np.ndarray:
-    """Rows that repeat the one before, with a leap after them, (m,)."""
+    """Rows that repeat the one before, the arm moving before and after them, (m,)."""
     steps = np.max(np.abs(np.diff(position, axis=0)), axis=1)
-    after = np.concatenate([steps[1:], [0.0]])
-    return np.concatenate([[False], (steps == 0.0) & (after > _STEPS_OF_RESOLUTION * resolution)])
+    moves = steps > _STEPS_OF_RESOLUTION * resolution
+    before, after = np.concatenate([[False], moves[:-1]]), np.concatenate([moves[1:], [False]])
+    return np.concatenate([[False], (steps == 0.0) & before & after])
 
 
 def _followed(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np.ndarray, period: float) -> float:

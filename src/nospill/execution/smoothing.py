@@ -15,14 +15,17 @@ from typing import Any
 
 import numpy as np
 
-KNOT_SPACING = 0.010
-"""s; motion below 50 Hz passes, as in `simulation.container_motion`; what the spline cannot follow counts as noise."""
+BANDWIDTH = 50.0
+"""Hz; motion that is followed, as in `simulation.container_motion`: knots stand half a period of it apart, and what is
+faster counts as noise."""
 
 _DEGREE, _ORDER = 5, 3
 _WEIGHTS = (-24.0, 4.0)
 """Decimal exponents of the weight of the penalty between which it is looked for."""
 _ENDS = 2
 """Coefficients at either end that equal their neighbour, so that the motion begins and ends at rest."""
+_WINDOW, _LEAST_LOCAL = 0.1, 0.2
+"""s; over which the noise of a place is taken, and the least part of the whole record's that it counts as."""
 _LEAST_NOISE = 1e-12
 """rad; a record without noise still has rounded digits."""
 
@@ -37,6 +40,7 @@ class SmoothJoints:
         noise: (n,) standard deviation of a sample, rad.
         factors: (n, 6, N) banded Cholesky factors (lower) of the inverse covariance of the coefficients over noise^2.
         residual: (n,) rms distance of the samples from the splines, rad.
+        local: (N, n) by how much the noise about each coefficient differs from that of the whole record.
     """
 
     knots: np.ndarray
@@ -44,6 +48,7 @@ class SmoothJoints:
     noise: np.ndarray
     factors: np.ndarray
     residual: np.ndarray
+    local: np.ndarray
 
     def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
         """The derivative of this order at times t (m,): (m, n)."""
@@ -60,7 +65,9 @@ class SmoothJoints:
             noise * np.sqrt(np.sum(rows * cho_solve_banded((factor, True), rows), axis=0))
             for noise, factor in zip(self.noise, self.factors, strict=True)
         ]
-        return np.column_stack(found)
+        places = _greville(self.knots)
+        local = np.column_stack([np.interp(t, places, own) for own in self.local.T])
+        return np.column_stack(found) * local
 
     def drawn(self, generator: np.random.Generator) -> SmoothJoints:
         """A motion that the record could as well be of: drawn from the distribution of the coefficients."""
@@ -74,28 +81,57 @@ class SmoothJoints:
                 upper[_DEGREE - below, below:] = diagonal[: len(diagonal) - below]
             columns.append(noise * solve_banded((0, _DEGREE), upper, generator.standard_normal(factor.shape[1])))
         off = _at_rest(len(self.coefficients)) @ np.column_stack(columns)
-        return replace(self, coefficients=self.coefficients + off)
+        return replace(self, coefficients=self.coefficients + self.local * off)
 
 
-def smooth_joints(t: np.ndarray, position: np.ndarray, period: float) -> SmoothJoints:
+def smooth_joints(
+    t: np.ndarray, position: np.ndarray, period: float, *, bandwidth: float = BANDWIDTH, rest: float = 0.0
+) -> SmoothJoints:
     """Fit the splines.
 
     Args:
-        t: (m,) increasing, from rest to rest, s.
+        t: (m,) increasing, s.
         position: (m, n), rad.
         period: usual distance of samples, s.
+        bandwidth: of the motion that is followed, Hz.
+        rest: how long before the first sample and after the last one the splines begin and end, s.
     """
-    length = float(t[-1] - t[0])
-    every = max(1, round(KNOT_SPACING / period))
+    begin, length = float(t[0]) - rest, float(t[-1] - t[0]) + 2.0 * rest
+    every = max(1, round(0.5 / bandwidth / period))
     spans = max(1, round(length / (every * period)))
-    inner = t[0] + length / spans * np.arange(1, spans)
-    knots = np.concatenate([np.repeat(t[0], _DEGREE + 1), inner, np.repeat(t[-1], _DEGREE + 1)])
-    rest = _at_rest(spans + _DEGREE)
-    basis = _design(t, knots, 0) @ rest
+    inner = begin + length / spans * np.arange(1, spans)
+    ends = np.repeat([[begin], [begin + length]], _DEGREE + 1, axis=1)
+    knots = np.concatenate([ends[0], inner, ends[1]])
+    free = _at_rest(spans + _DEGREE)
+    basis = _design(t, knots, 0) @ free
     gram, rough = _bands(basis.T @ basis), _roughness(knots, spans, length)
     fits = [_fit(column, basis, gram, rough) for column in position.T]
     found, noise, factors, residual = (np.array(part) for part in zip(*fits, strict=True))
-    return SmoothJoints(knots, rest @ found.T, noise, factors, residual)
+    left = position - basis @ found.T
+    return SmoothJoints(knots, free @ found.T, noise, factors, residual, _local(t, left, knots, period))
+
+
+def _greville(knots: np.ndarray) -> np.ndarray:
+    """Where each coefficient acts (N,), s."""
+    count = len(knots) - _DEGREE - 1
+    return np.mean([knots[place : place + count] for place in range(1, _DEGREE + 1)], axis=0)
+
+
+def _local(t: np.ndarray, left: np.ndarray, knots: np.ndarray, period: float) -> np.ndarray:
+    """Noise about each coefficient over that of the whole record, (N, n): rms of what is left over `_WINDOW`.
+
+    Moving joints are noisier than standing ones, and where the jerk of the motion jumps more is left.
+    """
+    width = max(3, round(_WINDOW / period))
+    window = np.ones(width) / width
+    square = np.column_stack([np.convolve(own**2, window, mode="same") for own in left.T])
+    whole = np.mean(left**2, axis=0)
+    ratio = np.sqrt(np.where(whole > 0.0, square / np.where(whole > 0.0, whole, 1.0), 1.0))
+    places = _greville(knots)
+    found = np.column_stack([np.interp(places, t, np.maximum(own, _LEAST_LOCAL)) for own in ratio.T])
+    # coefficients that are one stay one, or drawn motions would not rest at their ends
+    found[:_ENDS], found[len(found) - _ENDS :] = found[_ENDS], found[len(found) - _ENDS - 1]
+    return found
 
 
 def _fit(

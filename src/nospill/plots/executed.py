@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from nospill.plots.style import BLACK, BLUE, LOOK, ORANGE, SMALL, WIDTH, draw_li
 
 _PANEL, _HEAD = 1.35, 0.8
 """in; height of a panel, and of what is above and below all of them."""
+_DRAWN = 250.0
+"""Hz; points of a line that are drawn."""
 _AFTER = 0.5
 """s; of rest that is shown after the motion."""
 
@@ -34,6 +37,16 @@ def save_executed(found: Executed, place: Path) -> None:
             executed_figure(found).savefig(place, dpi=200)
         except OSError as error:
             raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
+
+
+def executed_svg(found: Executed) -> str:
+    """The figure as SVG text with letters as outlines; the same run gives the same text."""
+    look: Any = {**LOOK, "svg.hashsalt": "nospill"}
+    text = io.StringIO()
+    with mpl.rc_context(look):
+        empty = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+        executed_figure(found).savefig(text, format="svg", metadata=empty)
+    return text.getvalue()
 
 
 def executed_figure(found: Executed) -> Figure:
@@ -64,17 +77,19 @@ def executed_figure(found: Executed) -> Figure:
 
 
 def _draw(axes: Axes, found: Executed, name: str) -> None:
-    t, height = found.judgement.replay.t, 1e3 * found.heights[name]
-    band = 1e3 * found.height_bands[name]
+    t, last = found.judgement.replay.t, found.recorded.end - found.clock + _AFTER
+    drawn = np.flatnonzero(t <= last)[:: max(1, round(found.judgement.replay.rate / _DRAWN))]
+    t, height, band = t[drawn], 1e3 * found.heights[name][drawn], 1e3 * found.height_bands[name][drawn]
     words = []
     if found.planned is not None:
         for trace in found.planned.traces:
             if _is_height(trace) and trace.subject == name:
-                axes.plot(trace.t, 1e3 * trace.value, color=ORANGE, linestyle=(0, (4, 1.5)), zorder=3)
+                every = max(1, round(len(trace.t) / (trace.t[-1] - trace.t[0]) / _DRAWN))
+                axes.plot(trace.t[::every], 1e3 * trace.value[::every], color=ORANGE, linestyle=(0, (4, 1.5)), zorder=3)
                 words.append(f"planned {1e3 * float(np.max(trace.value)):.1f}")
     axes.fill_between(t, height - band, height + band, color=BLUE, alpha=0.25, linewidth=0)
     axes.plot(t, height, color=BLUE)
-    words.append(f"executed {np.max(height):.1f}")
+    words.append(f"executed {1e3 * np.max(found.heights[name]):.1f}")
     own = found.measured.get(name)
     if own is not None:
         axes.plot(own.t, 1e3 * own.measured, color=BLACK, marker=".", markersize=2.5, linewidth=0.5, zorder=3)

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+from nospill.execution.executed import Executed
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
@@ -19,6 +20,7 @@ from nospill.plans.warnings.speeds import other_speeds
 from nospill.plots.evidence import Evidence, evidence_of
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
+from nospill.report.executed_run import ExecutedRun, executed_run
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
 from nospill.report.task import cargo_table, joint_table, task_table
 
@@ -54,6 +56,7 @@ class Report:
         checksum: SHA-256 of trajectory.csv, hexadecimal.
         task, cargo, joints, planning, versions: tables.
         warnings: what the verdict rests on: what about, subject, sentence.
+        executed: what a log of the motion says, if there is one.
     """
 
     evidence: Evidence
@@ -69,6 +72,7 @@ class Report:
     planning: TextTable
     versions: TextTable
     warnings: TextTable
+    executed: ExecutedRun | None = None
 
     @property
     def certificate(self) -> Certificate:
@@ -77,13 +81,18 @@ class Report:
 
 
 def make_report(
-    plan: Plan, *, opinion: SecondOpinion = NOT_ASKED, controller_files: Mapping[str, str | None] | None = None
+    plan: Plan,
+    *,
+    opinion: SecondOpinion = NOT_ASKED,
+    controller_files: Mapping[str, str | None] | None = None,
+    executed: Executed | None = None,
 ) -> Report:
     """Put a report together; the motion is judged again unless the plan has its judgement at hand.
 
     Args:
         plan: certified or not.
         opinion: of a simulation.
+        executed: a log of the motion, judged.
         controller_files: by name, what is wrong with it or None, as `export.plan_files.compare_plan_files` says.
 
     Raises:
@@ -115,6 +124,7 @@ def make_report(
         planning=_planning(plan),
         versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),
+        executed=None if executed is None else executed_run(executed),
     )
 
 

@@ -21,6 +21,7 @@ _CAPTIONS = {
     "slosh-heights": "In the joints' motion as judged; after its end the liquids swing freely.",
     "tilt": "Below: what the objects feel sideways, and what they would feel on a level tray.",
     "other-speeds": "Of the same motion, played more slowly.",
+    "executed": "Executed: from the log of the joints, with the band that its noise leaves.",
 }
 """What a figure does not say itself."""
 _FIRST, _PAIR = "limits", ("tray", "path")
@@ -56,6 +57,7 @@ def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") 
         _section(report.task),
         _section(report.cargo),
         _certificate(report),
+        _executed(report),
         _section(report.warnings),
         _opinion(report),
         f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"
@@ -217,6 +219,17 @@ def _bar(row: Row) -> str:
         f"<title>{escape(share)}</title><rect x='0.8' y='2' width='{max(length - 0.8, 0.4):.2f}' height='9' {look}/>"
         f"<path d='M{scale:g} 0v13' stroke='#D55E00' stroke-width='1.8'/>{word}</svg>"
     )
+
+
+def _executed(report: Report) -> str:
+    own = report.executed
+    if own is None:
+        return ""
+    parts = [_banner(own.ok, own.verdict.upper(), own.detail), _table(own.rows)]
+    parts += [f"<p class='note'>{escape(own.rows.note)}</p>"]
+    if own.figure:
+        parts += [_table(own.heights), f"<div class='flow'>{_figure('executed', own.figure)}</div>"]
+    return f"<section><h2>{escape(own.rows.title)}</h2>{''.join(parts)}</section>"
 
 
 def _opinion(report: Report) -> str:

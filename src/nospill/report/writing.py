@@ -38,7 +38,9 @@ def pdf_tables(report: Report) -> tuple[tuple[TextTable, ...], tuple[TextTable, 
     """The tables of a report before and after its certificate and figures, in the order of its pages."""
     opinion = report.opinion
     second = TextTable("A second opinion", (), ((opinion.message,),)) if opinion.table is None else opinion.table
+    run = report.executed
     last = (
+        *(() if run is None else (run.rows, run.heights) if run.figure else (run.rows,)),
         report.warnings,
         second,
         report.joints,

@@ -1,0 +1,98 @@
+"""The section of a report on what was executed: verdict, planned and executed uses, heights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.execution.executed import Executed
+from nospill.execution.record import height_text, log_lines, tracking_lines, undecided, use_band
+from nospill.judge.wording import describe, percent, row_text, verdict_line
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plots.executed import executed_svg
+from nospill.plots.text_pages import TextTable
+
+_COLUMNS = ("constraint", "of", "planned", "executed", "noise", "value", "limit", "at [s]", "")
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedRun:
+    """What a log says, as it is shown.
+
+    Attributes:
+        ok: whether every row of what was executed holds.
+        verdict: in two or three words.
+        detail: in one sentence.
+        rows: of every constraint the fullest row, planned and executed.
+        heights: peaks of the liquids.
+        figure: SVG text, empty without liquids.
+    """
+
+    ok: bool
+    verdict: str
+    detail: str
+    rows: TextTable
+    heights: TextTable
+    figure: str
+
+
+def executed_run(found: Executed) -> ExecutedRun:
+    """The section of a log that was judged beside its plan."""
+    certificate = found.judgement.certificate
+    line = verdict_line(certificate)
+    detail = f"{line[:1].upper()}{line[1:]}. Nearest to its limit: {describe(certificate.worst)}."
+    return ExecutedRun(
+        ok=found.ok,
+        verdict=f"executed: {certificate.word}",
+        detail=detail,
+        rows=_rows(found),
+        heights=_heights(found),
+        figure=executed_svg(found) if found.heights else "",
+    )
+
+
+def _rows(found: Executed) -> TextTable:
+    planned = {} if found.planned is None else {(r.constraint, r.subject): r for r in found.planned.certificate.rows}
+    rows = found.judgement.certificate.listed_rows()
+    cells = []
+    for row in rows:
+        text, band, before = row_text(row), use_band(found, row), planned.get((row.constraint, row.subject))
+        cells.append(
+            (
+                row.constraint,
+                row.subject,
+                "-" if before is None else percent(before.use, before.ok),
+                text.use,
+                "-" if band is None else f"± {100 * band:.2g} %",
+                text.value,
+                text.limit_and_unit,
+                f"{row.at_s:.3f}",
+                "holds" if row.ok else "FAILS",
+            )
+        )
+    open_rows = ", ".join(f"{row.constraint} of {row.subject}" for row in undecided(found))
+    sentences = [*log_lines(found), *tracking_lines(found)]
+    sentences += [f"the noise of the log leaves open: {open_rows}"] if open_rows else []
+    note = " ".join(f"{sentence[:1].upper()}{sentence[1:]}." for sentence in sentences)
+    failing = tuple(index for index, row in enumerate(rows) if not row.ok)
+    return TextTable("Executed", _COLUMNS, tuple(cells), note=note, failing=failing)
+
+
+def _heights(found: Executed) -> TextTable:
+    peaks = {peak.subject: peak for peak in found.peaks if peak.constraint == SloshHeight.name}
+    cells = []
+    for name, values in found.heights.items():
+        at, peak, own = int(np.argmax(values)), peaks.get(name), found.measured.get(name)
+        most = [] if peak is None else sorted(peak.by_joint.items(), key=lambda item: -abs(item[1]))[:2]
+        cells.append(
+            (
+                name,
+                "-" if peak is None else f"{1e3 * peak.planned:.2f}",
+                height_text(float(values[at]), float(found.height_bands[name][at])),
+                ", ".join(f"{joint} {1e3 * value:+.2g} mm" for joint, value in most) or "-",
+                "-" if own is None else f"{1e3 * own.measured_peak:.2f}",
+            )
+        )
+    columns = ("peak of", "planned [mm]", "executed [mm]", "added by", "measured [mm]")
+    return TextTable("Executed: peaks of the liquids", columns, tuple(cells))
