@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 
 from nospill import diagnosis
@@ -15,7 +15,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import Searcher, found_motion, search_elsewhere
-from nospill.planning.warm_start import restarted
+from nospill.planning.warm_start import restarted, started_beside
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.log import Log, OnProgress
 from nospill.plans.log import PlanningProgress as PlanningProgress
@@ -110,7 +110,16 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     with log.phase("kinematics"), _advised(scene, task.ignored, log):
         paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    yield found_motion(task, joint_path, log)
+    if not scene.motion.leaves_path:
+        yield found_motion(task, joint_path, log)
+    else:  # the motion on the path is a start, and what is left where no other is certified
+        with suppress(NoSolutionError):
+            yield found_motion(task, joint_path, log)
+        given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
+        beside = started_beside(task, given, log)
+        if beside is not None:
+            yield beside
+        yield given.candidate
     yield found_motion(task, joint_path, log, search=search_elsewhere)
 
 

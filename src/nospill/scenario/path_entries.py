@@ -15,22 +15,29 @@ from nospill.core.paths import (
     preset_path,
     straight_line,
 )
+from nospill.core.units import format_quantity
 from nospill.core.waypoint_files import read_waypoints
 from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import Angle, Measured, Point, Table
+from nospill.scenario.fields import FREE, Angle, Measured, Point, Table
+from nospill.scenario.freedom_entries import Corridor, Yaw
 
 
 class PathTable(Table):
     """The keys of every path."""
 
-    yaw: Annotated[
-        list[Angle],
-        Field(
-            min_length=2,
-            description="yaw of the tray: [start, end] is linear along the path, more values are joined smoothly",
-        ),
-    ] = [0.0, 0.0]  # noqa: RUF012 # pydantic copies it and the table is frozen
+    yaw: Yaw = (0.0, 0.0)
+    corridor: Corridor = None
+
+    @property
+    def angles(self) -> list[float]:
+        """The angles of the yaw, rad."""
+        return [entry for entry in self.yaw if not isinstance(entry, str)]
+
+    @property
+    def yaw_free(self) -> bool:
+        """Whether the yaw between its ends is left to the planner."""
+        return FREE in self.yaw
 
     def standalone(self, folder: FilePath) -> dict[str, object]:
         """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
@@ -58,7 +65,7 @@ class PresetTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return preset_path(self.name, yaw=self.yaw, offset=self.offset)
+        return preset_path(self.name, yaw=self.angles, offset=self.offset)
 
 
 class BsplineTable(PathTable):
@@ -74,7 +81,7 @@ class BsplineTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.yaw)
+        return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.angles)
 
 
 class LineTable(PathTable):
@@ -86,7 +93,7 @@ class LineTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return straight_line(self.start, self.end, yaw=self.yaw)
+        return straight_line(self.start, self.end, yaw=self.angles)
 
 
 class ArcTable(PathTable):
@@ -99,7 +106,7 @@ class ArcTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return circular_arc(self.start, self.through, self.end, yaw=self.yaw)
+        return circular_arc(self.start, self.through, self.end, yaw=self.angles)
 
 
 class WaypointsTable(PathTable):
@@ -134,7 +141,7 @@ class WaypointsTable(PathTable):
         if (self.file is None) == (self.points is None):
             given = "neither is given" if self.file is None else "both are given"
             raise ScenarioError(f"file and points: {given}; a path through waypoints needs exactly one of them")
-        if self.yaw_at_points is not None and "yaw" in self.model_fields_set:
+        if self.yaw_at_points is not None and self._has_own_yaw:
             raise ScenarioError("yaw and yaw_at_points: both are given; keep one of them")
         if self.file is None:
             return {}
@@ -142,14 +149,25 @@ class WaypointsTable(PathTable):
         found: dict[str, object] = {"file": None, "points": recorded.points.tolist(), "origin": recorded.origin}
         if recorded.yaw is None:
             return found
-        if "yaw" in self.model_fields_set or self.yaw_at_points is not None:
+        if self._has_own_yaw or self.yaw_at_points is not None:
             raise ScenarioError(f"yaw: {self.file} has the yaw of the tray at each point; leave yaw out")
         return found | {"yaw_at_points": recorded.yaw.tolist()}
 
+    @property
+    def _has_own_yaw(self) -> bool:
+        """Whether `yaw` says more than that it is free, which goes with the yaw of points."""
+        return "yaw" in self.model_fields_set and not (self.yaw_free and not any(self.angles))
+
     def build(self) -> Path:
         """See `PathTable`; the points are at hand, `standalone` comes first."""
+        if self.corridor is not None and self.smoothing is not None and self.corridor <= self.smoothing:
+            corridor, smoothing = (format_quantity(size, "length") for size in (self.corridor, self.smoothing))
+            raise ScenarioError(
+                f"corridor is {corridor} wide, no more than the {smoothing} of smoothing by which the path may pass "
+                "beside its points; make it wider"
+            )
         path = path_through_waypoints(
-            self.points or [], yaw=self.yaw, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
+            self.points or [], yaw=self.angles, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
         )
         return path if self.origin is None else replace(path, notes=(self.origin, *path.notes))
 

@@ -144,7 +144,10 @@ def _path(draft: Draft) -> list[Field]:
     return [
         field_of(("path", "type"), "choice", types if kind in types else (*types, str(kind))),
         *own.get(str(kind), []),
-        field_of(("path", "yaw"), "list", hint="of the tray from start to end: 0 deg, 180 deg"),
+        field_of(
+            ("path", "yaw"), "one or list", hint="of the tray from start to end: 0 deg, 180 deg; or 0 deg, free, 0 deg"
+        ),
+        field_of(("path", "corridor"), hint="how far the tray may leave the path between its ends, for example 50 mm"),
     ]
 
 

@@ -41,10 +41,15 @@ class Task:
         return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
 
     @property
+    def on_path(self) -> Task:
+        """The same with the tray on its path, place and yaw; the certificate is about what was requested."""
+        return replace(self, model=replace(self.model, motion=self.model.motion.on_path()))
+
+    @property
     def searched_scene(self) -> Scene:
         """The model, with a level tray where only that passes the singularities."""
         scene = self.model
-        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
+        return replace(scene, motion=scene.motion.without_freedom()) if self.passage.level else scene
 
     @property
     def first_members(self) -> frozenset[VariantId]:
