@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from nospill.core.attitudes import matrices, yaw_of
+from nospill.diagnosis import freest_way
 from nospill.judge.certificate import certify
 from nospill.planning import planner as planning
 from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
-from nospill.scenario import read_scenario
+from nospill.plans.loading import load_plan
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.free_way import has_free_way, ways
 
 pytestmark = pytest.mark.slow
 
@@ -89,3 +92,38 @@ def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monk
     given = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
     assert found.certificate.ok and "corridor" in {row.constraint for row in found.certificate.rows}
     assert found.duration == pytest.approx(given.duration, rel=1e-6)
+
+
+def test_from_one_end_of_the_arc_to_the_other_on_any_way(example_plan, tmp_path) -> None:
+    found, corridor = example_plan("matrix-liquid-point-to-point"), example_plan("matrix-liquid-corridor")
+    assert found.certificate.ok and found.duration < 1.30 < corridor.duration
+    rows = {row.constraint: row for row in found.certificate.rows if row.subject == "tray"}
+    assert rows["goal"].ok and rows["goal attitude"].ok and "path position" not in rows
+    ends = found.trajectory.tray_position[[0, -1]]
+    np.testing.assert_allclose(ends, [[0.1541, -0.5994, 1.2195], [0.1541, 0.5994, 1.2195]], atol=1e-9)
+    # the way that was chosen is kept with the plan
+    found.save(tmp_path / "out")
+    kept = load_plan(tmp_path / "out")
+    assert not has_free_way(kept.scene) and has_free_way(read_scenario("matrix-liquid-point-to-point"))
+    assert certify(kept.trajectory, kept.scene).ok
+
+
+def test_a_level_tray_on_any_way(changed_scene) -> None:
+    found = plan(changed_scene("matrix-liquid-point-to-point", {"motion.tilt": "fixed"}))
+    assert found.certificate.ok and found.duration < 1.40
+
+
+def test_a_turn_on_the_spot(changed_scene) -> None:
+    place = {"position": [0.75, 0.0, 1.2]}
+    path = {"type": "free", "start": place, "goal": {**place, "yaw": 1.0}}
+    table = {**read_scenario("matrix-rigid").source, "path": path}
+    assert plan(scene_from_table(table, name="turn")).certificate.ok
+
+
+def test_with_an_obstacle_on_one_way_it_takes_another() -> None:
+    """Past the column in front of a UR10e, which stands on the short way round."""
+    table = read_scenario("cups-past-a-column").source
+    ends = [{"position": [0.75, side, 0.45]} for side in (-0.5, 0.5)]
+    scene = scene_from_table({**table, "path": {"type": "free", "start": ends[0], "goal": ends[1]}}, name="round")
+    chosen = freest_way(ways(scene))
+    assert chosen.path.at(0.5)[0, 0] < -0.8

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -11,14 +12,14 @@ from nospill.collisions.bodies import TRAY, Body
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
-from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
 
 _ENDS = {0.0: "start", 1.0: "end"}
 
 
-def free_paths(scene: Scene, joint_paths: Sequence[JointPath]) -> list[JointPath]:
+def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
     """The joint paths on which nothing is in the way of the level tray, in their order; all where there is no obstacle.
 
     Where there is none, the freest one if the motion may leave it: the tray may tilt, or the arm has a seventh joint.
@@ -30,24 +31,38 @@ def free_paths(scene: Scene, joint_paths: Sequence[JointPath]) -> list[JointPath
         MissingExtraError: the library coal is not installed.
     """
     if not scene.obstacles:
-        return list(joint_paths)
-    ends = nearest_along(scene, joint_paths[0], on_path=True, places=2)
+        return list(candidates)
+    ends = nearest_along(scene, candidates[0], on_path=True, places=2)
     if ends.room < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
         raise ScenarioError(f"{_in_words(ends, where)}; move the obstacle or the path", _reason(ends, REST))
     known: dict[tuple[float, ...], Nearness] = {}
     found = []
-    for joint_path in joint_paths:
+    for joint_path in candidates:
         places = _places(joint_path)
         known[places] = known.get(places) or nearest_along(scene, joint_path)
         found.append(known[places])
-    free = [joint_path for joint_path, nearness in zip(joint_paths, found, strict=True) if nearness.room >= 0.0]
+    free = [joint_path for joint_path, nearness in zip(candidates, found, strict=True) if nearness.room >= 0.0]
     if free:
         return free
     freest = max(range(len(found)), key=lambda index: found[index].room)
     if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
-        return [joint_paths[freest]]
+        return [candidates[freest]]
     raise NoSolutionError(_refusal(found[freest], len(known)), _reason(found[freest], ROBOT))
+
+
+def freest_way(scenes: Sequence[Scene]) -> Scene:
+    """The first of some scenes with a joint path on which nothing is in the way; the first of all where none has one.
+
+    Raises:
+        ScenarioError: as `free_paths`.
+        MissingExtraError: the library coal is not installed.
+    """
+    for scene in scenes if scenes[0].obstacles else ():
+        with suppress(NoSolutionError):
+            free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
+            return scene
+    return scenes[0]
 
 
 def _places(joint_path: JointPath) -> tuple[float, ...]:

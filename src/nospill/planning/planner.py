@@ -24,6 +24,7 @@ from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.scenario.free_way import has_free_way, ways
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
@@ -73,6 +74,9 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), _advised(scene, ignore, log):
             scene = choose_base_yaw(scene)
+    if has_free_way(scene):
+        with log.phase("way"), _advised(scene, ignore, log):
+            scene = diagnosis.freest_way(ways(scene))
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
     report = PlanningReport(

@@ -91,7 +91,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
     key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: path on the floor of the box"
-    key += "; dashed: given path" if given is not None else ""
+    key += "; dashed: path it may leave" if given is not None else ""
     if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
         key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")

@@ -16,6 +16,7 @@ EXAMPLES: dict[str, str] = {
     "matrix-liquid-tilt-robust": "the same for ranges of friction, fill and damping: it holds at every corner",
     "matrix-liquid-tilt-all-limits": "four cups on a tilting tray, with the laboratory's limits of joint acceleration",
     "matrix-liquid-corridor": "the four cups on a tray that tilts, turns freely and leaves its arc by up to 50 mm",
+    "matrix-liquid-point-to-point": "the four cups, tilting, from one end of the arc to the other on any way",
     "pp-two-cups": "two cups of water along the published path pp, level tray",
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
     "coffee-to-go": "three tapered cups of coffee, filled by volume, on a UR5e that tilts its tray",

@@ -12,6 +12,9 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from nospill.core.units import as_written
 from nospill.scenario.fields import ANGLE, FREE, Measured, refuse
 
+WIDEST = 2.0
+"""m; greatest width of a corridor."""
+
 _SHAPES = '["0 deg", "90 deg"], ["0 deg", "free", "90 deg"] or "free"'
 
 NARROWEST = 1e-4
@@ -62,6 +65,6 @@ Yaw = Annotated[
 
 Corridor = Annotated[
     float | None,
-    Measured(dimension="length", at_least=NARROWEST, at_most=2.0),
+    Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST),
     Field(description="how far the tray's centre may leave the path between its ends; not at all when not given"),
 ]

@@ -273,7 +273,7 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         hold_before=rules.hold_before,
         hold_after=rules.hold_after,
         duration=rules.duration,
-        corridor=scenario.path.corridor,
+        corridor=scenario.path.width,
         yaw_free=scenario.path.yaw_free,
     )
 

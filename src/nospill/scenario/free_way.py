@@ -1,0 +1,76 @@
+"""`[path] type = "free"`: the ways along which a motion from here to there is looked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.robots.description.urdf import base_pose
+from nospill.robots.joint_paths.search import try_joint_paths
+from nospill.scenario.reader import scene_from_table
+from nospill.scene.scene import Scene
+
+_POINTS = 9
+"""Of an arc about the base."""
+_NEAR_THE_AXIS = 0.05
+"""m; nearer to the base's axis there is no direction to turn from."""
+
+
+def has_free_way(scene: Scene) -> bool:
+    """Whether the scenario leaves the way to the planner."""
+    table = _path_table(scene)
+    return table.get("type") == "free" and "way" not in table
+
+
+def ways(scene: Scene) -> list[Scene]:
+    """The scene with each way that the arm can follow in the place of the open one, the fastest first.
+
+    The straight line from start to goal, and the arcs about the base's vertical axis either way round, on which
+    distance and height change evenly: an arm on its foot can follow them where the line passes its foot. They are
+    compared by the speed figures of their joint paths.
+
+    Raises:
+        ScenarioError: the arm can follow none; tells of the line.
+    """
+    candidates = [scene, *_arcs(scene)]
+    tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in candidates]
+    # rounded, so that ways that are alike compare by their order
+    figures = [float(f"{one.paths[0].speed_figure:.6g}") if one.paths else math.inf for one in tried]
+    if min(figures) == math.inf:
+        raise tried[0].failure()
+    order = sorted(range(len(candidates)), key=lambda index: figures[index])
+    return [candidates[index] for index in order if figures[index] < math.inf]
+
+
+def _arcs(scene: Scene) -> Iterator[Scene]:
+    foot, _ = base_pose(scene.robot.urdf)
+    (x0, y0, z0), (x1, y1, z1) = scene.path.at([0.0, 1.0])[:, :3] - foot
+    if min(math.hypot(x0, y0), math.hypot(x1, y1)) < _NEAR_THE_AXIS:
+        return
+    first, turn = math.atan2(y0, x0), math.remainder(math.atan2(y1, x1) - math.atan2(y0, x0), math.tau)
+    share = np.linspace(0.0, 1.0, _POINTS)
+    for angle in (turn, turn - math.copysign(math.tau, turn)):
+        directions = first + share * angle
+        distances = (1 - share) * math.hypot(x0, y0) + share * math.hypot(x1, y1)
+        points = np.column_stack(
+            [distances * np.cos(directions), distances * np.sin(directions), (1 - share) * z0 + share * z1]
+        )
+        points[[0, -1]] = (x0, y0, z0), (x1, y1, z1)
+        try:
+            yield _along(scene, points + foot)
+        except ScenarioError:  # points that coincide make no way
+            continue
+
+
+def _along(scene: Scene, points: np.ndarray) -> Scene:
+    table = scene.source | {"path": _path_table(scene) | {"way": np.round(points, 9).tolist()}}
+    return scene_from_table(table, name=scene.name)
+
+
+def _path_table(scene: Scene) -> dict[str, object]:
+    table = scene.source["path"]
+    assert isinstance(table, dict)  # the reader saw to it
+    return table
