@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from benchmarks.slosh.validate import data_folder
+from nospill.judge.tracks import variant_tracks
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scene.containers.vessel import Vessel
@@ -53,9 +55,11 @@ def joint_path_of(scene: Scene, *, samples: int = 101) -> JointPath:
 
 
 def smooth_record(scene: Scene, path: JointPath, intervals: int, start: Start) -> Trajectory:
-    """A smooth motion of a scene as a plan records it: with one mode of each liquid."""
+    """A smooth motion of a scene as a plan records it, with the modes of its liquids."""
     model = scene.with_one_mode()
-    return export_samples(model, smooth_start(model, path, intervals, start))
+    record = export_samples(model, smooth_start(model, path, intervals, start))
+    names = {(cargo.name, ""): cargo.name for cargo in scene.cargo}
+    return replace(record, slosh=variant_tracks(record, scene, names))
 
 
 def measured_data(name: str = "") -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import pytest
@@ -38,6 +39,12 @@ def tilting_film(changed_scene: Callable[..., Scene]) -> Film:
 def level_film(changed_scene: Callable[..., Scene]) -> Film:
     """matrix-liquid: the same cups on a level tray, the published physics."""
     return film_of(changed_scene("matrix-liquid", {}))
+
+
+@pytest.fixture(scope="session")
+def example_film(changed_scene: Callable[..., Scene]) -> Callable[[str], Film]:
+    """A smooth motion of an example with one mode of each liquid, five pictures a second; made once for all tests."""
+    return cache(lambda name: film_of(changed_scene(name, {}).with_one_mode(), rate=5.0))
 
 
 @pytest.fixture(scope="module")

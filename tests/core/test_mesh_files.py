@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nospill.core.files import UnreadableError
-from nospill.core.mesh_files import LARGEST_MESH, hull_corners, mesh_points
+from nospill.core.mesh_files import LARGEST_MESH, hull_corners, mesh_points, mesh_triangles
 
 
 def test_both_kinds_of_stl_and_obj_give_the_same_corners(tmp_path: Path) -> None:
@@ -25,6 +25,26 @@ def test_both_kinds_of_stl_and_obj_give_the_same_corners(tmp_path: Path) -> None
     (tmp_path / "o.obj").write_text(obj)
     for name in ("b.stl", "t.STL", "o.obj"):
         np.testing.assert_allclose(mesh_points(tmp_path / name), corners.reshape(-1, 3))
+
+
+def test_triangles_share_their_corners(tmp_path: Path) -> None:
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    binary = b" " * 80 + struct.pack("<I", 2)
+    for facet in (square[[0, 1, 2]], square[[0, 2, 3]]):
+        binary += struct.pack("<12fH", 0, 0, 0, *facet.ravel(), 0)
+    (tmp_path / "b.stl").write_bytes(binary)
+    points = "".join(f"v {x} {y} {z}\n" for x, y, z in square)
+    (tmp_path / "o.obj").write_text(f"{points}f 1/1/1 2//2 3 4\nf -5 -4 -1\n")
+    for name, count in (("b.stl", 2), ("o.obj", 3)):
+        corners, faces = mesh_triangles(tmp_path / name)
+        assert faces.shape == (count, 3) and len(np.unique(corners, axis=0)) == len(corners)
+        first = corners[faces[:2]]
+        normals = np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+        np.testing.assert_allclose(normals, [[0, 0, 1], [0, 0, 1]])
+    for wrong in ("f 1 2 9", "f 0 1 2", ""):
+        (tmp_path / "o.obj").write_text(f"{points}{wrong}\n")
+        with pytest.raises(UnreadableError, match="corners that are not there"):
+            mesh_triangles(tmp_path / "o.obj")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,7 @@ from nospill.planning.planner import plan
 from nospill.planning.search import Searcher
 from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import preferred_path
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import USUAL_START
 from nospill.transcription.task import Task
@@ -140,6 +142,19 @@ def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Change
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:
     with pytest.raises(ScenarioError, match=r"out of reach .* from s = 0\.\d+ \(x, y, z = .* mm\) on, by up to \d+"):
         plan(changed_scene("matrix-rigid", {"robot.base_position": ["-0.6 m", "0 m", "0 m"]}))
+
+
+def test_a_path_out_of_reach_of_a_tray_of_many_objects_has_a_suggestion() -> None:
+    """The problem that confirms a suggestion carries some of them only."""
+    table: Any = copy.deepcopy(dict(read_scenario("pp-two-cups").source))
+    cup = table["cargo"][0] | {"name": "cup", "at": [0.0, 0.0], "radius": 0.01, "height": 0.04, "liquid_height": 0.02}
+    cup = {key: value for key, value in cup.items() if key not in ("mass", "centre_of_mass_height")}
+    array = {"count": [4, 4], "pitch": [0.025, 0.025]}
+    table["cargo"] = [cup | {"empty_mass": 0.01, "max_slosh_height": 0.005, "array": array}]
+    table["fidelity"], table["robot"]["base_position"] = "full", [-0.6, 0.0, 0.0]
+    with pytest.raises(ScenarioError, match="Smallest single change found") as raised:
+        plan(scene_from_table(table, name="many"))
+    assert raised.value.reason is not None
 
 
 def test_the_command_line_names_the_file_and_says_what_would_help() -> None:

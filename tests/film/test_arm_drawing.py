@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from nospill.errors import ScenarioError
-from nospill.film.robot_model import TRAY_THICKNESS, drawn_links, read_chain
+from nospill.film.arm_bodies import arm_bodies
+from nospill.film.packaged_meshes import packaged_meshes
+from nospill.film.robot_model import read_chain
+from nospill.robots.capsules import PlacedCapsule, placed_capsules
 from nospill.robots.description.catalog import ROBOTS, load_robot
+from nospill.robots.kinematics.bodies import z_to
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.robot import LinkMesh, PackagedMeshes, Robot
 from nospill.robots.tool import Tool
-from nospill.scene.tray import Tray
+from nospill.scene.tray import TRAY_THICKNESS, Tray
 
 TRAY = Tray(size=np.array([0.3, 0.2]), tool=Tool(np.array([0.0, 0.0, 0.05])))
 
@@ -34,30 +42,41 @@ def test_nodes_carry_the_flange_where_the_kinematics_say(name: str) -> None:
         assert np.linalg.norm(joint.wxyz(q), axis=1) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_links_reach_from_joint_to_joint(name: str) -> None:
-    """Every link's body holds its own joint and ends at the next one, so nothing hangs in the air."""
+@pytest.fixture(params=[False, True], ids=["capsules", "meshes"])
+def arm(request: pytest.FixtureRequest, name: str) -> Robot:
+    """An arm without and with the meshes of a package, where the catalogue names one."""
     robot = load_robot(name)
-    chain = read_chain(robot.urdf, robot.joints, robot.tip)
-    bodies = drawn_links(chain, TRAY)
-    carrier = chain.base
-    for joint in chain.joints:
-        if np.linalg.norm(joint.position) > 1e-6:
-            vertices = bodies[carrier].vertices
-            for place in (np.zeros(3), joint.position):
-                assert np.min(np.linalg.norm(vertices - place, axis=1)) < 0.15
-        carrier = joint.child
-    assert np.linalg.norm(bodies[carrier].vertices, axis=1).max() > 0.04  # the holder up to the board
+    if not request.param:
+        return replace(robot, meshes=None)
+    if robot.meshes is None:
+        pytest.skip("no package has it")
+    if packaged_meshes(robot) is None:
+        pytest.skip(f"{robot.meshes.package} is not installed; install the extra meshes")
+    return robot
 
 
 @pytest.mark.parametrize("name", ROBOTS)
+def test_nothing_hangs_in_the_air(arm: Robot) -> None:
+    """From base to flange every body meets what comes before it."""
+    chain = read_chain(arm.urdf, arm.joints, arm.tip)
+    bodies = arm_bodies(arm, chain, TRAY)
+    frames = chain.frames(configurations(arm.name, 1))
+    placed = [bodies[chain.base].vertices]
+    for joint, (position, rotation) in zip(chain.joints, frames, strict=True):
+        if joint.child in bodies:
+            own = bodies[joint.child].vertices @ rotation[0].T + position[0]
+            assert KDTree(np.concatenate(placed)).query(own)[0].min() < 0.03
+            placed.append(own)
+    assert len(placed) > len(arm.joints)
+
+
 @pytest.mark.parametrize("height", [0.02, 0.05, 0.108])
-def test_what_turns_with_the_tray_stays_below_it(name: str, height: float) -> None:
-    robot = load_robot(name)
-    chain = read_chain(robot.urdf, robot.joints, robot.tip)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_what_turns_with_the_tray_stays_below_it(arm: Robot, height: float) -> None:
+    chain = read_chain(arm.urdf, arm.joints, arm.tip)
     tray = Tray(size=TRAY.size, tool=Tool(np.array([0.0, 0.0, height])))
-    bodies = drawn_links(chain, tray)
-    frames = chain.frames(np.zeros((1, len(robot.joints))))
+    bodies = arm_bodies(arm, chain, tray)
+    frames = chain.frames(np.zeros((1, len(arm.joints))))
     flange, turned = frames[-1][0][0], frames[-1][1][0]
     last = max(number for number, joint in enumerate(chain.joints) if joint.index is not None)
     for joint, (position, rotation) in list(zip(chain.joints, frames, strict=True))[last:]:
@@ -67,11 +86,39 @@ def test_what_turns_with_the_tray_stays_below_it(name: str, height: float) -> No
             assert in_flange[:, 2].max() <= height - TRAY_THICKNESS + 1e-9
 
 
-def test_meshes_leave_only_the_holder() -> None:
+@pytest.mark.parametrize("name", ROBOTS)
+def test_links_are_drawn_where_collisions_have_them(arm: Robot) -> None:
+    """A body drawn lies in the capsules of what moves with its joint, meshes too."""
+    chain = read_chain(arm.urdf, arm.joints, arm.tip)
+    moving = [joint for joint in chain.joints if joint.index is not None]
+    for number, joint in enumerate(moving, start=1):
+        capsules = [item for item in placed_capsules(arm) if item.joint == number]
+        vertices = arm_bodies(arm, chain)[joint.child].vertices @ z_to(joint.axis)
+        beyond = np.min([_distance(vertices, item) for item in capsules], axis=0)
+        assert np.max(beyond) < 1e-3
+
+
+def _distance(points: np.ndarray, item: PlacedCapsule) -> np.ndarray:
+    start, way = item.ends[0], item.ends[1] - item.ends[0]
+    share = np.clip((points - start) @ way / max(float(way @ way), 1e-18), 0.0, 1.0)
+    return np.linalg.norm(points - start - share[:, None] * way, axis=1) - item.radius
+
+
+def test_an_arm_without_capsules_stands_on_a_column() -> None:
+    robot = replace(load_robot("ur5e"), capsules=(), meshes=None)
+    chain = read_chain(robot.urdf, robot.joints, robot.tip)
+    column = arm_bodies(robot, chain)[chain.base].vertices
+    assert column[:, 2].min() == pytest.approx(0.0, abs=0.02)
+    assert column[:, 2].max() == pytest.approx(chain.joints[0].position[2], abs=0.06)
+
+
+def test_a_package_without_the_meshes_is_no_mistake() -> None:
+    wanted = PackagedMeshes("numpy", "numpy", (LinkMesh("link_1", "none.stl", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
     robot = load_robot("comau-smart-six")
     chain = read_chain(robot.urdf, robot.joints, robot.tip)
-    assert list(drawn_links(chain, TRAY, only_holder=True)) == ["flange"]
-    assert drawn_links(chain, None, only_holder=True) == {}
+    drawn = arm_bodies(robot, chain)
+    for meshes in (wanted, replace(wanted, package="no-such-package-at-all")):
+        assert arm_bodies(replace(robot, meshes=meshes), chain).keys() == drawn.keys()
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ def test_variants_differ_only_where_they_say() -> None:
 
 def test_defaults() -> None:
     scene = scene_with()
-    assert scene.fidelity == "full" and scene.slosh_modes == 1 and scene.output_rate == 500
+    assert scene.fidelity == "full" and scene.slosh_modes == 20 and scene.output_rate == 500
     assert scene.motion.max_tilt == math.radians(30) and scene.motion.end == "residual" and not scene.motion.tilt_free
     assert scene.planning.intervals == 100 and scene.planning.starts == 1 and scene.planning.linear_solver == "auto"
     assert np.array_equal(scene.tray.tool.position, [0, 0, 0])

@@ -118,11 +118,13 @@ def test_rim_holds_a_turn_on_the_spot_up_to_mu_n_r(share: float) -> None:
     assert reports[0].ok
 
 
-def swinging(axes: tuple[int, ...], amplitude: float, damping: float = 0.0) -> tuple[float, np.ndarray]:
+def swinging(
+    axes: tuple[int, ...], amplitude: float, damping: float = 0.0, tension: float = 0.0
+) -> tuple[float, np.ndarray]:
     """Frequency that was asked for, and the displacement of a mode let go from an amplitude in a container at rest."""
     omega = 22.6
     curvature = omega**2 / G
-    mode = ModalMass(0.06, 0.02, axes, curvature, damping=2 * damping * omega * 0.06)
+    mode = ModalMass(0.06, 0.02, axes, curvature, damping=2 * damping * omega * 0.06, spring=0.06 * tension)
     heavy = replace(cylinder(0.9, (mode,)), mass=100.0, inertia=np.eye(3))
     motion = resting(3.0)
     model = build((heavy,))
@@ -148,6 +150,11 @@ def test_mode_swings_at_its_frequency_and_slower_where_it_swings_far(axes: tuple
     assert period(values) == pytest.approx(exact, rel=5e-4)
     if amplitude < 1e-3:
         assert 2 * math.pi / period(values) == pytest.approx(omega, rel=1e-3)
+
+
+def test_surface_tension_makes_a_mode_swing_faster() -> None:
+    omega, values = swinging((0, 1), 0.5e-3, tension=0.4 * 22.6**2)
+    assert 2 * math.pi / period(values) == pytest.approx(math.sqrt(1.4) * omega, rel=2e-3)
 
 
 def test_mode_dies_down_with_its_damping_ratio() -> None:

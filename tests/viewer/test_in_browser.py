@@ -19,8 +19,10 @@ pytest.importorskip("viser", reason="viser is not installed")
 # Playwright's own loop leaves sockets to the garbage collector.
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
-from nospill.viewer.html import CLOCK, save_html  # noqa: E402
-from nospill.viewer.live import live_viewer  # noqa: E402
+from nospill.scenario.examples import EXAMPLES  # noqa: E402
+from nospill.viewer.charts import draw_charts  # noqa: E402
+from nospill.viewer.html import CLOCK, save_html, with_charts  # noqa: E402
+from nospill.viewer.live import live_viewer, short_titles, title_of  # noqa: E402
 from nospill.viewer.playback import SPEEDS  # noqa: E402
 from tests.waiting import PATIENCE, wait_until  # noqa: E402
 
@@ -179,6 +181,19 @@ def test_no_text_of_two_plans_covers_another_in_any_window(
         assert len(tops) // len(set(tops)) == columns
         sizes = page.eval_on_selector_all(".nospill-chart", "nodes => nodes.map(n => n.getBoundingClientRect().width)")
         assert max(sizes) <= 420.0
+    assert page.errors == []
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_no_text_of_an_example_covers_another_in_any_window(
+    page: Any, name: str, example_film: Callable[[str], Film]
+) -> None:
+    film = example_film(name)
+    blank = "<html><head><title>Viser</title></head><body><div id='root'></div></body></html>"
+    page.set_content(with_charts(blank, [title_of(film)], draw_charts([film], short_titles([film]))))
+    for width in (1280, 760, 400):
+        page.set_viewport_size({"width": width, "height": 700})
+        assert page.evaluate(OVERLAPS) == []
     assert page.errors == []
 
 

@@ -3,7 +3,7 @@
 # pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -18,7 +18,8 @@ import viser
 from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
 from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
-from nospill.film.views import View, arrangement
+from nospill.film.views import CLOSE, View, arrangement
+from nospill.scenario.examples import EXAMPLES
 from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
 from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
@@ -183,6 +184,15 @@ def test_names_cover_no_other_whatever_the_window(view: View, tilting_film: Film
                 >= letters.names * (sizes[:, one] + sizes[:, other]) / 2.0001
             )
             assert np.all(np.any(apart, axis=1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_names_of_an_example_have_room_near_the_cups(name: str, example_film: Callable[[str], Film]) -> None:
+    films = [example_film(name)]
+    for view in CLOSE:
+        places, camera = arrangement(films, view, aspect=1.05)
+        assert letters_of(films, [""], places, view, camera).apart
 
 
 def test_names_are_hidden_where_they_would_cover_each_other(tilting_film: Film) -> None:

@@ -6,7 +6,17 @@ import re
 
 from nospill_docs.places import Places, write_if_changed
 
-_FIRST = ("robots", "exports", "viewer", "studio", "uncertainty", "verify", "reliability", "performance")
+_FIRST = (
+    "robots",
+    "exports",
+    "viewer",
+    "studio",
+    "uncertainty",
+    "verify",
+    "after-the-run",
+    "reliability",
+    "performance",
+)
 """Pages that come first, in this order, where they exist; others follow by name."""
 
 

@@ -14,8 +14,10 @@ from typing import Annotated
 import typer
 
 from nospill.cli.cache import cache
+from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
+from nospill.cli.identifying import identify
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.planning import check, plan, plot
 from nospill.cli.reporting import reported
@@ -40,6 +42,8 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     export,
     simulate,
     compare,
+    executed,
+    identify,
     examples,
     robots,
     schema,

@@ -46,23 +46,64 @@ def simulate(
 
 def compare(
     predicted: Annotated[
-        str, typer.Argument(metavar="PREDICTED", help="A CSV (t_s, height_mm), or a plan folder and a cup as DIR:CUP.")
+        str,
+        typer.Argument(
+            metavar="PREDICTED", help="A CSV (t_s, height_mm), a plan folder and a cup as DIR:CUP, or a folder of runs."
+        ),
     ],
-    measured: Annotated[Path, typer.Argument(metavar="MEASURED.csv", help="The measured height: t_s, height_mm.")],
+    measured: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="MEASURED.csv", help="The measured height: t_s, height_mm; none for runs.", show_default=False
+        ),
+    ] = None,
+    cup: Annotated[
+        Path | None,
+        typer.Option(
+            "--cup", metavar="CUP.toml", help="Of a folder of runs: the keys of a cargo entry.", show_default=False
+        ),
+    ] = None,
+    modes: Annotated[int, typer.Option("--modes", metavar="N", help="Of runs: liquid modes in each direction.")] = 2,
+    height: Annotated[
+        str, typer.Option("--height", metavar="one-mode|corrected", help="Of runs: as for simulate.")
+    ] = "one-mode",
+    azimuth: Annotated[
+        str | None,
+        typer.Option(
+            "--azimuth",
+            metavar="ANGLE",
+            help="Of runs: measured at this place of the wall, with signs, not at the crest.",
+            show_default=False,
+        ),
+    ] = None,
     figure: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FIG", help="Draw both (.png, .pdf or .svg).", show_default=False),
+        typer.Option("-o", "--output", metavar="FIG", help="Draw them (.png, .pdf or .svg).", show_default=False),
     ] = None,
 ) -> int:
-    """Compare a predicted liquid height with a measured one; the clocks are aligned by best correlation."""
-    from nospill.simulation.compare import compare as compare_heights
-    from nospill.simulation.compare import predicted_heights
-    from nospill.simulation.motion_file import read_heights
+    """Compare predicted liquid heights with measured ones; the clocks are aligned by best correlation.
+
+    A folder of runs holds NAME.motion.csv and NAME.height.csv of one container; the band is that of its tolerance.
+    """
+    from nospill.errors import ScenarioError
 
     if figure is not None:
         from nospill.plots.comparison import require_figure_name
 
         require_figure_name(figure)
+    if (measured is None) != (cup is not None):
+        raise ScenarioError("give MEASURED.csv beside one prediction, or --cup CUP.toml beside a folder of runs")
+    if measured is not None:
+        return _compare_one(predicted, measured, figure)
+    assert cup is not None  # as was just checked
+    return _compare_runs(Path(predicted), cup, modes, height, azimuth, figure)
+
+
+def _compare_one(predicted: str, measured: Path, figure: Path | None) -> int:
+    from nospill.simulation.compare import compare as compare_heights
+    from nospill.simulation.compare import predicted_heights
+    from nospill.simulation.motion_file import read_heights
+
     found = compare_heights(predicted_heights(predicted), read_heights(measured))
     print_table(
         ("figure", "value", "unit"),
@@ -81,5 +122,37 @@ def compare(
         from nospill.plots.comparison import save_comparison
 
         save_comparison(found, figure)
+        print(f"drawn to {figure}")
+    return 0
+
+
+def _compare_runs(folder: Path, cup: Path, modes: int, height: str, azimuth: str | None, figure: Path | None) -> int:
+    import numpy as np
+
+    from nospill.core.units import quantity
+    from nospill.simulation.runs import compare_runs
+
+    place = None if azimuth is None else quantity(azimuth, "angle")
+    runs = compare_runs(folder, cup, modes=modes, height=height, azimuth=place)
+    banded = any(np.any(run.high > run.low) for run in runs)
+    rows = []
+    for run in runs:
+        own = run.comparison
+        figures = (own.correlation, 1e3 * own.rmse, 1e2 * own.relative_peak_error, 1e2 * own.integral_error)
+        band = (f"{100 * run.within:.0f} %",) if banded else ()
+        rows.append((run.name, f"{1e3 * own.measured_peak:.1f}", *(f"{value:.3g}" for value in figures), *band))
+    peaks = np.median([abs(run.comparison.relative_peak_error) for run in runs])
+    columns = ("run", "measured peak mm", "correlation", "rms error mm", "peak error %", "integral error %")
+    print_table((*columns, *(("within band",) if banded else ())), rows, right=(*columns[1:], "within band"))
+    print()
+    medians = [np.median([getattr(run.comparison, name) for run in runs]) for name in ("correlation", "rmse")]
+    print(
+        f"medians of {len(runs)} runs: |peak error| {1e2 * peaks:.1f} %, correlation {medians[0]:.3f}, "
+        f"rms error {1e3 * medians[1]:.2f} mm"
+    )
+    if figure is not None:
+        from nospill.plots.runs import save_runs
+
+        save_runs(runs, figure)
         print(f"drawn to {figure}")
     return 0

@@ -246,7 +246,7 @@ def _write_study(report: MarginsReport, folder: Path, names: list[str]) -> None:
         report.worst_margin,
         folder,
         nominal=report.nominal,
-        title=f"{report.scenario}: what the margin depends on",
+        title=f"{report.scenario}: what the use of the limits depends on",
     )
 
 
@@ -268,40 +268,52 @@ def _print_margins(report: MarginsReport) -> None:
     )
     print()
     print_table(
-        ("what", "samples", "probability %", "at least %", "at most %"),
-        [(name, item.count, 1e2 * item.value, 1e2 * item.low, 1e2 * item.high) for name, item in chances.items()],
-        drop=("at least %", "probability %"),
+        ("what", "samples", "probability", "at least", "at most"),
+        [
+            (name, item.count, *(f"{1e2 * share:.1f} %" for share in (item.value, item.low, item.high)))
+            for name, item in chances.items()
+        ],
+        drop=("at least", "probability"),
+        right=("probability", "at least", "at most"),
     )
     print()
     print_table(
-        ("constraint", "broken in", "largest use", "by"),
+        ("constraint", "of", "largest use", "broken in"),
         [
-            (item.constraint, item.broken.count, percent(item.largest_use, item.largest_use <= 1.0), item.subject)
+            (item.constraint, item.subject, percent(item.largest_use, item.largest_use <= 1.0), item.broken.count)
             for item in report.constraints
         ],
         right=("largest use",),
     )
     print()
     print_table(
-        ("number", "of", "worst margin %", "at", "best margin %", "at best", "limited by"),
+        ("number", "limits of", "largest use", "at", "least use", "at best", "limit"),
         [
             (
                 item.factor,
                 item.measure,
-                1e2 * item.least,
+                _use(item.least),
                 item.least_at,
-                1e2 * item.greatest,
+                _use(item.greatest),
                 item.greatest_at,
                 item.limited_by,
             )
             for item in report.influences
         ],
-        drop=("at best", "at", "of", "best margin %"),
+        drop=("at best", "at", "limits of", "least use"),
+        right=("largest use", "least use"),
     )
-    least, middle, most = (1e2 * report.percentiles[key] for key in (0, 50, 100))
+    worst, middle, best = (_use(report.percentiles[key]) for key in (0, 50, 100))
     print()
     print_lines(
-        f"worst margin of {report.samples} samples (seed {report.seed}): {least:.2f} % at worst, {middle:.2f} % in the "
-        f"middle, {most:.2f} % at best",
-        f"worst margin with the scenario's own numbers, friction without reserve: {1e2 * report.nominal:.2f} %",
+        f"largest use: {worst} in the worst of {report.samples} samples (seed {report.seed}), {middle} in the middle "
+        f"one, {best} in the best",
+        f"largest use with the scenario's own numbers, friction without reserve: {_use(report.nominal)}",
     )
+
+
+def _use(margin: float) -> str:
+    """Use of a limit of which a margin is left, as certificates state it."""
+    from nospill.judge.wording import percent
+
+    return percent(1.0 - margin, margin >= 0.0)

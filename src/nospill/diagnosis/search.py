@@ -14,11 +14,9 @@ from typing import Protocol
 import numpy as np
 
 from nospill.laws.constraints.base import RowId
-from nospill.laws.scene_parameters import structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
-from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
@@ -228,7 +226,9 @@ def is_possible(search: Searcher, scene: Scene, joint_path: JointPath) -> bool:
     found = Trials(search, joint_path).fastest(scene)
     if found is None or found.duration > WITHIN * scene.motion.longest:
         return False
-    joints = found.stages.table[:-1, layout_of(structure_of(scene)).joint_position]
+    # the problem may carry fewer objects than the scene
+    layout = found.answer.problem().transcription.layout
+    joints = found.stages.table[:-1, layout.joint_position]
     return keeps_branch(determinants(scene.robot, joints, found.stages.self_motion))
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.export import EXPORTERS
+from nospill.motion.control import commanded
 from nospill.motion.holds import held_samples
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
@@ -14,11 +15,6 @@ from nospill.scene.scene import Scene
 
 TOLERANCE = 1e-9
 """rad; what the formats' printing may change is far below."""
-
-
-def recorded_samples(trajectory: Trajectory) -> JointSamples:
-    """The joint columns of a trajectory, as they are recorded."""
-    return JointSamples(trajectory.t, trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
 
 
 def write_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> None:
@@ -29,7 +25,7 @@ def write_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> None
     """
     for exporter in EXPORTERS.values():
         if exporter.plan_file is not None and exporter.reason_against(scene, scene.output_rate) is None:
-            samples = held_samples(recorded_samples(trajectory), scene.motion)
+            samples = held_samples(commanded(trajectory, scene.controller), scene.motion)
             exporter.write(samples, scene, folder / exporter.plan_file)
 
 
@@ -52,7 +48,7 @@ def compare_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> di
 
 
 def _difference(found: JointSamples, trajectory: Trajectory, scene: Scene) -> str | None:
-    held = held_samples(recorded_samples(trajectory), scene.motion)
+    held = held_samples(commanded(trajectory, scene.controller), scene.motion)
     wanted = held.position
     if found.position.shape != wanted.shape:
         return f"holds {len(found.t)} samples of the motion, the trajectory {len(wanted)}"

@@ -12,6 +12,10 @@ from nospill.scene.containers.base import Container
 
 TUBE_SIDES = 32
 """Corners round a tube."""
+_BALL_SIDES, _BALL_RINGS = 32, 8
+"""Corners round a ball, and rings of them from its equator to a pole."""
+_SMOOTH = float(np.cos(np.radians(35.0)))
+"""Corners whose faces differ by less are shaded as one round surface."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +33,11 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
         np.concatenate([mesh.vertices for mesh in meshes]),
         np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
     )
+
+
+def moved(mesh: Mesh, position: np.ndarray, rotation: np.ndarray) -> Mesh:
+    """A mesh in another frame, in which its own has its origin at (3,), m, and axes (3, 3)."""
+    return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
 
 
 def shrunk(outline: np.ndarray, gap: float) -> np.ndarray:
@@ -71,6 +80,29 @@ def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, side
     ring = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), other)
     low, high = start + radii[0] * ring, end + radii[1] * ring
     return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
+
+
+def capsule(half: float, radius: float) -> Mesh:
+    """A ball about the origin, drawn out along z by `half` m each way; its vertices are shared, so that it is round."""
+    angle = 2 * np.pi * np.arange(_BALL_SIDES) / _BALL_SIDES
+    circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(_BALL_SIDES)])
+    rise = np.pi / 2 * (np.arange(1, _BALL_RINGS + 1) - 0.5) / _BALL_RINGS
+    rise = np.concatenate([-rise[::-1], rise])
+    up = np.array([0.0, 0.0, 1.0])
+    heights = radius * np.sin(rise) + np.sign(rise) * half
+    rings = [radius * np.cos(at) * circle + height * up for at, height in zip(rise, heights, strict=True)]
+    poles = np.array([-1.0, 1.0])[:, None] * (half + radius) * up
+    low, high = len(rings) * _BALL_SIDES, len(rings) * _BALL_SIDES + 1
+    here = np.arange(_BALL_SIDES)
+    after = (here + 1) % _BALL_SIDES
+    faces = [np.column_stack([after, here, np.full(_BALL_SIDES, low)])]
+    for first in range(0, low - _BALL_SIDES, _BALL_SIDES):
+        beyond = first + _BALL_SIDES
+        faces.append(np.column_stack([first + here, first + after, beyond + after]))
+        faces.append(np.column_stack([first + here, beyond + after, beyond + here]))
+    top = low - _BALL_SIDES
+    faces.append(np.column_stack([top + here, top + after, np.full(_BALL_SIDES, high)]))
+    return Mesh(np.concatenate([*rings, poles]), np.concatenate(faces))
 
 
 def container_body(container: Container, *, hollow: bool) -> Mesh:
@@ -134,6 +166,31 @@ def board(size: np.ndarray, thickness: float) -> Mesh:
     """The tray, tray frame: sides (2,) in m, upper surface at z = 0."""
     corners = np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * np.asarray(size) / 2
     return prism(corners, -thickness, 0.0)
+
+
+def corner_normals(mesh: Mesh) -> np.ndarray:
+    """Outward unit normals (k, 3, 3) at the corners of every face: round where faces meet gently, else the face's."""
+    corners = mesh.vertices[mesh.faces]
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    vertex = np.zeros_like(mesh.vertices)
+    for corner in range(3):
+        np.add.at(vertex, mesh.faces[:, corner], face)
+    face, vertex = unit_vectors(face), unit_vectors(vertex)
+    at_corners = vertex[mesh.faces]
+    gentle = np.einsum("kci,ki->kc", at_corners, face) > _SMOOTH
+    return np.where(gentle[..., None], at_corners, face[:, None])
+
+
+def unit_vectors(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) with length 1."""
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+
+
+def creased(mesh: Mesh) -> Mesh:
+    """The same surface with vertices of their own on both sides of its edges, so that light breaks there."""
+    keys = np.column_stack([mesh.faces.reshape(-1), np.rint(corner_normals(mesh).reshape(-1, 3) * 1e3)])
+    _, first, place = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return Mesh(mesh.vertices[mesh.faces.reshape(-1)[first]], place.reshape(-1, 3))
 
 
 def _at_height(outline: np.ndarray, z: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.shapes import Shape, polyhedron
-from nospill.film.geometry import TUBE_SIDES, Mesh, bands, joined, prism
+from nospill.film.geometry import TUBE_SIDES, Mesh, capsule, prism
 from nospill.scene.obstacles import Obstacle
 
 OBSTACLE = (122, 138, 158)
@@ -14,7 +14,6 @@ OBSTACLE = (122, 138, 158)
 _PATCH = 2.4
 """m; side of the piece of a half-space's surface that is drawn, about the point nearest to the arm's foot."""
 _THIN = 0.01
-_RINGS = 16
 _ON_THE_GROUND = 5e-3
 """m; a level surface as near as this to the ground is the ground."""
 
@@ -27,12 +26,12 @@ def obstacle_mesh(obstacle: Obstacle) -> Mesh | None:
         if normal[2] > 1.0 - 1e-9 and abs(float(position @ normal)) < _ON_THE_GROUND:
             return None
         position = (position @ normal) * normal
-    mesh = _own(shape)
+    mesh = shape_surface(shape)
     return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
 
 
-def _own(shape: Shape) -> Mesh:
-    """The surface in the shape's own frame."""
+def shape_surface(shape: Shape) -> Mesh:
+    """The surface of a solid in its own frame, m."""
     if shape.kind == "box":
         length, width, height = shape.sizes
         return prism(_rectangle(length, width), -height / 2, height / 2)
@@ -43,13 +42,7 @@ def _own(shape: Shape) -> Mesh:
         return prism(radius * _circle(), -height / 2, height / 2)
     if shape.kind == "hull":
         return _hull(shape)
-    # sphere and capsule: two half balls, apart by the straight part; the poles are small circles
-    half, radius = float(shape.points[-1, 2]), shape.ball
-    angles = np.linspace(-np.pi / 2 + 0.02, np.pi / 2 - 0.02, 2 * _RINGS)
-    heights = radius * np.sin(angles) + np.where(angles > 0.0, half, -half)
-    rings = [radius * np.cos(angle) * _circle() for angle in angles]
-    lids = [prism(rings[end], low, high) for end, low, high in _lids(heights)]
-    return joined([bands(rings, heights), *lids])
+    return capsule(float(shape.points[-1, 2]), shape.ball)
 
 
 def _hull(shape: Shape) -> Mesh:
@@ -63,10 +56,6 @@ def _hull(shape: Shape) -> Mesh:
     inwards = np.sum(normal * hull.equations[:, :3], axis=1) < 0.0
     corners[inwards] = corners[inwards][:, ::-1]
     return Mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-
-
-def _lids(heights: np.ndarray) -> tuple[tuple[int, float, float], ...]:
-    return ((0, heights[0] - 1e-5, heights[0]), (-1, heights[-1], heights[-1] + 1e-5))
 
 
 def _rectangle(length: float, width: float) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.film.geometry import Mesh
+from nospill.film.geometry import corner_normals, unit_vectors
 from nospill.film.ground import ground_colours
 from nospill.film.props import Body, Kind, Stagehand
 from nospill.film.raster import (
@@ -32,8 +32,6 @@ _GLASS_FACE, _GLASS_EDGE = 0.10, 0.62
 """Opacity of glass seen straight and along its wall."""
 _GLASS_TONE = 0.92
 """Brightness of glass, which no lamp lights."""
-_SMOOTH = float(np.cos(np.radians(35.0)))
-"""Corners whose faces differ by less are shaded as one round surface."""
 
 
 def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: tuple[int, int]) -> np.ndarray:
@@ -85,23 +83,6 @@ def _lamp(camera: Camera) -> np.ndarray:
     return direction / np.linalg.norm(direction)
 
 
-def corner_normals(mesh: Mesh) -> np.ndarray:
-    """Outward unit normals (k, 3, 3) at the corners of every face: round where faces meet gently, else the face's."""
-    corners = mesh.vertices[mesh.faces]
-    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    vertex = np.zeros_like(mesh.vertices)
-    for corner in range(3):
-        np.add.at(vertex, mesh.faces[:, corner], face)
-    face, vertex = _unit(face), _unit(vertex)
-    at_corners = vertex[mesh.faces]
-    gentle = np.einsum("kci,ki->kc", at_corners, face) > _SMOOTH
-    return np.where(gentle[..., None], at_corners, face[:, None])
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
-
-
 def _lit(bodies: list[tuple[int, Body]], origin: np.ndarray, rotation: np.ndarray, light: np.ndarray) -> Triangles:
     """Bodies in camera coordinates with the light at their corners; marks shine by themselves."""
     corners, shades, labels = [], [], []
@@ -121,7 +102,7 @@ def _glass(number: int, body: Body, origin: np.ndarray, rotation: np.ndarray) ->
     """A wall with its opacity at the corners, which grows where it is seen along."""
     corners = ((body.mesh.vertices - origin) @ rotation)[body.mesh.faces]
     normals = corner_normals(body.mesh) @ rotation
-    straight = np.abs(np.einsum("kci,kci->kc", normals, _unit(corners)))
+    straight = np.abs(np.einsum("kci,kci->kc", normals, unit_vectors(corners)))
     opacity = _GLASS_FACE + (_GLASS_EDGE - _GLASS_FACE) * (1.0 - straight) ** 3
     return Triangles(corners, opacity, np.full(len(corners), number))
 

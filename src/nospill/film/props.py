@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from nospill.film.arm_bodies import arm_bodies
 from nospill.film.colours import GREEN, GREY, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import (
     Mesh,
@@ -16,6 +17,7 @@ from nospill.film.geometry import (
     board,
     contact_collar,
     container_body,
+    moved,
     outline_at,
     ribbon,
     shrunk,
@@ -23,7 +25,7 @@ from nospill.film.geometry import (
     wall_thickness,
 )
 from nospill.film.obstacles import OBSTACLE, obstacle_mesh
-from nospill.film.robot_model import drawn_links, read_chain
+from nospill.film.robot_model import read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
 from nospill.scene.cargo import Cargo
@@ -108,7 +110,7 @@ class Stagehand:
         self.film, self._placed = film, dict(placed or {})
         scene = film.plan.scene
         self._chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
-        self._links = drawn_links(self._chain, scene.tray)
+        self._links = arm_bodies(scene.robot, self._chain, scene.tray)
         self._frames = self._chain.frames(film.joint_position)
         self._board = board(scene.tray.size, TRAY_THICKNESS)
         self._surfaces = {item.name: liquid_surface(item) for item in scene.cargo if item.filling is not None}
@@ -122,12 +124,12 @@ class Stagehand:
         film, scene = self.film, self.film.plan.scene
         found = [*self._path, *self._obstacles, *self._arm(index)]
         position, rotation = film.tray_position[index], film.tray_rotation[index]
-        found.append(Body(_moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
+        found.append(Body(moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:
             own = self._placed.get(cargo.name) or standing(cargo, len(film.t))
             foot, turned = position + rotation @ own.position[index], rotation @ own.rotation[index]
             for mesh, colour, kind in self._object(cargo, index):
-                found.append(Body(_moved(mesh, foot, turned), colour, kind, cargo.name))
+                found.append(Body(moved(mesh, foot, turned), colour, kind, cargo.name))
         return found
 
     def _arm(self, index: int) -> list[Body]:
@@ -139,7 +141,7 @@ class Stagehand:
         for joint, (position, rotation) in zip(self._chain.joints, self._frames, strict=True):
             mesh = self._links.get(joint.child)
             if mesh is not None:
-                found.append(Body(_moved(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
+                found.append(Body(moved(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
         return found
 
     def _object(self, cargo: Cargo, index: int) -> list[tuple[Mesh, np.ndarray, Kind]]:
@@ -200,10 +202,6 @@ def _path_bodies(points: np.ndarray) -> list[Body]:
     for at, colour in ((points[0], GREEN), (points[-1], PURPLE)):
         pieces.append(Body(tube(at - up, at + up, (_END_RADIUS, _END_RADIUS)), np.array(rgb(colour), float), Kind.MARK))
     return pieces
-
-
-def _moved(mesh: Mesh, position: np.ndarray, rotation: np.ndarray) -> Mesh:
-    return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
 
 
 def _at(outline: np.ndarray, height: float) -> np.ndarray:

@@ -1,8 +1,4 @@
-"""The arm as it is drawn: a chain of joint frames from its URDF, and a body for every link.
-
-Without meshes the bodies are tapered tubes from joint to joint with a short cylinder about every axis; the thickness
-follows from the arm's own length, so any chain of six or seven joints looks like an arm.
-"""
+"""The arm as it is drawn: a chain of joint frames from its URDF."""
 
 from __future__ import annotations
 
@@ -13,11 +9,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from nospill.errors import ScenarioError
-from nospill.film.geometry import Mesh, joined, tube
-from nospill.scene.tray import TRAY_THICKNESS, Tray
-
-_THICK, _THIN = 0.048, 0.024
-"""Radius at the base and at the flange, as a fraction of the length from the base to the flange along the joints."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,68 +124,6 @@ def three_numbers(text: str, source: str) -> np.ndarray:
     if values.shape != (3,):
         raise ScenarioError(f"{source}: {text!r} has {len(values)} numbers, 3 are needed")
     return values
-
-
-def drawn_links(chain: DrawnChain, tray: Tray | None = None, *, only_holder: bool = False) -> dict[str, Mesh]:
-    """Bodies of an arm without meshes, each in its link's own frame (that of the joint that carries it), m.
-
-    Args:
-        chain: of the arm.
-        tray: what the flange carries: the last link reaches to below its board, and no joint's body through it.
-        only_holder: leave out the links themselves, which have meshes.
-
-    Returns:
-        By the name of the link, only links that have a body; the base under `chain.base`.
-    """
-    offsets = [joint.position for joint in chain.joints]
-    reach = sum(float(np.linalg.norm(offset)) for offset in offsets)
-    ends = np.cumsum([0.0] + [float(np.linalg.norm(offset)) for offset in offsets]) / reach
-    radii = reach * (_THICK + (_THIN - _THICK) * ends)
-    links = [chain.base, *[joint.child for joint in chain.joints]]
-    parts: dict[str, list[Mesh]] = {link: [] for link in links}
-    foot = radii[0]
-    parts[chain.base].append(tube(np.zeros(3), np.array([0.0, 0.0, 0.03 * reach]), (1.7 * foot, 1.5 * foot)))
-    for number, joint in enumerate(chain.joints):
-        length = float(np.linalg.norm(offsets[number]))
-        if length > 1e-6:
-            parts[links[number]].append(tube(np.zeros(3), offsets[number], (radii[number], radii[number + 1])))
-        if joint.index is not None:
-            half = 1.25 * radii[number + 1] * joint.axis
-            thick = float(1.2 * radii[number + 1])
-            parts[joint.child].append(tube(-half, half, (thick, thick)))
-    if only_holder:
-        parts = {link: [] for link in links}
-    elif tray is not None:
-        _keep_below_tray(chain, parts, tray, radii)
-    if tray is not None:
-        parts[links[-1]].append(_holder(tray, radii[-1]))
-    return {link: joined(meshes) for link, meshes in parts.items() if meshes}
-
-
-def _holder(tray: Tray, radius: float) -> Mesh:
-    """From the flange to the underside of the board, flange frame."""
-    end = np.asarray(tray.tool.position, dtype=float) - np.array([0.0, 0.0, TRAY_THICKNESS])
-    plate = tube(end - np.array([0.0, 0.0, 0.35 * radius]), end, (1.9 * radius, 1.9 * radius))
-    if np.linalg.norm(end) < 1e-3:
-        return plate
-    return joined([tube(np.zeros(3), end, (radius, radius)), plate])
-
-
-def _keep_below_tray(chain: DrawnChain, parts: dict[str, list[Mesh]], tray: Tray, radii: np.ndarray) -> None:
-    """Cut the last moving joint's cylinder where it would reach through the board."""
-    last = max(number for number, joint in enumerate(chain.joints) if joint.index is not None)
-    joint = chain.joints[last]
-    position, rotation = np.zeros(3), np.eye(3)
-    for later in chain.joints[last + 1 :]:
-        position = position + rotation @ later.position
-        rotation = rotation @ later.rotation
-    below = position + rotation @ (np.asarray(tray.tool.position) - np.array([0.0, 0.0, TRAY_THICKNESS]))
-    room = float(abs(below @ joint.axis))
-    usual = 1.25 * radii[last + 1]
-    if room < usual:
-        side = np.sign(below @ joint.axis) or 1.0
-        start, end = -usual * side * joint.axis, 0.9 * room * side * joint.axis
-        parts[joint.child] = [tube(start, end, (1.2 * radii[last + 1], 1.2 * radii[last + 1])), *parts[joint.child][1:]]
 
 
 def _joint(element: ElementTree.Element, joints: tuple[str, ...], source: str) -> ChainJoint:

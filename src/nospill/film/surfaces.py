@@ -159,5 +159,5 @@ def _basis(cargo: Cargo, section: Footprint, points: np.ndarray) -> np.ndarray:
             axis = _AXES[direction]
             shape = mode.surface_gain * section.mode_shape(mode.wave_number, points, axis)
             columns.append(shape)
-            leans[:, axis] -= shape / mode.stiffness
+            leans[:, axis] -= shape * mode.compliance
     return np.column_stack([*columns, -leans])

@@ -47,6 +47,10 @@ def residual_height(
         velocity: (k,) likewise, m/s.
         limit: m, for the smoothing of the bound.
     """
+    own = np.append(flatten(numbers), limit)
+    at_once = float(evaluate(_bound(item), [displacement[:, None], velocity[:, None]], own)[0, 0])
+    if at_once <= limit:
+        return at_once
     after = _STEP * np.arange(round(_LONGEST / _STEP) + 1)
     modes = list(zip(numbers.oscillators, item.oscillators, strict=True))
     frequency, damping = (
@@ -54,7 +58,6 @@ def residual_height(
         for name in ("frequency", "damping")
     )
     q, qd = free_states(frequency, damping, displacement, velocity, after)
-    own = np.append(flatten(numbers), limit)
     bound = evaluate(_bound(item), [q[::_EVERY].T, qd[::_EVERY].T], own)[0]
     highest = np.maximum.accumulate(free_heights(item, numbers, q))[::_EVERY]
     return float(np.min(np.maximum(highest, bound)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,14 +11,18 @@ from nospill.judge.clearance import clearance_rows
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
+from nospill.judge.run import Run, command_rows, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
-from nospill.laws.constraints.base import OF_OBJECTS, RowId
+from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes
+
+_OF_JOINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL)
+"""What follows from the joints alone; controls are those of the record."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +104,54 @@ def judge_motion(
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
     require_motion(trajectory)
     held = held_trajectory(trajectory, scene.motion)
+    run = run_of(held, scene.controller, motion)
+    alone = run.record is held
+    found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
+    # without its liquids where the record is not about what the joints did
+    recorded = (
+        found.replay
+        if run.described is run.motion
+        else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
+    )
+    rows = (
+        *condensed([*found.certificate.rows, *map(worst_row, controls), *_of_command(run, scene)]),
+        *record_rows(trajectory, held, scene, recorded),
+    )
+    verdict = replace(found.certificate, ok=all(row.ok for row in rows), rows=rows)
+    traces = (*found.traces, *controls)
+    return replace(found, certificate=verdict, traces=traces, end_time=trajectory.end_time)
+
+
+def _of_command(run: Run, scene: Scene) -> list[Row]:
+    return [] if run.command is None else command_rows(scene, run.command)
+
+
+def judge_joints(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+) -> Judgement:
+    """`judge` of what joints did, whatever was planned: without the rows on the record of a plan and on its controls.
+
+    Args:
+        trajectory: the joints as samples (`Trajectory.of_joints`), from rest to rest.
+        scene: what they must keep to.
+        motion: what they do between and beside the samples.
+        rate: Hz, the least rate of the grid.
+    """
+    return _judged(trajectory, scene, motion=motion, rate=rate, points=_OF_JOINTS)
+
+
+def _judged(
+    held: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None,
+    rate: float,
+    points: Collection[EvaluationPoint],
+) -> Judgement:
+    """The rows of the constraints, with their evidence."""
     played = replay(held, scene, motion=motion, rate=rate)
-    traces = constraint_traces(held, scene, played)
+    traces = constraint_traces(held, scene, played, points=points)
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
     for trace, variant in _corner_traces(held, scene, motion=motion, rate=rate, played=played):
@@ -114,11 +164,10 @@ def judge_motion(
     rows = [
         *condensed([*map(worst_row, traces), *corners]),
         *clearance_rows(scene, played.t, *joints),
-        *record_rows(trajectory, held, scene, played),
     ]
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
-    return Judgement(verdict, traces, played, trajectory.end_time, tuple(corners), corner_use)
+    return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use)
 
 
 def corner_rows(

@@ -81,14 +81,14 @@ def constraint_traces(
 
 
 def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
-    """The traces, those of residual heights whose bound is above the limit from the free motion.
+    """The traces, those of residual heights of liquids with many modes from the free motion.
 
-    Of a single mode the bound is hardly above its highest surface.
+    Of a single mode the constraint is a bound, hardly above its highest surface.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
     owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     for trace in traces:
-        if trace.constraint != ResidualHeight.name or trace.margin[0] >= 0.0:
+        if trace.constraint != ResidualHeight.name:
             yield trace
             continue
         index = owners[trace.subject]

@@ -64,7 +64,10 @@ class Freedom(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class OscillatorNumbers:
-    """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat."""
+    """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat.
+
+    The tension is (1,) where the object's structure is tense, else there is none.
+    """
 
     frequency: Number
     stiffness: Number
@@ -73,6 +76,7 @@ class OscillatorNumbers:
     height: Number
     damping: Number
     surface_gain: Number
+    tension: Number = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,12 +167,14 @@ class ObjectStructure:
         oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
         flat: per oscillator, whether its mass moves on a plane, so that its law is linear.
         shallow: whether its surface may rise by more than its liquid is deep.
+        tense: whether surface tension pulls at its surface.
     """
 
     footprint: type[Footprint]
     oscillators: tuple[tuple[int, ...], ...]
     flat: tuple[bool, ...]
     shallow: bool = False
+    tense: bool = False
 
     @property
     def coordinates(self) -> int:
@@ -374,6 +380,7 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         height=scalar,
         damping=scalar,
         surface_gain=scalar,
+        tension=np.zeros(int(item.tense)),
     )
     return ObjectNumbers(
         position=np.zeros(3),

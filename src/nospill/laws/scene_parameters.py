@@ -48,7 +48,12 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
         flat=tuple(mode.curvature == 0.0 for mode in cargo.oscillators),
         shallow=cargo.filling is not None and cargo.filling.shallow,
+        tense=_tense(cargo),
     )
+
+
+def _tense(cargo: Cargo) -> bool:
+    return any(mode.tension != 0.0 for mode in cargo.oscillators)
 
 
 def joint_limits(robot: Robot) -> tuple[str, ...]:
@@ -170,6 +175,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
                 height=mode.height,
                 damping=mode.damping,
                 surface_gain=mode.surface_gain,
+                tension=np.full(int(_tense(cargo)), mode.tension),
             )
             for mode in cargo.oscillators
         ),

@@ -20,6 +20,7 @@ from nospill.core.batches import over_columns, thread_count
 from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
 from nospill.judge.after_end import residual_height
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
+from nospill.judge.run import run_of
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -61,7 +62,9 @@ class TrayMotion:
 
 def tray_motion(trajectory: Trajectory, scene: Scene) -> TrayMotion:
     """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone."""
-    motion, start, end = planned_motion(trajectory), float(trajectory.t[0]), trajectory.end_time
+    run = run_of(trajectory, scene.controller)
+    motion = run.motion or planned_motion(trajectory)
+    start, end = float(trajectory.t[0]), run.record.end_time
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
     _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
@@ -170,7 +173,7 @@ def _play_on(
     margin: np.ndarray,
     limit: np.ndarray,
 ) -> None:
-    """Residual heights as the judge finds them: from the free motion where the bound of many modes is too high.
+    """Residual heights as the judge finds them, from the free motion where a liquid has many modes.
 
     Args:
         structure: of the object alone.
@@ -184,7 +187,7 @@ def _play_on(
     if ResidualHeight.name not in names or item.modes < 2:
         return
     column = names.index(ResidualHeight.name)
-    for index in map(int, np.flatnonzero(margin[:, column] < 0.0)):
+    for index in range(len(batch)):
         q, qd = np.split(states[index], 2)
         allowed = abs(float(limit[index, column]))
         margin[index, column] = allowed - residual_height(item, batch[index], q, qd, allowed)

@@ -72,14 +72,15 @@ class Interpolation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Played:
-    """A piecewise polynomial that holds its first and last value outside [start, end], s."""
+class HeldMotion:
+    """A motion that stands still at its first and last positions outside [start, end], s."""
 
     inside: JointMotion
     start: float
     end: float
 
     def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        """The derivative of this order at times t (m,), zero outside."""
         values = self.inside(np.clip(t, self.start, self.end), order)
         if order:
             values[(t < self.start) | (t > self.end)] = 0.0
@@ -91,7 +92,7 @@ def _quintic_spline(samples: JointSamples) -> JointMotion:
     hold = np.arange(1, _HOLD_SAMPLES + 1) / samples.rate
     times = np.concatenate([t[0] - hold[::-1], t, t[-1] + hold])
     padded = np.concatenate([np.repeat(q[:1], len(hold), axis=0), q, np.repeat(q[-1:], len(hold), axis=0)])
-    return _Played(interpolating_spline(times, padded, 5), float(t[0]), float(t[-1]))
+    return HeldMotion(interpolating_spline(times, padded, 5), float(t[0]), float(t[-1]))
 
 
 def _quintic_hermite(samples: JointSamples) -> JointMotion:
@@ -117,7 +118,7 @@ def _quintic_hermite(samples: JointSamples) -> JointMotion:
         v0,
         q0,
     ]
-    return _Played(Pieces(samples.t, np.stack(coefficients)), float(samples.t[0]), float(samples.t[-1]))
+    return HeldMotion(Pieces(samples.t, np.stack(coefficients)), float(samples.t[0]), float(samples.t[-1]))
 
 
 QUINTIC_SPLINE = Interpolation(
@@ -187,9 +188,13 @@ def resampled(trajectory: Trajectory, rate: float) -> JointSamples:
     """
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:  # not a number fails too
         raise ScenarioError(f"rate is {rate:g} Hz; allowed are {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz; try 500")
-    motion, length = planned_motion(trajectory), float(trajectory.t[-1] - trajectory.t[0])
-    t = np.round(np.arange(math.ceil(length * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
-    position, speed, acceleration = (motion(trajectory.t[0] + t, order) for order in range(3))
+    return sampled(planned_motion(trajectory), float(trajectory.t[0]), float(trajectory.t[-1]), rate)
+
+
+def sampled(motion: JointMotion, start: float, stop: float, rate: float) -> JointSamples:
+    """Samples of a motion from `start` to `stop` in s, as `resampled` makes them of a plan: times from 0."""
+    t = np.round(np.arange(math.ceil((stop - start) * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
+    position, speed, acceleration = (motion(start + t, order) for order in range(3))
     for column in (speed, acceleration):
         column[[0, -1]] = 0.0
     return JointSamples(t, position, speed, acceleration)

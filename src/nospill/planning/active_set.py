@@ -30,7 +30,7 @@ _SLIGHT = 5e-3
 costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
-_MORE, _LEAST, _MOST, _MOST_OF_REFINED = 1.5, 3e-4, 0.1, 0.3
+_MORE, _LEAST, _MOST = 1.5, 3e-4, 0.1
 
 Members = frozenset[VariantId]
 _OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
@@ -125,11 +125,11 @@ class ActiveSet:
         missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT))
         if missing:
             return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
-        joining, backoff, most = set[RowId](), dict(self.backoff), _MOST_OF_REFINED if refined else _MOST
+        joining, backoff = set[RowId](), dict(self.backoff)
         for row in condensed(self._on_members(row for row in rows if row.shortfall > 0.0)):
             key = RowId(row.constraint, row.subject)
             if key in self.rows:
-                backoff[key] += min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, most)
+                backoff[key] += min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, _MOST)
             elif key in backoff:
                 joining.add(key)
         if not joining and backoff == self.backoff:

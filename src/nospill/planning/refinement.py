@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from nospill import diagnosis
-from nospill.errors import ModelError
+from nospill.errors import ModelError, NoSolutionError
 from nospill.judge.certificate import Judgement, judge_motion
 from nospill.judge.tracks import judged_tracks, variant_tracks
 from nospill.laws.constraints.base import RowId
@@ -25,13 +25,15 @@ from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory, with_liquids
 
-REFINE_ITERATIONS = 100
-_TIGHTEN_ITERATIONS = 40
+REFINE_ITERATIONS = 150
+_TIGHTEN_ITERATIONS = 100
 _TIGHTEN_BARRIER = 1e-6
 _ROUNDS = 8
 """Of tightening, since members last joined."""
 _GROWTHS = 12
 _FINE_SWING = 0.7
+_ALIKE = 0.8
+"""Part of the coarse answer's duration that a fine one near it takes at least."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
 
@@ -48,8 +50,8 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     coarse = replace(coarse, active=active)
     wanted = fine_intervals(active, stages.duration)
     first = _refined(coarse, wanted, active.near(coarse.solution.slack), log)
-    if first is not None:
-        return first
+    if first is not None and first.stages.duration > _ALIKE * stages.duration:
+        return first  # else it left the coarse answer, whose rows say nothing of it
     halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)
     last = None if halfway is None else _refined(halfway, wanted, active.possible, log)
     return last or halfway or coarse
@@ -92,7 +94,7 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
     """
     judged = _judged(candidate, log)
     tightened = grown = 0
-    while tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
+    while not judged.judgement.certificate.ok and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
         before = judged.candidate
         active = before.active.after(judged.judgement)
         if active is before.active:
@@ -114,7 +116,10 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
                 if active.members == before.active.members:
                     break
                 raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
-        judged = _judged(better, log)
+        try:
+            judged = _judged(better, log)
+        except NoSolutionError:
+            break  # of a motion that cannot be played nothing is known: the one before stands
     return judged
 
 

@@ -46,13 +46,13 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
 
 
 def search_elsewhere(task: Task, joint_path: JointPath, log: Log) -> Candidate:
-    """The best answer on the coarse grid of the starts after those that `search` compares.
+    """The best answer on the coarse grid of the starts after those that were tried.
 
     Raises:
         NoSolutionError: there is none.
     """
-    scene = task.searched_scene
-    found, _ = best_of(task, joint_path, log, attempts(scene, brief=False)[scene.planning.starts :])
+    others = attempts(task.searched_scene, brief=False)[len(log.starts) :]
+    found, _ = best_of(task, joint_path, log, others)
     if found is None:
         raise NoSolutionError("No other motion found.")
     return found

@@ -17,6 +17,7 @@ from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
+from nospill.motion.control import commanded_at, followed
 from nospill.motion.holds import held_samples, hold_periods
 from nospill.motion.interpolation import (
     HIGHEST_RATE,
@@ -24,7 +25,6 @@ from nospill.motion.interpolation import (
     JointSamples,
     interpolated,
     planned_motion,
-    resampled,
 )
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
@@ -120,7 +120,7 @@ def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None 
     """
     rate = plan.scene.output_rate if rate is None else rate
     require_exportable(plan, exporter, rate)
-    exporter.write(held_samples(resampled(plan.trajectory, rate), plan.scene.motion), plan.scene, path)
+    exporter.write(_samples(plan, rate), plan.scene, path)
     return judge_file(plan, exporter, path)
 
 
@@ -141,8 +141,21 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
         rate=samples.rate,
         samples=len(samples.t),
         certificate=certified(plan, samples, motion),
-        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, motion, lead),
+        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, _done(plan, samples, motion), lead),
     )
+
+
+def _samples(plan: Plan, rate: float) -> JointSamples:
+    """What a file holds: the command, with its holds."""
+    return held_samples(commanded_at(plan.trajectory, plan.scene.controller, rate), plan.scene.motion)
+
+
+def _done(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion:
+    """What a record of the file is about: what the joints do where the command compensates, else the command itself."""
+    controller = plan.scene.controller
+    if controller is None or not controller.compensate:
+        return motion
+    return followed(motion, controller, float(samples.t[0]), float(samples.t[-1]))
 
 
 def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
@@ -182,11 +195,12 @@ def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certifi
     def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
         return motion(t - planned.t[0] + lead, order)
 
+    done = _done(plan, samples, motion)
     record = replace(
         interpolated(planned, t),
-        joint_position=motion(times),
-        joint_speed=motion(times, 1),
-        joint_acceleration=motion(times, 2),
+        joint_position=done(times),
+        joint_speed=done(times, 1),
+        joint_acceleration=done(times, 2),
     )
     # the holds are in the file, and its samples come at its own rate
     rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
@@ -199,7 +213,7 @@ def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = 
         if exporter.reason_against(plan.scene, rate) is not None:
             continue
         try:
-            samples = held_samples(resampled(plan.trajectory, rate), plan.scene.motion)
+            samples = _samples(plan, rate)
             if certified(plan, samples, exporter.interpolation.motion(samples)).ok:
                 return rate
         except NospillError:  # a liquid that leaves its cup: not at this rate
@@ -235,7 +249,9 @@ def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
     planned = plan.trajectory
     period = 1.0 / samples.rate
     held = period * sum(hold_periods(plan.scene.motion, round(samples.rate, 3)))
-    length = float(planned.t[-1] - planned.t[0]) + held
+    controller = plan.scene.controller
+    longer = controller.spread if controller is not None and controller.compensate else 0.0
+    length = float(planned.t[-1] - planned.t[0]) + held + longer
     if not length - END_TOLERANCE * period <= samples.t[-1] <= length + (1.0 + END_TOLERANCE) * period:
         raise PlanFolderError(f"{path}: lasts {samples.t[-1]:.6g} s; the plan lasts {length:.6g} s")
     apart = np.abs(samples.position[-1] - planned.joint_position[-1])

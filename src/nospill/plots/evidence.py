@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -12,9 +13,9 @@ from nospill.core.frames import SX, frame_at_rest
 from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import Limiting, held_back, limiting_rows
 from nospill.judge.other_speeds import SpeedUse, uses_at
-from nospill.judge.verdict import Trace
+from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.parameters import constants
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
@@ -22,12 +23,45 @@ from nospill.laws.slosh.height import crest
 from nospill.laws.slosh.residual import free_motion
 from nospill.plans.plan import Plan
 from nospill.plans.records import MotionMaxima, motion_maxima
+from nospill.scene.cargo import titles_of
 
 _SPEEDS = tuple(float(speed) for speed in np.linspace(0.1, 1.0, 19))
 """Parts of the planned speed."""
 
 AFTER_END = 0.4
 """s; how long the free liquid is shown after the motion, a little more than one swing of a cup."""
+
+
+def evidence_of(plan: Plan, judgement: Judgement) -> Evidence:
+    """What figures and reports read: objects and the rows about them go by the labels of the objects."""
+    titles = titles_of(plan.scene.cargo)
+    if all(name == title for name, title in titles.items()):
+        return Evidence(plan, judgement)
+
+    def rows(found: Sequence[Row]) -> tuple[Row, ...]:
+        return tuple(replace(row, subject=titles.get(row.subject, row.subject)) for row in found)
+
+    def titled(row: RowId) -> RowId:
+        return RowId(row.constraint, titles.get(row.subject, row.subject))
+
+    scene = replace(plan.scene, cargo=tuple(replace(item, name=titles[item.name]) for item in plan.scene.cargo))
+    trajectory = replace(
+        plan.trajectory, slosh={titles.get(name, name): track for name, track in plan.trajectory.slosh.items()}
+    )
+    savings = {titled(RowId.of(label)).label: saved for label, saved in plan.report.savings.items()}
+    certificate, full = judgement.certificate, judgement.certificate.full_model
+    return Evidence(
+        replace(plan, scene=scene, trajectory=trajectory, report=replace(plan.report, savings=savings)),
+        replace(
+            judgement,
+            certificate=replace(
+                certificate, rows=rows(certificate.rows), full_model=None if full is None else rows(full)
+            ),
+            traces=tuple(replace(item, subject=titles.get(item.subject, item.subject)) for item in judgement.traces),
+            corners=rows(judgement.corners),
+            corner_use={titled(row): use for row, use in judgement.corner_use.items()},
+        ),
+    )
 
 
 @dataclass(frozen=True)  # without slots: what several figures read is worked out once

@@ -14,7 +14,7 @@ from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plots.contact_use import contact_use_figure
 from nospill.plots.distances import distances_figure
-from nospill.plots.evidence import Evidence
+from nospill.plots.evidence import Evidence, evidence_of
 from nospill.plots.joints import joints_figure
 from nospill.plots.limiting import limiting_figure
 from nospill.plots.other_speeds import other_speeds_figure
@@ -61,7 +61,7 @@ def write_figures(
 ) -> list[Path]:
     """See `nospill.plots.save_figures`."""
     wanted = {name: draw for name, draw in FIGURES.items() if not names or name in names}
-    evidence = Evidence(plan, plan.judgement or judge(plan.trajectory, plan.scene))
+    evidence = evidence_of(plan, plan.judgement or judge(plan.trajectory, plan.scene))
     written = []
     try:
         folder.mkdir(parents=True, exist_ok=True)

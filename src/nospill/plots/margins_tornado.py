@@ -1,4 +1,4 @@
-"""Which number moves a plan's worst margin how far (a tornado), over the distribution of that margin."""
+"""Which number moves the largest use of a plan's limits how far (a tornado), over the distribution of that use."""
 
 from __future__ import annotations
 
@@ -59,16 +59,16 @@ def tornado_figure(bars: list[Bar], worst_margin: np.ndarray, *, nominal: float,
     )
     figure.text(0.16, 1 - 0.06 / total, title, ha="left", va="top", weight="bold")
     _draw_bars(upper, bars)
-    values = 100 * worst_margin[np.isfinite(worst_margin)]
+    values = _use(worst_margin[np.isfinite(worst_margin)])
     lower.hist(values, bins=_BINS, color=GREY, linewidth=0)
     lower.set_ylabel("samples")
-    lower.set_xlabel("worst margin [% of the limit]")
+    lower.set_xlabel("largest use [% of the limit]")
     lower.set_title(f"{len(worst_margin)} samples, all numbers off at once", size=SMALL)
-    lower.axvline(100 * nominal, color=GREY, linewidth=1.0, linestyle=(0, (2, 1.5)), zorder=3)
+    lower.axvline(_use(nominal), color=GREY, linewidth=1.0, linestyle=(0, (2, 1.5)), zorder=3)
     for axes in (upper, lower):
-        axes.axvline(0.0, color=RED, linewidth=1.2, zorder=3)
+        axes.axvline(100.0, color=RED, linewidth=1.2, zorder=3)
         write_limit(axes, (0.0, 1.0), "limit", above=False, transform=axes.get_xaxis_transform())
-    handles = [Patch(label=f"margin of the {name}s", **MEASURE_LOOKS[name]) for name in MEASURE_LOOKS]
+    handles = [Patch(label=f"limits of the {name}s", **MEASURE_LOOKS[name]) for name in MEASURE_LOOKS]
     shown = [
         handle for handle, name in zip(handles, MEASURE_LOOKS, strict=True) if any(name == bar.measure for bar in bars)
     ]
@@ -79,15 +79,15 @@ def tornado_figure(bars: list[Bar], worst_margin: np.ndarray, *, nominal: float,
 
 
 def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
-    ends = [100 * value for bar in bars for value in (bar.least, bar.greatest)] or [-1.0, 1.0]
+    ends = [float(_use(value)) for bar in bars for value in (bar.least, bar.greatest)] or [99.0, 101.0]
     span = max(max(ends) - min(ends), 1e-6)
     for row, bar in enumerate(bars):
-        least, greatest = 100 * bar.least, 100 * bar.greatest
+        least, greatest = _use(bar.greatest), _use(bar.least)
         style = MEASURE_LOOKS[bar.measure]
         axes.barh(row, greatest - least, left=least, height=_BAR, edgecolor="white", linewidth=0.0, **style)
-        at = 100 * bar.nominal
+        at = _use(bar.nominal)
         axes.plot((at, at), (row - _BAR / 2, row + _BAR / 2), color=BLACK, linewidth=1.2, zorder=4)
-        for value, text, side in ((least, bar.least_at, "right"), (greatest, bar.greatest_at, "left")):
+        for value, text, side in ((least, bar.greatest_at, "right"), (greatest, bar.least_at, "left")):
             if abs(value - at) < 1e-3 * span:
                 continue  # this end changes nothing
             offset = -3 if side == "right" else 3
@@ -116,8 +116,13 @@ def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
     axes.set_ylim(max(len(bars), 1) - 0.35, -0.6)
     axes.set_xlim(min(ends) - 0.35 * span, max(ends) + 0.35 * span)
     axes.grid(axis="y", visible=False)
-    axes.set_xlabel("margin [% of the limit]")
+    axes.set_xlabel("use [% of the limit]")
     axes.set_title("one number at a time; black: with the scenario's own numbers", size=SMALL)
+
+
+def _use(margin: Any) -> Any:
+    """Use of limits, percent, of which margins are left, fractions of the limits."""
+    return 100.0 * (1.0 - margin)
 
 
 def save_tornado(

@@ -14,6 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
 DOT_INTERVAL = 0.1
@@ -25,6 +26,8 @@ _TICK_STEPS = (0.2, 0.1, 0.05)
 _GIVEN_POINTS = 201
 _KEY_WIDTH = 4.6
 """in; what the key below the picture takes on one line."""
+_ARM, _SHOWN = "#C3C8CE", 0.32
+"""Colour of the arm below the tray, and how much of it is drawn, m."""
 _ROOM = 0.45
 """in; kept free round the box for ticks and labels."""
 
@@ -59,12 +62,15 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     outlines = [_on_tray(evidence, index, corners) for index in instants]
     reach = 1.35 * half[0]
     head = np.array([[1.2, 0.0], [1.0, 0.11], [1.0, -0.11]]) * reach
-    points = np.vstack([line, *outlines])
+    wrists = _wrists(evidence, instants)
+    points = np.vstack([line, *outlines, *wrists])
     low, high = points.min(axis=0) - 0.03, points.max(axis=0) + 0.03
     # Never flatter than a third, so that the ticks of a level path stay apart.
     high[2] = max(high[2], low[2] + 0.3 * float(np.max(high - low)))
     shadow = np.column_stack([line[:, :2], np.full(len(line), low[2])])
 
+    for wrist in wrists:
+        axes.plot(*wrist.T, color=_ARM, linewidth=4.5, solid_capstyle="round", zorder=1.5, clip_on=False)
     axes.plot(*shadow.T, color="#BBBBBB", linewidth=1.0, zorder=1, clip_on=False)
     for index, outline in zip(instants, outlines, strict=True):
         bases = [_on_tray(evidence, index, footprint) for footprint in footprints]
@@ -90,8 +96,8 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.text(*line[index] + [0.0, 0.0, 0.1], text, size=SMALL, zorder=8, path_effects=halo, **place_of_text)
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
-    key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: path on the floor of the box"
-    key += "; dashed: path it may leave" if given is not None else ""
+    key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path on the floor"
+    key += "; dashed: way" if given is not None else ""
     if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
         key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")
@@ -115,6 +121,19 @@ def _instants(evidence: Evidence) -> np.ndarray:
     times[0] = 0.0
     played = evidence.judgement.replay.t
     return np.minimum(np.searchsorted(played, times), len(played) - 1)
+
+
+def _wrists(evidence: Evidence, instants: np.ndarray) -> list[np.ndarray]:
+    """The arm's joints at some instants from the tray backwards as far as is drawn, as lines (n, 3), m."""
+    played = evidence.judgement.replay
+    frames = joint_frames(arm_chain(evidence.plan.scene.robot), played.joint_position[instants])
+    lines = np.stack([played.tray.position[instants], *frames.position[:0:-1]], axis=1)
+    found = []
+    for line in lines:
+        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        stops = np.append(gone[gone < _SHOWN], _SHOWN)
+        found.append(np.column_stack([np.interp(stops, gone, line[:, axis]) for axis in range(3)]))
+    return found
 
 
 def _on_tray(evidence: Evidence, index: int, outline: np.ndarray) -> np.ndarray:

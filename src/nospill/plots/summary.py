@@ -25,7 +25,7 @@ from nospill.plots.style import (
     line_key,
     plain,
 )
-from nospill.plots.tiles import MOST_IN_A_ROW, tiles
+from nospill.plots.tiles import MOST_IN_A_ROW, carried, tiles
 from nospill.plots.use_table import draw_use_table
 from nospill.scene.tolerances import is_uncertain
 
@@ -65,8 +65,8 @@ def summary_figure(evidence: Evidence) -> Figure:
 def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     figure.text(0.03, 0.972, plain(scene.name, 40), size=17, weight="bold", va="top")
-    about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray: "
-    names = plain(", ".join(item.name for item in scene.cargo), max(75 - len(about), 12))
+    about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray ({carried(scene)}): "
+    names = plain(", ".join(item.name for item in scene.cargo), max(88 - len(about), 12))
     figure.text(0.03, 0.93, about + names, size=8.5, va="top")
     rows = certificate.rows
     # Which numbers are worst stands in the certificate; here there is no room for it.

@@ -14,6 +14,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tilt import Tilt
 from nospill.plots.evidence import Evidence
+from nospill.scene.scene import Scene
 
 _HOUR = 3600.0
 MOST_IN_A_ROW = 9
@@ -67,6 +68,16 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
         found.append(Tile(row_text(row).use, f"of {row.constraint}, {short.get(row.subject, row.subject)}", row.ok))
     found.append(Tile(f"{evidence.maxima.tray_acceleration:.3g} m/s²", "largest tray acceleration"))
     return tuple(found)
+
+
+def carried(scene: Scene) -> str:
+    """What the tray carries, in figures: "0.42 l, 1.3 kg"."""
+    litres = 1e3 * sum(
+        item.container.volume(item.filling.liquid_height) for item in scene.cargo if item.filling is not None
+    )
+    mass = sum(item.total.mass for item in scene.cargo)
+    liquid = f"{litres:.2g} l, " if litres > 0.0 else ""
+    return f"{liquid}{mass:.2g} kg"
 
 
 def liquid_tiles(evidence: Evidence) -> tuple[Tile, ...]:

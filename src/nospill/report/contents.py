@@ -16,7 +16,7 @@ from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.speeds import other_speeds
-from nospill.plots.evidence import Evidence
+from nospill.plots.evidence import Evidence, evidence_of
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
@@ -90,8 +90,8 @@ def make_report(
         ModelError: the liquids cannot be integrated along the trajectory.
         PlanFolderError: the trajectory does not fit the scene.
     """
-    evidence = Evidence(plan, judged(plan))
-    certificate = evidence.judgement.certificate
+    evidence = evidence_of(plan, judged(plan))
+    scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     failed = [row for row in certificate.rows if not row.ok]
     grid = f"at {certificate.grid_hz:g} instants per second"
     if certificate.ok:
@@ -109,9 +109,9 @@ def make_report(
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
-        task=task_table(plan.scene, approach=plan.approach),
-        cargo=cargo_table(plan.scene, certificate),
-        joints=joint_table(plan.scene, plan.trajectory, certificate),
+        task=task_table(scene, approach=plan.approach),
+        cargo=cargo_table(scene, certificate),
+        joints=joint_table(scene, plan.trajectory, certificate),
         planning=_planning(plan),
         versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),

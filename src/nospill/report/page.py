@@ -10,6 +10,7 @@ from nospill.core.short_names import short_names
 from nospill.judge.verdict import Certificate, Row
 from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.text_pages import TextTable
+from nospill.plots.tiles import carried
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page_style import STYLE
 from nospill.report.scene_picture import MOMENT
@@ -82,7 +83,7 @@ def _heading(report: Report) -> str:
     names = ", ".join(item.name for item in scene.cargo)
     return (
         f"<header><h1>{escape(scene.name)}</h1>"
-        f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}.</p>"
+        f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}: {carried(scene)}.</p>"
         f"{_banner(report.ok, report.verdict.upper(), report.detail)}"
         f"{_held_back(report)}</header>"
     )

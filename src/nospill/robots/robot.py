@@ -25,6 +25,38 @@ class LinkCapsule:
 
 
 @dataclass(frozen=True, slots=True)
+class LinkMesh:
+    """A mesh of a link as a package has it.
+
+    Attributes:
+        link: that it belongs to.
+        file: from the folder of the package's meshes, STL or OBJ, in m.
+        position: of the mesh's frame in the link's, m.
+        rpy: likewise, turns about the fixed axes x, y, z, rad.
+    """
+
+    link: str
+    file: str
+    position: tuple[float, ...]
+    rpy: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PackagedMeshes:
+    """Meshes of an arm that an installed package brings, for pictures.
+
+    Attributes:
+        package: its name on the Python package index.
+        folder: of the meshes, from where packages are installed.
+        links: what is drawn.
+    """
+
+    package: str
+    folder: str
+    links: tuple[LinkMesh, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A serial arm.
 
@@ -51,6 +83,7 @@ class Robot:
         controller_base_turn: turn of the controller's own base frame against the root about z, rad, or None where it is
             not known.
         capsules: what its links fill, for collisions; those of its chain where there are none.
+        meshes: what an installed package shows of it, or None.
         notes: what was assumed when its description was read, one sentence each, for people.
     """
 
@@ -75,3 +108,4 @@ class Robot:
     base_frame: str = ""
     controller_base_turn: float | None = None
     capsules: tuple[LinkCapsule, ...] = ()
+    meshes: PackagedMeshes | None = None

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag
 
 from nospill.errors import ScenarioError
+from nospill.scenario.arrays import ArrayTable
 from nospill.scenario.fields import (
     Angle,
     Friction,
@@ -74,6 +75,10 @@ class CargoTable(Table):
     ] = ""
     at: Annotated[PointOnTray, Field(description="x and y of the bottom's centre, from the tray's centre")]
     yaw: Annotated[Angle, Field(description="turn of the object about the tray's normal")] = 0.0
+    array: Annotated[
+        ArrayTable | None,
+        Field(description="rows and columns of equal objects about at: name-1-1, name-1-2, ..."),
+    ] = None
     shape: Any  # each class below narrows it to its own literal
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
@@ -101,6 +106,13 @@ class CargoTable(Table):
         float | None,
         Measured(dimension="ratio", at_least=0.0, below=1.0),
         Field(description="damping ratio of the first mode, instead of the formula's"),
+    ] = None
+    contact_line: Annotated[
+        Literal["free", "pinned"] | None,
+        Field(
+            description="how the surface meets the wall of a small vessel: free to slide, or pinned; takes surface "
+            "tension into the frequency, which is left out when not given"
+        ),
     ] = None
     mass: Annotated[Mass | None, Field(description="total mass as it stands on the tray, liquid included")] = None
     empty_mass: Annotated[

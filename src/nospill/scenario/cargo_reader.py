@@ -16,6 +16,7 @@ from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 
@@ -63,7 +64,7 @@ def read_cargo(
     """
     container = entry.container()
     _check_keys(entry)
-    filling = None if entry.liquid is None else _filling(entry, container, slosh_modes)
+    filling = None if entry.liquid is None else _filling(entry, container, slosh_modes, fidelity)
     total, empty = (
         _solid_masses(entry, container) if filling is None else _filled_masses(entry, container, filling, fidelity)
     )
@@ -95,6 +96,7 @@ def _check_keys(entry: CargoTable) -> None:
                 "max_slosh_height",
                 "freeboard_reserve",
                 "damping",
+                "contact_line",
                 "empty_mass",
             )
             if getattr(entry, key) is not None
@@ -133,7 +135,13 @@ def _liquid(value: str | LiquidTable) -> Liquid:
     return LIQUIDS[value]
 
 
-def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filling:
+def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity: Fidelity) -> Filling:
+    if entry.contact_line is not None and fidelity != "full":
+        raise ScenarioError(
+            f'contact_line {as_written(entry.contact_line)} is for fidelity = "full": the published equations have no '
+            "surface tension; leave it out"
+        )
+    line = entry.contact_line or ""
     assert entry.liquid is not None  # _check_keys
     liquid, rim = _liquid(entry.liquid), container.height
     level = _level(entry, container)
@@ -163,7 +171,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
             f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
             reason,
         )
-    modes = container.slosh_modes(liquid, level, slosh_modes, damping=entry.damping)
+    modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
     floor = float(container.inside[0, 1])
     return Filling(
         liquid=liquid,
@@ -172,6 +180,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int) -> Filli
         modes=modes,
         freeboard_reserve=reserve,
         floor=floor,
+        contact_line=line,
     )
 
 

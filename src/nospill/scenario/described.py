@@ -15,6 +15,7 @@ from nospill.robots.robot import Robot
 from nospill.scenario.fields import FREE
 from nospill.scenario.reader import is_as_read, scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
+from nospill.scene.controller import Controller
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import ApproachRules, MotionRules, Scene
@@ -47,6 +48,7 @@ _LIMITS = {
     "max_jerk": ("jerk", "angular_jerk"),
     "max_torque": ("torque", "torque"),
 }
+_CONTROLLER = {"delay": "time", "lag": "time", "compensate": None, "tracking_tolerance": "angle"}
 _PLACEMENT = {"yaw": "angle", "friction": "ratio", "friction_reserve": "ratio", "footprint_reserve": "ratio"}
 _LIQUID = {"liquid_height": "length", "max_slosh_height": "length", "freeboard_reserve": "ratio"}
 
@@ -85,6 +87,7 @@ def _require_kinds(scene: Scene, original: Scene) -> None:
     parts += [("cargo", item, Cargo) for item in scene.cargo]
     parts += [("obstacles", item, Obstacle) for item in scene.obstacles]
     parts += [("approach", scene.approach, ApproachRules)] if scene.approach is not None else []
+    parts += [("controller", scene.controller, Controller)] if scene.controller is not None else []
     wrong = [(name, part) for name, part, wanted in parts if not isinstance(part, wanted)]
     if wrong:
         name, part = wrong[0]
@@ -151,6 +154,10 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
         table.pop("approach", None)
     else:
         _join(table, "approach", _approach(scene.approach, original.approach))
+    if scene.controller is None:
+        table.pop("controller", None)
+    else:
+        _join(table, "controller", _changed(scene.controller, original.controller, _CONTROLLER))
     known = {cargo.name: cargo for cargo in original.cargo}
     entries = {entry["name"]: entry for entry in table["cargo"]}
     _place_obstacles(table, scene.obstacles, original.obstacles)
@@ -270,11 +277,14 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         None if item is None else min(item.modes.oscillators, key=lambda mode: mode.frequency).damping
         for item in (filling, original)
     )
-    return values if _same(damping, before) else values | {"damping": damping}
+    values |= {} if _same(damping, before) else {"damping": damping}
+    line = filling.contact_line
+    return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
 
 
 def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
     values: dict[str, Any] = {"friction": tolerance.friction, "position": _written(tolerance.position, "length")}
     if item.filling is not None:
         values |= {"liquid_height": _written(tolerance.liquid_height, "length"), "damping": list(tolerance.damping)}
+    values |= {"pinned": True} if tolerance.pinned else {}
     return values | ({"mass": tolerance.mass} if item.empty.mass > 0.0 else {})

@@ -17,6 +17,8 @@ from nospill.errors import ScenarioError
 SENTENCE = "nospill_sentence"
 """Type of the pydantic errors that carry a finished sentence (value first, then what is allowed) in their context."""
 
+LONGEST_NAME = 64
+"""Letters."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
 
 

@@ -128,6 +128,7 @@ _UNIONS: dict[str, Mapping[str, type[BaseModel]]] = {
 _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "literal_error": lambda shown, context: _not_one_of(shown, context["expected"]),
     "string_type": lambda shown, context: f"{shown} is not text; put it in quotes",
+    "bool_type": lambda shown, context: f"{shown} is neither true nor false; write one of them without quotes",
     "int_type": lambda shown, context: f"{shown} is not a whole number; write one without quotes or decimal point",
     "greater_than_equal": lambda shown, context: f"{shown} is out of range: it must be at least {context['ge']}",
     "less_than_equal": lambda shown, context: f"{shown} is out of range: it must be at most {context['le']}",

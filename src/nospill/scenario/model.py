@@ -8,16 +8,15 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from nospill.scenario.approach_entry import ApproachTable
+from nospill.scenario.arrays import MOST_OBJECTS
 from nospill.scenario.cargo_entries import CargoEntry
+from nospill.scenario.controller_entry import ControllerTable
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
 from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tolerance_entry import ToleranceTable
-from nospill.scene.scene import EndCondition, Fidelity
-
-MOST_OBJECTS = 100
-"""Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
+from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 
 SHORTEST_DURATION = 0.1
 """s; least value of max_duration, twice the shortest motion that is considered."""
@@ -159,15 +158,15 @@ class PlanningTable(Table):
     ] = 1
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31 - 1, description="seed of the random starting points")] = 0
     slosh_modes: Annotated[
-        int,
+        int | None,
         Field(
             strict=True,
             ge=1,
-            le=20,
-            description="liquid modes in each direction that are judged and recorded; a search begins with one and "
-            "ends with up to three at full fidelity",
+            le=FULL_MODES,
+            description="liquid modes in each direction that are judged and recorded, 20 at full fidelity and 1 at "
+            "deliverable unless stated; a search begins with one and ends with up to three at full fidelity",
         ),
-    ] = 1
+    ] = None
 
 
 class OutputTable(Table):
@@ -208,6 +207,10 @@ class Scenario(Table):
     ] = None
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
+    ] = None
+    controller: Annotated[
+        ControllerTable | None,
+        Field(description="the table [controller]: how late the joints follow what they are asked for"),
     ] = None
     planning: Annotated[PlanningTable, Field(description="the table [planning]")] = PlanningTable()
     output: Annotated[OutputTable, Field(description="the table [output]")] = OutputTable()

@@ -22,6 +22,7 @@ from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
+from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.layout import layout_faults
@@ -31,7 +32,7 @@ from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import ApproachRules, MotionRules, PlanningOptions, Scene, way_of
+from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
@@ -108,6 +109,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
+    with _at(label, "[controller]"):
+        controller = None if scenario.controller is None else scenario.controller.build(robot)
     with _at(label, "[path]"):
         read_in = scenario.path.standalone(folder)
         path = scenario.path.model_copy(update=read_in).build()
@@ -116,9 +119,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
-    described_cargo = _standalone_cargo(scenario, folder, label)
-    entries = [entry.model_copy(update=update) for entry, update in zip(scenario.cargo, described_cargo, strict=True)]
-    scenario = scenario.model_copy(update={"cargo": entries})
+    scenario, cargo_tables = _every_object(scenario, table, folder, label)
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
@@ -135,7 +136,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         "name": scene_name,
         "robot": {**table["robot"], **described},
         "path": {**table["path"], **read_in},
-        "cargo": [{**entry, **update} for entry, update in zip(table["cargo"], described_cargo, strict=True)],
+        "cargo": cargo_tables,
     }
     if described_obstacles:
         source["obstacle"] = [
@@ -152,9 +153,10 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         planning=_planning(scenario),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=_slosh_modes(scenario),
         source=_plain(source),
         approach=approach,
+        controller=controller,
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
     )
@@ -175,18 +177,35 @@ def read_object(entry: CargoTable, scenario: Scenario) -> Cargo:
         friction_reserve=scenario.tray.friction_reserve,
         footprint_reserve=scenario.tray.footprint_reserve,
         fidelity=scenario.fidelity,
-        slosh_modes=scenario.planning.slosh_modes,
+        slosh_modes=_slosh_modes(scenario),
         tolerance=scenario.tolerance,
     )
 
 
-def _standalone_cargo(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:
-    """What each entry needs in place of the files that it names."""
-    found: list[dict[str, object]] = []
-    for index, entry in enumerate(scenario.cargo):
+def _slosh_modes(scenario: Scenario) -> int:
+    """As stated, else so many at full fidelity that one more changes nothing, and the published one otherwise."""
+    return scenario.planning.slosh_modes or (FULL_MODES if scenario.fidelity == "full" else 1)
+
+
+def _every_object(
+    scenario: Scenario, table: Mapping[str, Any], folder: FilePath, label: str
+) -> tuple[Scenario, list[dict[str, Any]]]:
+    """The scenario with an entry for every object, none of which needs a file, and their tables."""
+    entries: list[CargoTable] = []
+    tables: list[dict[str, Any]] = []
+    for index, (entry, given) in enumerate(zip(scenario.cargo, table["cargo"], strict=True)):
         with _at(label, cargo_place(index, {"name": entry.name})):
-            found.append(entry.standalone(folder))
-    return found
+            update = entry.standalone(folder)
+            own = entry.model_copy(update=update)
+            changes: list[dict[str, Any]] = [{}]
+            if own.array is not None:
+                check_array(own.name, own.array, own.container())
+                changes = members(own.name, own.at, own.yaw, own.array)
+        entries += [own.model_copy(update={**change, "array": None}) for change in changes]
+        tables += spread_table({**given, **update}, changes)
+    if len(entries) > MOST_OBJECTS:
+        raise report(label, [("", f"{len(entries)} objects stand on the tray; at most {MOST_OBJECTS} may")])
+    return scenario.model_copy(update={"cargo": entries}), tables
 
 
 def _standalone_obstacles(scenario: Scenario, folder: FilePath, label: str) -> list[dict[str, object]]:

@@ -71,9 +71,13 @@ class ToleranceTable(Table):
         _RATIO,
         Field(description="of the empty container's mass or of the solid's, relative, either side"),
     ] = None
+    pinned: Annotated[
+        bool | None,
+        Field(strict=True, description='whether a contact line that is stated "free" may be pinned as well'),
+    ] = None
 
 
-_OF_LIQUIDS = ("liquid_height", "damping")
+_OF_LIQUIDS = ("liquid_height", "damping", "pinned")
 
 
 def tolerance_of(
@@ -103,6 +107,11 @@ def tolerance_of(
         value = next((value for value in stated if value is not None), None)
         if value is not None and not (cargo.filling is None and key in _OF_LIQUIDS):
             values[key] = value
+    line = "" if cargo.filling is None else cargo.filling.contact_line
+    if own is not None and own.pinned and line != "free":
+        raise ScenarioError(f'tolerance.pinned is for contact_line = "free" ({as_written(line or None)} is given)')
+    if line != "free":
+        values.pop("pinned", None)
     tolerance = Tolerance(**values)
     if tolerance == Tolerance():
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.modes import Oscillator, SloshModes
+from nospill.scene.containers.tension import ContactLine, liquid_modes
 from nospill.scene.liquids import Liquid
 
 
@@ -23,6 +25,7 @@ class Filling:
         modes: its equivalent mechanical model.
         floor: height of the lowest point of the inside above the container's bottom, m.
         freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
+        contact_line: how the surface meets the wall; empty where surface tension is left out.
     """
 
     liquid: Liquid
@@ -31,6 +34,7 @@ class Filling:
     modes: SloshModes
     freeboard_reserve: float = 0.1
     floor: float = 0.0
+    contact_line: ContactLine = ""
 
     @property
     def depth(self) -> float:
@@ -53,6 +57,7 @@ class Tolerance:
         damping: lowest and highest factor on the damping ratios.
         position: either side, m, in x and in y of the tray.
         mass: relative, either side, of the empty container or of the solid.
+        pinned: whether the contact line may be pinned as well as free.
     """
 
     friction: float = 0.0
@@ -60,6 +65,7 @@ class Tolerance:
     damping: tuple[float, float] = (1.0, 1.0)
     position: float = 0.0
     mass: float = 0.0
+    pinned: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +124,21 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
     if filling is None or filling.modes.count == count:
         return cargo
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
-    modes = cargo.container.slosh_modes(filling.liquid, filling.liquid_height, count, damping=slowest.damping)
+    modes = liquid_modes(
+        cargo.container,
+        filling.liquid,
+        filling.liquid_height,
+        count,
+        damping=slowest.damping,
+        contact_line=filling.contact_line,
+    )
     return replace(cargo, filling=replace(filling, modes=modes))
+
+
+def titles_of(cargo: Sequence[Cargo]) -> dict[str, str]:
+    """What objects are called, by name; a name beside the label where two have the same one."""
+    titles = [item.title for item in cargo]
+    return {item.name: item.title if titles.count(item.title) == 1 else f"{item.title} ({item.name})" for item in cargo}
 
 
 def frozen_liquid(container: Container, liquid: Liquid, liquid_height: float) -> MassProperties:

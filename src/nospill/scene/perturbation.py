@@ -10,6 +10,7 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.prism import LARGEST_DAMPING
+from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.scene import Fidelity
 
 _ROUNDING = 1e-9
@@ -25,6 +26,7 @@ class Perturbation:
         damping: factor on the damping ratios.
         position: (x, y), m.
         mass: kg, of the container or the solid; the liquid's follows from its height.
+        pinned: whether the contact line is, whatever it is stated as.
     """
 
     friction: float = 0.0
@@ -32,6 +34,7 @@ class Perturbation:
     damping: float = 1.0
     position: tuple[float, float] = (0.0, 0.0)
     mass: float = 0.0
+    pinned: bool = False
 
     def text(self, cargo: Cargo) -> str:
         """In words, for messages: "friction -10 %, fill +2 mm"; empty where nothing differs."""
@@ -46,6 +49,8 @@ class Perturbation:
             parts.append(f"position {1e3 * self.position[0]:+.4g}, {1e3 * self.position[1]:+.4g} mm")
         if self.mass:
             parts.append(f"mass {100 * self.mass / cargo.empty.mass:+.4g} %")
+        if self.pinned:
+            parts.append("contact line pinned")
         return ", ".join(parts)
 
 
@@ -91,12 +96,15 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
 def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
     level = filling.liquid_height + by.liquid_height
+    line = "pinned" if by.pinned else filling.contact_line
     try:
-        modes = cargo.container.slosh_modes(
+        modes = liquid_modes(
+            cargo.container,
             filling.liquid,
             level,
             filling.modes.count,
             damping=min(slowest.damping * by.damping, max(slowest.damping, LARGEST_DAMPING)),
+            contact_line=line,
         )
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
@@ -104,4 +112,4 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     part = filling.max_slosh_height / before
     follows = part >= 1.0 - _ROUNDING or abs(part - (1.0 - filling.freeboard_reserve)) < _ROUNDING
     highest = min(part, 1.0) * room if follows else min(filling.max_slosh_height, room)
-    return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes)
+    return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes, contact_line=line)

@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.paths import Path
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.controller import Controller
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import Tray
 
@@ -143,6 +144,7 @@ class Scene:
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
         obstacles: what stands around the arm; without any, nothing is judged for collisions.
+        controller: how the joints follow their command; None where they do what they are asked for.
     """
 
     name: str
@@ -160,6 +162,7 @@ class Scene:
     approach: ApproachRules | None = None
     start_near: np.ndarray | None = None
     obstacles: tuple[Obstacle, ...] = ()
+    controller: Controller | None = None
 
     @property
     def planned_modes(self) -> int:

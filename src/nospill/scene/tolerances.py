@@ -21,6 +21,7 @@ def tolerance_text(tolerance: Tolerance) -> str:
         f"damping x{low:.4g} to x{high:.4g}" if low < high else "",
         f"position +-{1e3 * tolerance.position:.4g} mm" if tolerance.position else "",
         f"mass +-{100 * tolerance.mass:.4g} %" if tolerance.mass else "",
+        "contact line free or pinned" if tolerance.pinned else "",
     )
     return ", ".join(part for part in parts if part)
 

@@ -8,6 +8,7 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * mass: the same holds for that of a container, two ends. That of a solid cancels in every limit: no variant.
 * liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle; where the
   frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
+* contact line: free as stated, and pinned.
 * damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
 
 Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
@@ -24,6 +25,7 @@ from itertools import product
 import numpy as np
 
 from nospill.scene.cargo import Cargo, Filling, Tolerance
+from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Fidelity, Scene
 
@@ -92,10 +94,11 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
-    for level, factor, place, mass in product(levels, factors, places, masses):
-        yield Perturbation(-tolerance.friction, level, factor, place, mass)
-    for level, factor in product(between, factors):
-        yield Perturbation(-tolerance.friction, level, factor)
+    lines = (False, True) if tolerance.pinned else (False,)
+    for level, factor, place, mass, pinned in product(levels, factors, places, masses, lines):
+        yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned)
+    for level, factor, pinned in product(between, factors, lines):
+        yield Perturbation(-tolerance.friction, level, factor, pinned=pinned)
 
 
 def _factors(low: float, high: float, ratio: float) -> tuple[float, ...]:
@@ -133,7 +136,7 @@ def _levels_between(cargo: Cargo, filling: Filling, rise: float) -> tuple[float,
 
 def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
     """Frequency of the slowest mode of a filling, rad/s."""
-    modes = cargo.container.slosh_modes(filling.liquid, level, 1, damping=0.1)
+    modes = liquid_modes(cargo.container, filling.liquid, level, 1, damping=0.1, contact_line=filling.contact_line)
     return min(mode.frequency for mode in modes.oscillators)
 
 

@@ -27,10 +27,10 @@ class Comparison:
 
     Attributes:
         t: (m,) s, the measured samples on the predicted clock.
-        predicted: (m,) absolute values there, m.
+        predicted: (m,) values there, absolute unless signs were compared, m.
         measured: (m,) likewise, m.
         shift: s, added to the predicted clock gives the measured one.
-        correlation: Pearson's, of the absolute heights.
+        correlation: Pearson's.
         rmse: root mean square of predicted - measured, m.
         predicted_peak: m.
         measured_peak: likewise.
@@ -58,8 +58,8 @@ class Comparison:
         return self.peak_error / self.measured_peak
 
 
-def compare(predicted: Heights, measured: Heights) -> Comparison:
-    """Align the clock of a measured height with its prediction's and compare the absolute heights.
+def compare(predicted: Heights, measured: Heights, *, signed: bool = False) -> Comparison:
+    """Align the clock of a measured height with its prediction's and compare the absolute heights, or those with signs.
 
     The prediction is a crest, which has no sign; a measured height may fall below rest where the crest is not in sight.
     The clocks are put where the normalised cross-correlation of the two absolute heights is greatest among all shifts
@@ -68,21 +68,23 @@ def compare(predicted: Heights, measured: Heights) -> Comparison:
     Args:
         predicted: any rate.
         measured: any rate; its clock may start anywhere.
+        signed: whether both are heights at one place of the wall, above and below rest.
 
     Raises:
         ScenarioError: one of the two never moves, or is too long to be searched.
     """
-    shift = _best_shift(predicted, measured)
+    size = np.asarray if signed else np.abs
+    shift = _best_shift(predicted, measured, signed=signed)
     t = measured.t - shift
     common = (t >= predicted.t[0] - 1e-9) & (t <= predicted.t[-1] + 1e-9)
     if np.count_nonzero(common) < 2:
         raise ScenarioError("measured: fewer than two samples lie within the prediction; give a longer or finer record")
     t = t[common]
-    ours = np.interp(t, predicted.t, np.abs(predicted.height))
-    theirs = np.abs(measured.height[common])
+    ours = np.interp(t, predicted.t, size(predicted.height))
+    theirs = np.array(size(measured.height[common]))
     # The peak is taken where the prediction was computed, not only where it was measured.
     window = (predicted.t >= t[0] - 1e-9) & (predicted.t <= t[-1] + 1e-9)
-    area = float(np.trapezoid(theirs, t))
+    area = float(np.trapezoid(np.abs(theirs), t))
     for array in (t, ours, theirs):
         array.flags.writeable = False
     return Comparison(
@@ -92,9 +94,9 @@ def compare(predicted: Heights, measured: Heights) -> Comparison:
         shift=shift,
         correlation=_correlation(ours, theirs),
         rmse=float(np.sqrt(np.mean((ours - theirs) ** 2))),
-        predicted_peak=float(np.max(np.abs(predicted.height[window]), initial=float(np.max(ours)))),
+        predicted_peak=float(np.max(size(predicted.height[window]), initial=float(np.max(ours)))),
         measured_peak=float(np.max(theirs)),
-        integral_error=(float(np.trapezoid(ours, t)) - area) / area,
+        integral_error=(float(np.trapezoid(np.abs(ours), t)) - area) / area,
     )
 
 
@@ -122,8 +124,8 @@ def predicted_heights(source: str | os.PathLike[str]) -> Heights:
     return Heights(trajectory.t, trajectory.slosh[cup].height)
 
 
-def _best_shift(predicted: Heights, measured: Heights) -> float:
-    ours, theirs = _resampled(predicted, "predicted"), _resampled(measured, "measured")
+def _best_shift(predicted: Heights, measured: Heights, *, signed: bool) -> float:
+    ours, theirs = _resampled(predicted, "predicted", signed=signed), _resampled(measured, "measured", signed=signed)
     lags, value = _normalised_correlation(ours, theirs)
     best = int(np.argmax(value))
     lag = float(lags[best])
@@ -135,11 +137,12 @@ def _best_shift(predicted: Heights, measured: Heights) -> float:
     return measured.t[0] - predicted.t[0] + lag * ALIGNMENT_STEP
 
 
-def _resampled(heights: Heights, label: str) -> np.ndarray:
+def _resampled(heights: Heights, label: str, *, signed: bool) -> np.ndarray:
     count = int((heights.t[-1] - heights.t[0]) / ALIGNMENT_STEP) + 1
     if count > _MOST_SAMPLES:
         raise ScenarioError(f"{label}: {heights.t[-1] - heights.t[0]:.4g} s is too long to be aligned; cut it")
-    height = np.abs(np.interp(heights.t[0] + ALIGNMENT_STEP * np.arange(count), heights.t, heights.height))
+    height = np.interp(heights.t[0] + ALIGNMENT_STEP * np.arange(count), heights.t, heights.height)
+    height = height if signed else np.abs(height)
     if np.ptp(height) <= 1e-9:
         raise ScenarioError(f"{label}: the height never changes; there is nothing to align the clocks by")
     return height

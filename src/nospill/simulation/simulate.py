@@ -83,6 +83,7 @@ def simulate_slosh(
     modes: int = 2,
     height: HeightRule | str = "one-mode",
     gravity: float = STANDARD_GRAVITY,
+    azimuth: float | None = None,
 ) -> SloshSimulation:
     """Height of the liquid in a container along any motion.
 
@@ -97,6 +98,8 @@ def simulate_slosh(
         modes: liquid modes in each direction; two predict measured peaks best, one their course (docs/slosh-model.md).
         height: "one-mode" adds the carried modes; "corrected" adds the quasi-static part of those not carried.
         gravity: m/s^2.
+        azimuth: rad, from the container's x towards its y: the height at the wall there, with its sign; the crest when
+            left out.
 
     Raises:
         ScenarioError: container or motion wrong or incomplete, samples too far apart.
@@ -104,10 +107,14 @@ def simulate_slosh(
     """
     cargo = _filled(container, modes)
     motion = checked_motion(t, position, quaternion)
-    return _simulated(cargo, motion, corrected=_is_corrected(height), gravity=gravity)
+    if azimuth is not None and cargo.shape == "box":
+        raise ScenarioError("azimuth: a box has corners; heights at an azimuth are of round containers")
+    return _simulated(cargo, motion, corrected=_is_corrected(height), gravity=gravity, azimuth=azimuth)
 
 
-def _simulated(cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float) -> SloshSimulation:
+def _simulated(
+    cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float, azimuth: float | None
+) -> SloshSimulation:
     assert cargo.filling is not None  # _filled
     filling = cargo.filling
     structure = object_structure(cargo)
@@ -135,7 +142,7 @@ def _simulated(cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float)
 
     integral = refined(solve, displacements=count)
     states = integral.states[:: (per_sample // 2) * integral.refinement]
-    heights = _heights(structure, numbers, corrected, states, body_rows(spline, motion.t, gravity))
+    heights = _heights(structure, numbers, corrected, states, body_rows(spline, motion.t, gravity), azimuth)
     if not np.isfinite(heights).all():
         raise ModelError("the liquid's height grows without bound along this motion: it leaves its cup")
     return SloshSimulation(
@@ -194,7 +201,12 @@ def _level(structure: ObjectStructure, modes: SloshModes, up: np.ndarray) -> np.
 
 
 def _heights(
-    structure: ObjectStructure, numbers: ObjectNumbers, corrected: bool, states: np.ndarray, body: np.ndarray
+    structure: ObjectStructure,
+    numbers: ObjectNumbers,
+    corrected: bool,
+    states: np.ndarray,
+    body: np.ndarray,
+    azimuth: float | None,
 ) -> np.ndarray:
     """Height at the wall at every sample, (m,) m, from states (m, 2 k) and body rows (9, m)."""
     count = structure.coordinates
@@ -202,5 +214,6 @@ def _heights(
     # The height reads displacements only.
     own = object_states(structure, state[:count], state[count:], SX.zeros(count))
     eta = surface_vector(numbers, structure, body_motion(row), own, corrected=corrected)
-    function = ca.Function("height", [state, row], [crest(structure, eta)], {"cse": True})
+    shown = crest(structure, eta) if azimuth is None else np.cos(azimuth) * eta[0] + np.sin(azimuth) * eta[1]
+    function = ca.Function("height", [state, row], [shown], {"cse": True})
     return np.array(function(ca.DM(states.T), ca.DM(body)).full())[0]

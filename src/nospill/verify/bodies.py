@@ -34,6 +34,7 @@ class ModalMass:
         axes: horizontal directions it moves in (0 = x, 1 = y).
         curvature: of the bowl, omega^2/g, 1/m; with gravity in it, the mass swings at omega.
         damping: 2 zeta omega m, N s/m.
+        spring: of surface tension, N/m.
     """
 
     mass: float
@@ -41,6 +42,7 @@ class ModalMass:
     axes: tuple[int, ...]
     curvature: float
     damping: float
+    spring: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +122,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
                 axes=tuple(axes[direction] for direction in mode.directions),
                 curvature=mode.stiffness,
                 damping=2.0 * mode.damping * mode.frequency * (1.0 - stays) * mode.mass,
+                spring=mode.tension * (1.0 - stays) * mode.mass,
             )
             for mode in oscillators
         ),

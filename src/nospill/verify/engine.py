@@ -204,7 +204,8 @@ def _mode_text(label: str, mode: ModalMass) -> str:
             f'<body simple="false" pos="0 0 {mode.height if first else 0.0:.17g}">'
             f'<inertial pos="0 0 0" mass="{share * mode.mass:.17g}" '
             f'diaginertia="{_POINT_INERTIA} {_POINT_INERTIA} {_POINT_INERTIA}"/>'
-            f'<joint name="across{label}-{axis}" type="slide" axis="{_AXES[axis]}" damping="{mode.damping:.17g}"/>'
+            f'<joint name="across{label}-{axis}" type="slide" axis="{_AXES[axis]}" damping="{mode.damping:.17g}" '
+            f'stiffness="{mode.spring:.17g}"/>'
             f'<joint name="up{label}-{axis}" type="slide" axis="0 0 1" damping="{mode.damping:.17g}"/>{text}</body>'
         )
     return text

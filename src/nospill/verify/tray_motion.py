@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.errors import PlanFolderError
+from nospill.motion.control import commanded, followed, settling_after
 from nospill.motion.interpolation import QUINTIC_SPLINE, Interpolation, JointMotion, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import kinematics
@@ -39,7 +40,11 @@ def played(samples: JointSamples, scene: Scene, *, interpolation: Interpolation,
         raise PlanFolderError(f"{source}: {count} joints, the robot of the scenario has {wanted}")
     if len(samples.t) < 2 or not np.all(np.isfinite(samples.position)) or not np.all(np.diff(samples.t) > 0.0):
         raise PlanFolderError(f"{source}: at least two samples, finite, in the order of time, are needed")
-    return PlayedJoints(interpolation.motion(samples), float(samples.t[0]), float(samples.t[-1]), source)
+    motion, start, end = interpolation.motion(samples), float(samples.t[0]), float(samples.t[-1])
+    if scene.controller is None:
+        return PlayedJoints(motion, start, end, source)
+    done = followed(motion, scene.controller, start, end)
+    return PlayedJoints(done, start, end + settling_after(scene.controller), source)
 
 
 def planned_joints(trajectory: Trajectory, scene: Scene, *, source: str) -> PlayedJoints:
@@ -48,7 +53,7 @@ def planned_joints(trajectory: Trajectory, scene: Scene, *, source: str) -> Play
     Raises:
         PlanFolderError: they are not a motion of the scene's robot.
     """
-    samples = JointSamples(trajectory.t, trajectory.joint_position)
+    samples = commanded(trajectory, scene.controller)
     return played(samples, scene, interpolation=QUINTIC_SPLINE, source=source)
 
 

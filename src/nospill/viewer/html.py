@@ -51,12 +51,12 @@ def save_html(
             for item in shown.views:
                 item.show(float(t))
         page = recording.as_html()
-    text = _with_charts(page, [title_of(film) for film in films], shown.charts)
+    text = with_charts(page, [title_of(film) for film in films], shown.charts)
     atomic_text(path, text)
     return len(text.encode())
 
 
-def _with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
+def with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
     """The page of viser with a column of charts beside the scene, and a cursor that follows its player's slider."""
     head = f"<style>{_STYLE}</style><script>{CLOCK}</script></head>"
     lines = "".join(f"<h1>{escape(title)}</h1>" for title in titles)

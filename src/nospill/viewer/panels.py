@@ -10,6 +10,7 @@ from nospill.core.short_names import short_names
 from nospill.film.timeline import Film
 from nospill.judge.limiting import limiting_names, limiting_rows
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.scene.cargo import titles_of
 
 _MOST_LANES, _EVERY = 6, 4
 """Lanes of a plan; of so many instants of the judge one is drawn."""
@@ -63,13 +64,6 @@ class Lanes:
     lanes: tuple[Lane, ...]
 
 
-def titles_of(film: Film) -> dict[str, str]:
-    """What the objects are called, by name; a name beside the label where two have the same one."""
-    cargo = film.plan.scene.cargo
-    labels = [item.title for item in cargo]
-    return {item.name: item.title if labels.count(item.title) == 1 else f"{item.title} ({item.name})" for item in cargo}
-
-
 def contents(film: Film, before: str) -> list[tuple[int, Panel | Lanes]]:
     """A plan's panels, titled with `before` in front, with their rank from top to bottom."""
     return [*_lanes(film, before), *_panels(film, before)]
@@ -89,7 +83,7 @@ def _lanes(film: Film, before: str) -> list[tuple[int, Lanes]]:
 def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
     """A plan's panels with their rank from top to bottom."""
     panels: list[tuple[int, Panel]] = []
-    titles = titles_of(film)
+    titles = titles_of(film.plan.scene.cargo)
     if film.liquids:
         limits = _height_limits(film)
         lines = [Line(titles[name], film.t, 1e3 * track.height) for name, track in film.liquids.items()]
@@ -113,7 +107,7 @@ def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
 
 def _height_limits(film: Film) -> tuple[Limit, ...]:
     """Limits of the heights, mm, the highest first, named by the objects they are of; some start at the end."""
-    titles = titles_of(film)
+    titles = titles_of(film.plan.scene.cargo)
     heights = {titles[name]: track.limit for name, track in film.liquids.items()}
     rows = [row for row in film.judgement.certificate.rows if row.constraint == ResidualHeight.name]
     later = _grouped({titles.get(row.subject, row.label): row.limit for row in rows}, len(film.liquids))

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body
 from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.film.props import limit_ring
-from nospill.film.robot_model import DrawnChain, drawn_links, read_chain
+from nospill.film.robot_model import DrawnChain, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, carriage
@@ -157,14 +158,17 @@ class ArmView:
             root: name of the base frame's node, which must exist.
             tray: what the flange carries, for the holder between them.
             chain: joints to draw by, where not those of the robot's own URDF.
-            meshes: by the name of the link, in its frame, m; links are drawn from the chain without.
+            meshes: by the name of the link, in its frame, m, in place of `arm_bodies`.
 
         Raises:
             ScenarioError: the robot's URDF cannot be read.
         """
         self.chain = chain or read_chain(robot.urdf, robot.joints, robot.tip)
         self._moving: list[viser.FrameHandle] = []
-        bodies = drawn_links(self.chain, tray, only_holder=meshes is not None)
+        if meshes is None:
+            bodies = arm_bodies(robot, self.chain, tray)
+        else:
+            bodies = {} if tray is None else {self.chain.joints[-1].child: holder(tray)}
         nodes = {self.chain.base: root}
         node = root
         for joint in self.chain.joints:

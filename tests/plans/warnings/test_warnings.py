@@ -52,7 +52,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 12
+    assert len(WARNINGS) == 15
     assert found(quiet) == {}
 
 
@@ -94,6 +94,20 @@ def test_surface_tension_is_warned_of_from_two_per_cent_of_the_frequency(found) 
     narrow = found(small | {"cargo.0.radius": threshold * 0.999})
     assert ("surface tension", "cup") not in wide
     assert narrow["surface tension", "cup"].value == pytest.approx(shift(threshold * 0.999))
+
+
+def test_a_stated_contact_line_is_warned_of_where_the_other_one_differs(found) -> None:
+    vial = {"radius": "10 mm", "height": "30 mm", "liquid_height": "20 mm", "max_slosh_height": "7 mm"}
+    small = {f"cargo.0.{key}": value for key, value in vial.items()}
+    free = found(small | {"cargo.0.contact_line": "free"})
+    assert ("surface tension", "cup") not in free
+    assert free["contact line", "cup"].value == pytest.approx(10.90 / 7.56 - 1.0, rel=0.01)
+    assert free["meniscus", "cup"].value == pytest.approx(3.86e-3, rel=1e-2)
+    assert free["meniscus", "cup"].limit == pytest.approx(3e-3)
+    both = found(small | {"cargo.0.contact_line": "free", "cargo.0.tolerance": {"pinned": True}})
+    assert ("contact line", "cup") not in both
+    assert ("contact line", "cup") not in found(small | {"cargo.0.contact_line": "pinned"})
+    assert ("meniscus", "cup") not in found(small | {"cargo.0.contact_line": "free", "cargo.0.liquid_height": "19 mm"})
 
 
 @pytest.mark.parametrize(("damping", "warned"), [(0.1, False), (0.101, True)])
@@ -167,6 +181,15 @@ def test_much_back_off(found) -> None:
     warnings = found(backoff={"slip | cup": 0.051, "tip | cup": 0.049})
     assert warnings["back-off", "slip | cup"].value == 0.051
     assert ("back-off", "tip | cup") not in warnings
+
+
+@pytest.mark.parametrize(("modes", "warned"), [(1, True), (20, False)])
+def test_back_off_of_a_residual_height_makes_up_for_its_row_where_there_are_several_modes(
+    found, modes: int, warned: bool
+) -> None:
+    label = "residual height | cup"
+    warnings = found({"planning.slosh_modes": modes}, backoff={label: 0.3})
+    assert (("back-off", label) in warnings) is warned
 
 
 @pytest.mark.parametrize(("use", "warned"), [(0.96, True), (0.98, False)])

@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nospill.film.arm_bodies import arm_bodies
 from nospill.film.geometry import Mesh
 from nospill.film.picture import draw
 from nospill.film.props import ARM, Body, Kind, Stagehand
 from nospill.film.raster import Canvas
-from nospill.film.robot_model import drawn_links, read_chain
+from nospill.film.robot_model import read_chain
 from nospill.film.stage import axes_facing, framed
 from nospill.film.timeline import Film, make_film
 from nospill.film.views import CLOSE, VIEW_NAMES, Carriage, View, carriage, viewpoint
@@ -74,7 +75,7 @@ class _Arms:
         for number, name in enumerate(ROBOTS):
             robot = load_robot(name)
             chain = read_chain(robot.urdf, robot.joints, robot.tip)
-            links, place = drawn_links(chain), np.array([0.0, _APART * number, 0.0])
+            links, place = arm_bodies(robot, chain), np.array([0.0, _APART * number, 0.0])
             self.places.append(place[1])
             frames = chain.frames(robot.home[None])
             parts = [(links.get(chain.base), np.zeros(3), np.eye(3))]

@@ -9,7 +9,7 @@ from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, M
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.laws.slosh.motion import OscillatorState
-from nospill.laws.slosh.residual import residual_bound
+from nospill.laws.slosh.residual import quadrature, residual_bound
 from nospill.scene.scene import Scene
 
 STILL_FRACTION = 0.02
@@ -24,8 +24,9 @@ _SMOOTHING = 0.02
 class ResidualHeight(Constraint):
     """Height for all t >= t_e below residual_fraction * max_slosh_height.
 
-    With sigma_n the bound of each mode's displacement (see `slosh.residual`), sum C_n sigma_n bounds the height; of
-    many modes the judge plays the free motion on where that is above the limit (`judge.after_end`).
+    Of one mode its bound (see `slosh.residual`). Of many the row is the root of the sum of the squares of the modes'
+    heights, which is smooth wherever the liquid moves at all; their highest surface together is above it, by up to the
+    root of their number, and is what the judge finds (`judge.after_end`).
     """
 
     name = "residual height"
@@ -48,7 +49,8 @@ class ResidualHeight(Constraint):
             if not item.structure.oscillators:
                 continue
             limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
-            height = height_bound(item.structure, item.numbers, item.states, limit)
+            law = height_bound if item.structure.modes == 1 else height_norm
+            height = law(item.structure, item.numbers, item.states, limit)
             budgets.append((Range(height, -limit, limit, limit),))
         return tuple(budgets)
 
@@ -75,6 +77,21 @@ def height_bound(
             smoothing=_SMOOTHING * limit / (gain * structure.modes),
         )
     return height
+
+
+def height_norm(
+    structure: ObjectStructure, numbers: ObjectNumbers, states: tuple[OscillatorState, ...], limit: SX
+) -> SX:
+    """Root of the sum of the squares of the modes' heights and of their quadratures, scalar, m.
+
+    The sum of the heights has a kink wherever one mode is at rest, and a solution that stills some modes and not others
+    lies on it. Arguments as of `height_bound`.
+    """
+    squares = (_SMOOTHING * limit) ** 2
+    for oscillator, state in zip(numbers.oscillators, states, strict=True):
+        q, rate = state.displacement, {"frequency": oscillator.frequency, "damping": oscillator.damping}
+        squares += oscillator.surface_gain**2 * (ca.sumsqr(q) + ca.sumsqr(quadrature(q, state.velocity, **rate)))
+    return ca.sqrt(squares)
 
 
 class EndDisplacement(Constraint):

@@ -15,7 +15,8 @@ on a level tray the published 4-D equation. The others are flat, P = 0, and line
 
     q'' = -f_xy - kappa b_z q - 2 zeta omega q'.
 
-The stiffness comes from the apparent gravity along the axis, so kappa is free of g.
+The stiffness comes from the apparent gravity along the axis, so kappa is free of g. Surface tension, where it counts,
+adds a spring tau q that no gravity changes.
 """
 
 from __future__ import annotations
@@ -96,6 +97,9 @@ def motion_residual(
     place_of_rest = ca.vertcat(0, 0, oscillator.height)
     axial = motion.at(place_of_rest).specific_force[2]
     spring = curvature * q * apparent[2] + (oscillator.stiffness - curvature) * axial * q
+    tension = SX(oscillator.tension)
+    if tension.numel():
+        spring += tension * q
     return along + spring + damping * (slip_rate + curvature**2 * ca.dot(q, slip_rate) * q)
 
 

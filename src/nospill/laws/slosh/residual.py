@@ -39,13 +39,18 @@ def residual_bound(
     Returns:
         Scalar, m.
     """
-    quadrature = (velocity / frequency + damping * displacement) / (1 + damping)
-    first, second = ca.dot(displacement, displacement), ca.dot(quadrature, quadrature)
+    change = quadrature(displacement, velocity, frequency=frequency, damping=damping)
+    first, second = ca.dot(displacement, displacement), ca.dot(change, change)
     if displacement.numel() == 1:
         return ca.sqrt(first + second + smoothing**2)
-    product = ca.dot(displacement, quadrature)
+    product = ca.dot(displacement, change)
     trace, determinant = first**2 + second**2 + 2 * product**2, first * second - product**2
     return (trace**2 - 2 * determinant**2 + smoothing**8) ** 0.125
+
+
+def quadrature(displacement: SX, velocity: SX, *, frequency: SX | float, damping: SX | float) -> SX:
+    """D = (q'/omega + zeta q)/(1 + zeta) of `residual_bound`, (k, 1) m; arguments as there."""
+    return (velocity / frequency + damping * displacement) / (1 + damping)
 
 
 def free_motion(scene: Scene, displacement: np.ndarray, velocity: np.ndarray, t: np.ndarray) -> np.ndarray:

@@ -9,11 +9,14 @@ from collections.abc import Mapping
 
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
+from nospill.plans.warnings.controller import behind_the_command
 from nospill.plans.warnings.liquids import (
+    contact_line,
     crest,
     damping,
     density,
     distance_to_the_rim,
+    meniscus,
     surface_tension,
     surface_tension_value,
     viscosity,
@@ -27,12 +30,15 @@ WARNINGS: tuple[Warn, ...] = (
     crest,
     distance_to_the_rim,
     surface_tension,
+    contact_line,
+    meniscus,
     damping,
     density,
     viscosity,
     surface_tension_value,
     no_joint_acceleration_limit,
     below_the_base,
+    behind_the_command,
     no_reserve,
     back_off,
     smoothness,

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+import numpy as np
+
 from nospill.core.units import format_quantity
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
+from nospill.scene.containers.tension import liquid_modes, wetting_rise
 from nospill.scene.liquids import Liquid
 
 LINEAR_CREST = 1.0 / 3.0
@@ -46,7 +49,7 @@ def crest(facts: Facts) -> Iterator[PlanWarning]:
         row.subject: row.worst_value for row in facts.judgement.certificate.rows if row.constraint == SloshHeight.name
     }
     for cargo, filling in _fillings(facts):
-        side = float(min(filling.modes.quasi_static_gain))
+        side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
         limit, value = LINEAR_CREST * side, heights.get(cargo.name, 0.0)
         if value > limit:
             text = (
@@ -69,22 +72,56 @@ def distance_to_the_rim(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("distance to the rim", cargo.name, text, left, wanted)
 
 
+def contact_line(facts: Facts) -> Iterator[PlanWarning]:
+    """The contact line is stated as free, and a pinned one would swing faster."""
+    for cargo, filling in _fillings(facts):
+        pinned = cargo.tolerance is not None and cargo.tolerance.pinned
+        if filling.contact_line != "free" or pinned:
+            continue
+        other = liquid_modes(cargo.container, filling.liquid, filling.liquid_height, 1, contact_line="pinned")
+        ratio = min(item.frequency for item in other.oscillators) / _slowest(filling).frequency - 1.0
+        if ratio > FREQUENCY_SHIFT:
+            text = (
+                f"a contact line that is pinned and not free raises the first frequency by {100 * ratio:.2g} %; "
+                "tolerance.pinned = true plans for both."
+            )
+            yield PlanWarning("contact line", cargo.name, text, ratio, FREQUENCY_SHIFT)
+
+
+def meniscus(facts: Facts) -> Iterator[PlanWarning]:
+    """Where the vessel is small, the liquid that stands higher at the wall may reach the rim."""
+    for cargo, filling in _fillings(facts):
+        room = cargo.container.height - filling.liquid_height - filling.max_slosh_height
+        rise = wetting_rise(filling.liquid)
+        if filling.contact_line and rise > room:
+            text = (
+                f"a liquid that wets the wall stands up to {_mm(rise)} higher there at rest, and max_slosh_height "
+                f"leaves {_mm(max(room, 0.0))} to the rim; liquid_height is that of a flat surface."
+            )
+            yield PlanWarning("meniscus", cargo.name, text, rise, room)
+
+
+def _slowest(filling: Filling) -> Oscillator:
+    return min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+
+
 def surface_tension(facts: Facts) -> Iterator[PlanWarning]:
-    """Surface tension, which the slosh model leaves out, raises the first frequency.
+    """Surface tension, which the slosh model leaves out where no contact line is stated, raises the first frequency.
 
     omega^2 = (g k + sigma k^3/rho) tanh(k h) [Lamb, Hydrodynamics, sec. 267]: by sqrt(1 + 1/Bo) - 1 with the Bond
     number Bo = rho g/(sigma k^2).
     """
     for cargo, filling in _fillings(facts):
-        liquid = filling.liquid
-        slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+        if filling.contact_line:
+            continue
+        liquid, slowest = filling.liquid, _slowest(filling)
         inverse_bond = liquid.surface_tension * slowest.wave_number**2 / (liquid.density * STANDARD_GRAVITY)
         shift = math.sqrt(1.0 + inverse_bond) - 1.0
         if shift > FREQUENCY_SHIFT:
             sigma = format_quantity(liquid.surface_tension, "surface_tension", digits=3)
             text = (
                 f"surface tension ({sigma}, Bond number {1.0 / inverse_bond:.3g}) raises the first frequency by "
-                f"{100 * shift:.2g} %, which the slosh model leaves out; use a wider cup."
+                f"{100 * shift:.2g} %, which is left out; state contact_line, or use a wider cup."
             )
             yield PlanWarning("surface tension", cargo.name, text, shift, FREQUENCY_SHIFT)
 
@@ -93,7 +130,7 @@ def damping(facts: Facts) -> Iterator[PlanWarning]:
     """The damping ratio is beyond what was measured."""
     for cargo, filling in _fillings(facts):
         factor = 1.0 if cargo.tolerance is None else cargo.tolerance.damping[1]
-        ratio = factor * min(filling.modes.oscillators, key=lambda mode: mode.frequency).damping
+        ratio = factor * _slowest(filling).damping
         if ratio > LARGEST_USUAL_DAMPING:
             text = (
                 f"the damping ratio is {ratio:.3g}, above {LARGEST_USUAL_DAMPING:g}: so viscous a liquid hardly "

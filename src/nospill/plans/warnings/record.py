@@ -43,6 +43,9 @@ class Facts:
     backoff: Mapping[str, float]
 
 
+_NAMED = 6
+"""Others that a line names."""
+
 Warn = Callable[[Facts], Iterator[PlanWarning]]
 """One kind of warning: a warning for each subject that gives cause."""
 
@@ -57,6 +60,7 @@ def warning_lines(warnings: Sequence[PlanWarning]) -> list[str]:
 
 def _line(kind: Sequence[PlanWarning]) -> str:
     first, *others = kind
-    names = ", ".join(dict.fromkeys(other.subject for other in others if other.subject != first.subject))
-    also = f" Likewise: {names}." if names else ""
+    names = list(dict.fromkeys(other.subject for other in others if other.subject != first.subject))
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    also = f" Likewise: {', '.join(names[:_NAMED])}{more}." if names else ""
     return f"{first.name}: {first.subject}: {first.text}{also}"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 
 LARGEST_USUAL_BACKOFF = 0.05
@@ -23,9 +25,13 @@ def no_reserve(facts: Facts) -> Iterator[PlanWarning]:
 
 
 def back_off(facts: Facts) -> Iterator[PlanWarning]:
-    """Much of a limit had to be kept from the optimiser until the judge was content."""
+    """Much of a limit had to be kept from the optimiser until the certificate held.
+
+    Not of residual heights of several modes: the optimiser's row is below them, and back-off makes up for it.
+    """
+    usual = {ResidualHeight.name} if facts.scene.planned_modes > 1 else set[str]()
     for label, value in facts.backoff.items():
-        if value > LARGEST_USUAL_BACKOFF:
+        if value > LARGEST_USUAL_BACKOFF and RowId.of(label).constraint not in usual:
             text = (
                 f"{100 * value:.2g} % of the limit was kept from the optimiser (constraint tightening) until the "
                 "exported motion held, which may cost duration; try more planning.intervals or a higher output.rate."

@@ -15,7 +15,7 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
-from nospill.robots.robot import LinkCapsule, Robot
+from nospill.robots.robot import LinkCapsule, LinkMesh, PackagedMeshes, Robot
 
 ROBOTS: dict[str, str] = {
     "comau-smart-six": "comau-smart-six",
@@ -71,6 +71,7 @@ def load_robot(name: str) -> Robot:
             LinkCapsule(item["link"], tuple(map(float, item["from"])), tuple(map(float, item["to"])), item["radius"])
             for item in facts["capsules"]
         ),
+        meshes=_packaged(facts["meshes"]) if "meshes" in facts else None,
     )
 
 
@@ -144,6 +145,19 @@ def _row(robot: Robot) -> dict[str, Any]:
         "sources": dict(robot.sources),
         "not_known": list(robot.not_known),
     }
+
+
+def _packaged(table: Mapping[str, Any]) -> PackagedMeshes:
+    links = [
+        LinkMesh(
+            item["link"],
+            item["file"],
+            tuple(map(float, item.get("at", (0, 0, 0)))),
+            tuple(map(math.radians, item.get("rpy_deg", (0, 0, 0)))),
+        )
+        for item in table["links"]
+    ]
+    return PackagedMeshes(table["package"], table["folder"], tuple(links))
 
 
 def _degrees(radians: np.ndarray) -> list[float]:

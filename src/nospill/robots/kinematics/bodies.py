@@ -104,7 +104,7 @@ def inertia_fault(tree: UrdfTree, joints: Sequence[str]) -> str | None:
     return None
 
 
-def z_to(axis: Sequence[float]) -> np.ndarray:
+def z_to(axis: Sequence[float] | np.ndarray) -> np.ndarray:
     """Return a rotation (3, 3) that turns z onto an axis of any length, a permutation for one along x, y or z."""
     direction = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
     # the coordinate axis that is farthest from it makes a well-conditioned cross product

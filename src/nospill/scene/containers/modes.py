@@ -17,7 +17,7 @@ class Oscillator:
     """One modal mass of the liquid.
 
     Attributes:
-        frequency: natural frequency omega_n under standard gravity, rad/s.
+        frequency: natural frequency omega_n under standard gravity, rad/s, surface tension included.
         mass: modal mass m_n, kg.
         height: height H_n of the mass above the container's bottom at rest, m.
         damping: damping ratio zeta_n.
@@ -27,6 +27,7 @@ class Oscillator:
         directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
         wave_number: k_n, 1/m.
         number: n, 1 for the slowest mode along its directions.
+        tension: part of omega_n^2 that comes from surface tension and not from gravity, 1/s^2; 0 where it is left out.
     """
 
     frequency: float
@@ -37,14 +38,21 @@ class Oscillator:
     directions: tuple[str, ...]
     wave_number: float
     number: int
+    tension: float = 0.0
 
     @property
     def stiffness(self) -> float:
-        """omega_n^2/g = k_n tanh(k_n h), 1/m: restoring acceleration per displacement and apparent gravity; free of g.
+        """k_n tanh(k_n h), 1/m: restoring acceleration per displacement and apparent gravity; free of g.
 
-        The mass at rest in an apparent gravity that leans by a_xy/a_z stands at -a_xy/(a_z stiffness).
+        omega_n^2/g where surface tension is left out. The mass at rest in an apparent gravity that leans by a_xy/a_z
+        then stands at -a_xy/(a_z stiffness).
         """
-        return self.frequency**2 / STANDARD_GRAVITY
+        return (self.frequency**2 - self.tension) / STANDARD_GRAVITY
+
+    @property
+    def compliance(self) -> float:
+        """g/omega_n^2, m: displacement at rest per lean of standard gravity."""
+        return STANDARD_GRAVITY / self.frequency**2
 
     @property
     def curvature(self) -> float:
@@ -91,12 +99,12 @@ class SloshModes:
     def static_correction(self) -> np.ndarray:
         """Quasi-static height that the modes carried leave out, along x and y, shape (2,), m, read-only.
 
-        quasi_static_gain - sum C_n g/omega_n^2. With a the specific force at the rest surface the height at the wall is
-        |sum C_n q_n - static_correction a_xy/a_z|: the modes not carried follow the apparent gravity at once. For one
-        mode of a circular cup it is (1 - 2/(xi_1^2 - 1)) R, 16 % of the radius.
+        quasi_static_gain - sum C_n g/omega_n^2 in standard gravity. With a the specific force at the rest surface the
+        height at the wall is |sum C_n q_n - static_correction a_xy/a_z|: the modes not carried follow the apparent
+        gravity at once. For one mode of a circular cup it is (1 - 2/(xi_1^2 - 1)) R, 16 % of the radius.
         """
         carried = [
-            sum(mode.surface_gain / mode.stiffness for mode in self.oscillators if axis in mode.directions)
+            sum(mode.surface_gain * mode.compliance for mode in self.oscillators if axis in mode.directions)
             for axis in ("x", "y")
         ]
         return read_only(self.quasi_static_gain - carried)

@@ -1,0 +1,122 @@
+"""identify: what a run teaches of liquids, joints and friction, as tables of a scenario."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.executing import assigned, read_run
+from nospill.cli.reporting import only_stderr, print_json
+from nospill.cli.tables import print_lines, print_table
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.execution.identified import Identified
+
+
+def identify(
+    log: Annotated[
+        Path, typer.Argument(metavar="LOG", help="What the arm did: CSV of joint positions, RTDE recording, ROS bag.")
+    ],
+    plan: Annotated[
+        Path | None, typer.Option("--plan", metavar="DIR", help="The plan that was executed.", show_default=False)
+    ] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            "--scenario", metavar="SCENARIO", help="Without a plan: a file or an example.", show_default=False
+        ),
+    ] = None,
+    measured: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--measured",
+            metavar="CUP=FILE.csv",
+            help="A measured height of a cup (t_s, height_mm); may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    stayed: Annotated[
+        list[str] | None,
+        typer.Option("--stayed", metavar="OBJECT", help="It did not slide; may be repeated.", show_default=False),
+    ] = None,
+    slid: Annotated[
+        list[str] | None,
+        typer.Option("--slid", metavar="OBJECT", help="It slid; may be repeated.", show_default=False),
+    ] = None,
+    offset: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--offset",
+            metavar="JOINT=ANGLE",
+            help='Added to a joint that the log counts from another zero, as joint_6="180 deg"; may be repeated.',
+            show_default=False,
+        ),
+    ] = None,
+    unit: Annotated[
+        str, typer.Option("--unit", metavar="rad|deg", help="Of angles whose columns do not name it.")
+    ] = "rad",
+    rate: Annotated[
+        float | None,
+        typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.toml", help="Write the tables here.", show_default=False),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the record as JSON and nothing else.")] = False,
+) -> int:
+    """Learn from a run: clock, fill, damping and gauge of measured cups, delay and lag of the joints, friction.
+
+    The tables [controller] and [tolerance] are for a scenario.
+    """
+    from nospill.core.files import atomic_text
+    from nospill.execution.identified import identified, identified_table, scenario_text
+    from nospill.simulation.motion_file import read_heights
+
+    files = assigned("--measured", measured or (), "FILE.csv")
+    with only_stderr() if as_json else nullcontext():
+        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
+        heights = {name: read_heights(text) for name, text in files.items()}
+        found = identified(recorded, scene, plan=planned, measured=heights, stayed=stayed or (), slid=slid or ())
+        if output is not None:
+            atomic_text(output, scenario_text(found))
+    if as_json:
+        print_json(identified_table(found))
+        return 0
+    _print(found)
+    print(scenario_text(found), end="")
+    if output is not None:
+        print(f"written to {output}")
+    return 0
+
+
+_SHOWN = {"s": (1e3, "ms"), "m": (1e3, "mm"), "1": (1.0, ""), "rad/s": (1.0, "rad/s")}
+
+
+def _print(found: Identified) -> None:
+    estimates = [own for fit in found.liquids for own in fit.estimates]
+    estimates += [own for fit in found.joints for own in (fit.delay, fit.lag)]
+    if estimates:
+        rows = []
+        for own in estimates:
+            factor, unit = _SHOWN[own.unit]
+            value = f"{factor * own.value:.5g}" if own.told else "-"
+            wide = f"± {factor * own.half_width:.2g}" if own.told else "not identifiable from this motion"
+            rows.append((own.name, own.subject, value, unit, wide))
+        print_table(("number", "of", "value", "unit", "95 %"), rows, right=("value",))
+        print()
+    for fit in found.liquids:
+        print_lines(f"{fit.subject}: {1e3 * fit.left:.2f} mm rms are left of the measured height")
+    if found.joints and not found.of_command:
+        print_lines("delays are against the joint that begins first: the clocks of plan and log are not the same")
+    for fit in found.misfits:
+        print_lines(
+            f"{fit.joint}: {1e3 * fit.left:.2g} mrad rms are left, more than noise: delay and lag are not all of it"
+        )
+    for bound in found.frictions:
+        word = "slid: its friction is below" if bound.slid else "stayed: its friction is above"
+        print_lines(f"{bound.subject} {word} {bound.friction:.3f}")
+    print()

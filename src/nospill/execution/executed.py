@@ -1,0 +1,251 @@
+"""The verdict on what was executed, beside what was planned, with the band that the noise of the log leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.execution.log import JointLog
+from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples
+from nospill.execution.smoothing import SmoothJoints
+from nospill.execution.tracking import Tracking, followed_command, tracking
+from nospill.judge.certificate import Judgement, judge, judge_joints
+from nospill.judge.replay import replay
+from nospill.judge.traces import constraint_traces
+from nospill.judge.verdict import Trace, worst_row
+from nospill.laws.constraints.base import EvaluationPoint, RowId
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples, planned_motion
+from nospill.plans.plan import Plan
+from nospill.scene.scene import Scene
+from nospill.simulation.compare import Comparison, compare
+from nospill.simulation.motion_file import Heights
+
+DRAWS = 8
+"""Motions drawn from the band of the splines; each is judged."""
+WIDE = 1.96
+"""Standard deviations to either side of a band of 95 %."""
+
+_RATE = 500.0
+"""Hz, of the samples of the motion, and of the grid on which the drawn motions are judged."""
+_BEFORE, _AFTER = 0.02, 0.4
+"""s; of rest that are played before and after the motion."""
+_JOINT_POINTS = (EvaluationPoint.OBJECT, EvaluationPoint.JOINT, EvaluationPoint.END)
+_PEAKS = (SloshHeight.name, Slip.name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Peak:
+    """The largest value of a constraint, planned and executed.
+
+    Attributes:
+        constraint, subject: of the row.
+        planned: in the unit of the constraint.
+        executed: likewise.
+        by_joint: likewise, by joint: what the peak would lose if this joint alone had moved as planned.
+    """
+
+    constraint: str
+    subject: str
+    planned: float
+    executed: float
+    by_joint: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Executed:
+    """What was executed, judged. Times are those of the plan, or s from the begin of the motion where there is none.
+
+    Attributes:
+        scene: what it was judged by.
+        recorded: the motion on the clock of the log.
+        clock: time of the log at time zero here, s.
+        judgement: of what was executed.
+        bands: half width of the 95 % band of the margin of a row, in its unit.
+        heights: heights of the liquids (m,) m over `judgement.replay.t`, by object.
+        height_bands: half width of their 95 % bands, likewise.
+        tracking: against the plan; against the command in the log where there is no plan; None where there is neither.
+        planned: the judgement of the plan, if there is one.
+        peaks: planned and executed, if there is a plan.
+        measured: measured heights against executed ones, by object.
+    """
+
+    scene: Scene
+    recorded: RecordedMotion
+    clock: float
+    judgement: Judgement
+    bands: Mapping[RowId, float]
+    heights: Mapping[str, np.ndarray]
+    height_bands: Mapping[str, np.ndarray]
+    tracking: Tracking | None
+    planned: Judgement | None
+    peaks: tuple[Peak, ...]
+    measured: Mapping[str, Comparison]
+
+    @property
+    def ok(self) -> bool:
+        """Whether every row of what was executed holds."""
+        return self.judgement.certificate.ok
+
+
+def executed(
+    log: JointLog,
+    scene: Scene,
+    *,
+    plan: Plan | None = None,
+    measured: Mapping[str, Heights] | None = None,
+) -> Executed:
+    """Judge what was executed.
+
+    Args:
+        log: of the joints.
+        scene: what it must keep to.
+        plan: what was planned, of the same scene.
+        measured: heights of liquids, by object; their clocks are aligned.
+
+    Raises:
+        ScenarioError: the log is not of this robot or this plan, or no whole motion; a measured object has no liquid.
+        ModelError: the liquids cannot be integrated.
+    """
+    given = dict(measured or {})
+    require_liquids(given, scene)
+    recorded = recorded_motion(log, scene)
+    followed = _tracking(recorded, scene, plan)
+    clock = followed.clock if plan is not None and followed is not None else recorded.begin
+    begin, end = recorded.begin - clock, recorded.end - clock
+    after = max([_AFTER, *(_longer(heights, recorded) for heights in given.values())])
+    span = Span(begin - _BEFORE, begin, end, end + after)
+
+    def played(smooth: SmoothJoints | None = None) -> HeldMotion:
+        return _shifted(recorded.held(smooth), clock)
+
+    motion = played()
+    record = samples(motion, scene.robot.joints, span, _RATE)
+    judgement = judge_joints(record, scene, motion=motion)
+    rough = _traces(motion, scene, span)
+    drawn = [_traces(played(own), scene, span) for own in _draws(recorded.smooth)]
+    heights = _heights(judgement.traces)
+    return Executed(
+        scene=scene,
+        recorded=recorded,
+        clock=clock,
+        judgement=judgement,
+        bands=_row_bands(rough, drawn),
+        heights=heights,
+        height_bands=_height_bands(rough, drawn, judgement.replay.t),
+        tracking=followed,
+        planned=None if plan is None else judge(plan.trajectory, plan.scene),
+        peaks=() if plan is None else _peaks(motion, rough, planned_motion(plan.trajectory), scene, span),
+        measured={
+            name: compare(_from_rest(judgement.replay.t, heights[name], _longer(own, recorded)), own)
+            for name, own in given.items()
+        },
+    )
+
+
+def _tracking(recorded: RecordedMotion, scene: Scene, plan: Plan | None) -> Tracking | None:
+    log = recorded.log
+    command = None
+    if log.command is not None:
+        kept = recorded.sampling.kept
+        command = QUINTIC_SPLINE.motion(JointSamples(recorded.sampling.t, log.command[kept]))
+    if plan is not None:
+        found = tracking(recorded, scene, planned_motion(plan.trajectory), plan.duration)
+        if command is None:
+            return found
+        of_command = followed_command(recorded, scene, command)
+        return replace(found, delay=of_command.delay, of_command=True)
+    return None if command is None else followed_command(recorded, scene, command)
+
+
+def _shifted(motion: HeldMotion, clock: float) -> HeldMotion:
+    """The motion on a clock that is at zero when its own is at `clock`."""
+
+    def inside(t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        return motion.inside(t + clock, order)
+
+    return HeldMotion(inside, motion.start - clock, motion.end - clock)
+
+
+def _traces(motion: HeldMotion, scene: Scene, span: Span) -> tuple[Trace, ...]:
+    """Traces on a coarse grid, for differences."""
+    record = samples(motion, scene.robot.joints, span, _RATE)
+    return constraint_traces(record, scene, replay(record, scene, motion=motion, rate=_RATE), points=_JOINT_POINTS)
+
+
+def _draws(smooth: SmoothJoints) -> list[SmoothJoints]:
+    generator = np.random.default_rng(0)
+    return [smooth.drawn(generator) for _ in range(DRAWS)]
+
+
+def _row_bands(rough: tuple[Trace, ...], drawn: list[tuple[Trace, ...]]) -> dict[RowId, float]:
+    bands = {}
+    for index, trace in enumerate(rough):
+        margin = worst_row(trace).worst_margin
+        off = [worst_row(own[index]).worst_margin - margin for own in drawn]
+        bands[RowId(trace.constraint, trace.subject)] = WIDE * float(np.sqrt(np.mean(np.square(off))))
+    return bands
+
+
+def _heights(traces: tuple[Trace, ...]) -> dict[str, np.ndarray]:
+    return {trace.subject: trace.value for trace in traces if trace.constraint == SloshHeight.name}
+
+
+def _height_bands(rough: tuple[Trace, ...], drawn: list[tuple[Trace, ...]], t: np.ndarray) -> dict[str, np.ndarray]:
+    bands = {}
+    for index, trace in enumerate(rough):
+        if trace.constraint == SloshHeight.name:
+            off = np.array([own[index].value - trace.value for own in drawn])
+            bands[trace.subject] = np.interp(t, trace.t, WIDE * np.sqrt(np.mean(off**2, axis=0)))
+    return bands
+
+
+def _peaks(
+    motion: HeldMotion, rough: tuple[Trace, ...], planned: JointMotion, scene: Scene, span: Span
+) -> tuple[Peak, ...]:
+    """Peaks on the coarse grid: planned, executed, and with one joint at a time as planned."""
+
+    def largest(traces: tuple[Trace, ...]) -> dict[tuple[str, str], float]:
+        return {(own.constraint, own.subject): float(np.max(own.value)) for own in traces if own.constraint in _PEAKS}
+
+    def with_planned(joint: int) -> HeldMotion:
+        def inside(t: np.ndarray, order: int = 0, /) -> np.ndarray:
+            values = motion(t, order)
+            values[:, joint] = planned(t, order)[:, joint]
+            return values
+
+        return HeldMotion(inside, span.start, span.stop)
+
+    done = largest(rough)
+    wanted = largest(_traces(HeldMotion(planned, span.start, span.stop), scene, span))
+    joints = scene.robot.joints
+    without = [largest(_traces(with_planned(index), scene, span)) for index in range(len(joints))]
+    return tuple(
+        Peak(*key, wanted[key], value, {name: value - own[key] for name, own in zip(joints, without, strict=True)})
+        for key, value in done.items()
+    )
+
+
+def _from_rest(t: np.ndarray, height: np.ndarray, before: float) -> Heights:
+    """Heights with so much rest before the motion, s: a camera may run long before it."""
+    count = max(0, int(before / (t[1] - t[0])))
+    early = t[0] - (t[1] - t[0]) * np.arange(count, 0, -1)
+    return Heights(np.concatenate([early, t]), np.concatenate([np.zeros(count), height]))
+
+
+def _longer(heights: Heights, recorded: RecordedMotion) -> float:
+    """How much longer than the motion a liquid was filmed, s."""
+    return float(heights.t[-1] - heights.t[0]) - (recorded.end - recorded.begin) + _AFTER
+
+
+def require_liquids(measured: Mapping[str, Heights], scene: Scene) -> None:
+    """Raise ScenarioError where a measured height is of no object with a liquid."""
+    liquids = [cargo.name for cargo in scene.cargo if cargo.filling]
+    for name in measured:
+        if name not in liquids:
+            known = ", ".join(liquids) or "none"
+            raise ScenarioError(f"--measured {name}: no object of this name with a liquid; there are: {known}")

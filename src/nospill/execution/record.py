@@ -1,0 +1,135 @@
+"""What was executed as a table for programs, and in sentences for people."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nospill.execution.executed import Executed
+from nospill.execution.tracking import Tracking
+from nospill.judge.verdict import Row, limit_use
+from nospill.laws.constraints.base import RowId
+
+
+def use_band(found: Executed, row: Row) -> float | None:
+    """Half width of the 95 % band of a row's use of its limit; None where nothing is known of it."""
+    band = found.bands.get(RowId(row.constraint, row.subject))
+    if band is None:
+        return None
+    return float(limit_use(row.constraint, row.limit, row.worst_margin - band)) - row.use
+
+
+def undecided(found: Executed) -> list[Row]:
+    """Rows that the noise of the log leaves open: their limit is within the band."""
+    rows = found.judgement.certificate.rows
+    return [row for row in rows if abs(row.worst_margin) < found.bands.get(RowId(row.constraint, row.subject), 0.0)]
+
+
+def log_lines(found: Executed) -> list[str]:
+    """The log, its clock and its noise, a sentence each."""
+    recorded, sampling = found.recorded, found.recorded.sampling
+    log, rows = recorded.log, len(recorded.log.t)
+    moves = f"the arm moves from {recorded.begin:.3f} s to {recorded.end:.3f} s"
+    lines = [f"log: {log.origin}, {rows} rows, {1.0 / sampling.period:.2f} Hz, {log.t[-1] - log.t[0]:.3f} s; {moves}"]
+    if sampling.jitter > 1e-7:
+        taken = (
+            "which the positions do not follow: the samples are even"
+            if sampling.even
+            else "which the positions follow: the samples were taken at the stamps"
+        )
+        clock = (
+            f"stamps are off by {1e3 * sampling.jitter:.3f} ms (rms; at most {1e3 * sampling.largest_jitter:.2f} ms)"
+        )
+        clock += f", {taken}"
+    else:
+        clock = "stamps are even"
+    clock += f"; {sampling.missing} samples missing, {sampling.doubled} doubled and left out"
+    lines.append(f"clock: {clock}")
+    noise = ", ".join(f"{value:.1e}" for value in recorded.smooth.noise)
+    grid = float(np.max(sampling.resolution))
+    lines.append(f"noise: {noise} rad by joint" + (f"; resolution {grid:.1e} rad" if grid > 0.0 else ""))
+    return lines
+
+
+def tracking_lines(found: Executed) -> list[str]:
+    """How the arm followed what it was asked for, a sentence each; none where that is not known."""
+    own = found.tracking
+    if own is None:
+        return []
+    joints = found.scene.robot.joints
+    told = [(name, value) for name, value in zip(joints, own.delay, strict=True) if np.isfinite(value)]
+    against = "behind the command in the log" if own.of_command else "against the plan's clock, on the mean"
+    delays = ", ".join(f"{name} {1e3 * value:+.2f} ms" for name, value in told) or "no joint moves enough"
+    worst = int(np.argmax(own.error))
+    lines = [f"delay {against}: {delays}"]
+    if found.planned is not None:
+        lines.insert(
+            0, f"clock: the plan begins at {found.clock:.4f} s of the log, delays that all joints share included"
+        )
+    place = f"{joints[worst]} at {own.error_at[worst]:.3f} s"
+    tray = f"the tray {1e3 * own.tray_error:.3g} mm at {own.tray_error_at:.3f} s"
+    lines.append(f"tracking: at most {1e3 * own.error[worst]:.3g} mrad ({place}), {tray}")
+    return lines
+
+
+def executed_table(found: Executed) -> dict[str, Any]:
+    """Everything as plain values in SI units; the keys are stable."""
+    recorded, sampling = found.recorded, found.recorded.sampling
+    rows = []
+    for row, plain in zip(found.judgement.certificate.rows, found.judgement.certificate.to_dict()["rows"], strict=True):
+        rows.append(plain | {"band": found.bands.get(RowId(row.constraint, row.subject))})
+    joints = found.scene.robot.joints
+    return {
+        "scenario": found.scene.name,
+        "log": recorded.log.origin,
+        "ok": found.ok,
+        "begin_s": recorded.begin,
+        "end_s": recorded.end,
+        "clock_s": found.clock,
+        "sampling": {
+            "period_s": sampling.period,
+            "jitter_s": sampling.jitter,
+            "largest_jitter_s": sampling.largest_jitter,
+            "even": sampling.even,
+            "missing": sampling.missing,
+            "doubled": sampling.doubled,
+        },
+        "noise_rad": dict(zip(joints, map(float, recorded.smooth.noise), strict=True)),
+        "resolution_rad": dict(zip(joints, map(float, sampling.resolution), strict=True)),
+        "executed": {"ok": found.ok, "grid_hz": found.judgement.certificate.grid_hz, "rows": rows},
+        "planned": None if found.planned is None else found.planned.certificate.to_dict(),
+        "tracking": None if found.tracking is None else _tracking_table(found.tracking, joints),
+        "peak_height_m": {name: float(np.max(values)) for name, values in found.heights.items()},
+        "peaks": [
+            {
+                "constraint": peak.constraint,
+                "subject": peak.subject,
+                "planned": peak.planned,
+                "executed": peak.executed,
+                "by_joint": dict(peak.by_joint),
+            }
+            for peak in found.peaks
+        ],
+        "measured": {
+            name: {
+                "predicted_peak_m": own.predicted_peak,
+                "measured_peak_m": own.measured_peak,
+                "rmse_m": own.rmse,
+                "correlation": own.correlation,
+                "clock_shift_s": own.shift,
+            }
+            for name, own in found.measured.items()
+        },
+    }
+
+
+def _tracking_table(own: Tracking, joints: tuple[str, ...]) -> dict[str, Any]:
+    delays = [float(value) if np.isfinite(value) else None for value in own.delay]
+    return {
+        "delay_s": dict(zip(joints, delays, strict=True)),
+        "delay_is_behind_command": own.of_command,
+        "error_rad": dict(zip(joints, map(float, own.error), strict=True)),
+        "tray_error_m": own.tray_error,
+        "tray_error_at_s": own.tray_error_at,
+    }

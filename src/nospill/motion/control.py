@@ -1,0 +1,177 @@
+"""From a planned motion to what the controller is asked for, and from that to what the joints do.
+
+A joint follows its command by lag q' + q = command(t - delay). So the command
+
+    command(t) = q(t + delay) + lag q'(t + delay)
+
+makes it do q exactly; a delay that all joints have in common needs no compensation, since it only puts the motion off.
+The equation has the solution sum_k (-lag)^k p^(k) on a polynomial p, and what is left of the state before dies with
+exp(-t/lag): a command that is a spline is followed exactly, without steps.
+
+Two clocks: the command's, on which the record and the files begin, and the plan's, which is behind it by the longest
+delay.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.core.piecewise import Pieces
+from nospill.motion.interpolation import (
+    QUINTIC_SPLINE,
+    HeldMotion,
+    JointMotion,
+    JointSamples,
+    planned_motion,
+    resampled,
+    sampled,
+)
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.controller import Controller
+
+_RATE = 1000.0
+"""Hz; a command that is no spline of its own is put on one with so many pieces a second."""
+_SAME_INSTANT = 1e-6
+"""Part of a period that rounding may add."""
+_SETTLED = 14.0
+"""Lags after which nothing is left of a lag: exp(-14) is 1e-6."""
+
+
+def command_for(planned: JointMotion, controller: Controller) -> JointMotion:
+    """What the controller is asked for, on its own clock; as planned where nothing is compensated.
+
+    Args:
+        planned: the motion of the joints, at rest before and after.
+        controller: how they follow.
+    """
+    if not controller.compensate:
+        return planned
+    early = controller.latest - controller.delay
+
+    def asked(t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        columns = []
+        for joint, (shift, lag) in enumerate(zip(early, controller.lag, strict=True)):
+            own = planned(t - shift, order)[:, joint]
+            columns.append(own + lag * planned(t - shift, order + 1)[:, joint] if lag else own)
+        return np.column_stack(columns)
+
+    return asked
+
+
+def commanded(trajectory: Trajectory, controller: Controller | None) -> JointSamples:
+    """The command of a record, sample by sample and as long as it takes; the record's joints without controller."""
+    if controller is None or not controller.compensate:
+        return JointSamples(
+            trajectory.t, trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration
+        )
+    count = math.ceil(controller.spread * trajectory.rate - _SAME_INSTANT)
+    late = trajectory.t[-1] + np.arange(1, count + 1) / trajectory.rate
+    t = np.concatenate([trajectory.t, late])
+    asked = command_for(planned_motion(trajectory), controller)
+    return JointSamples(t, *(asked(t, order) for order in range(3)))
+
+
+def commanded_at(trajectory: Trajectory, controller: Controller | None, rate: float) -> JointSamples:
+    """The command of a record at another rate in Hz, times from 0; see `interpolation.resampled` for its errors."""
+    if controller is None or not controller.compensate:
+        return resampled(trajectory, rate)
+    resampled(trajectory, rate)  # refuses what is no rate
+    asked = command_for(planned_motion(trajectory), controller)
+    return sampled(asked, float(trajectory.t[0]), float(trajectory.t[-1]) + controller.spread, rate)
+
+
+def followed(command: JointMotion, controller: Controller, start: float, stop: float) -> JointMotion:
+    """What the joints do, on the plan's clock.
+
+    Args:
+        command: on its own clock, at rest before `start` and after `stop`, s.
+        controller: how they follow.
+        start: s.
+        stop: s.
+    """
+    count = max(12, math.ceil((stop - start) * _RATE))
+    t = start + (stop - start) / count * np.arange(count + 1)
+    spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))
+    assert isinstance(spline, HeldMotion)
+    assert isinstance(spline.inside, Pieces)
+    return _Followed(_lagged(spline.inside, controller.lag), controller, start, stop)
+
+
+def settling_after(controller: Controller) -> float:
+    """How long after a plan the joints still move, s; nothing where the command compensates for it."""
+    return 0.0 if controller.compensate else controller.spread + _SETTLED * float(np.max(controller.lag))
+
+
+@dataclass(frozen=True, slots=True)
+class _Lagged:
+    """A first-order lag driven by piecewise polynomials, exactly.
+
+    Attributes:
+        steady: the polynomials that it would follow if it had always done so.
+        rest: (n,) where it comes to rest after the last of them, rad.
+        lag: (n,) s.
+        left: (m + 1, n) what is left of the state before, at the breaks, rad.
+    """
+
+    steady: Pieces
+    rest: np.ndarray
+    lag: np.ndarray
+    left: np.ndarray
+
+    def __call__(self, t: np.ndarray, order: int) -> np.ndarray:
+        place = np.clip(np.searchsorted(self.steady.breaks, t, side="right") - 1, 0, len(self.left) - 1)
+        since = t - self.steady.breaks[place]
+        values = self.steady(t, order)
+        values[t >= self.steady.breaks[-1]] = 0.0 if order else self.rest
+        lag = np.where(self.lag > 0.0, self.lag, 1.0)
+        return values + self.left[place] * (-1.0 / lag) ** order * np.exp(-since[:, None] / lag)
+
+
+def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
+    degree = pieces.coefficients.shape[0] - 1
+    derived, steady = pieces.coefficients, pieces.coefficients.copy()
+    for order in range(1, degree + 1):
+        powers = np.arange(degree, -1, -1.0)[:, None, None]
+        derived = np.concatenate([np.zeros_like(derived[:1]), (derived * powers)[:-1]])
+        steady = steady + (-lag) ** order * derived
+    found = Pieces(pieces.breaks, steady)
+    # At every break the lag is continuous, and the polynomials differ by their fifth derivatives.
+    widths = np.diff(pieces.breaks)
+    last = np.zeros_like(steady[-1])
+    for row in steady:
+        last = last * widths[:, None] + row
+    first = np.concatenate([steady[-1, 1:], last[-1:]])  # after the last break the command rests
+    rest = Pieces(pieces.breaks, pieces.coefficients)(pieces.breaks[[0, -1]])
+    first[-1] = rest[1]
+    decay = np.where(lag > 0.0, np.exp(-widths[:, None] / np.where(lag > 0.0, lag, 1.0)), 0.0)
+    left = np.empty((len(widths) + 1, len(lag)))
+    left[0] = np.where(lag > 0.0, rest[0] - steady[-1, 0], 0.0)
+    for index in range(len(widths)):
+        jump = np.where(lag > 0.0, last[index] - first[index], 0.0)
+        left[index + 1] = left[index] * decay[index] + jump
+    return _Lagged(found, rest[1], lag, left)
+
+
+@dataclass(frozen=True, slots=True)
+class _Followed:
+    """A lagged command on the plan's clock, every joint with its own delay; at rest before the start."""
+
+    lagged: _Lagged
+    controller: Controller
+    start: float
+    stop: float
+
+    def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        """The derivative of this order at times t (m,), s."""
+        own = self.controller
+        columns = []
+        for joint, delay in enumerate(own.delay):
+            at = t + (own.latest - delay)
+            values = self.lagged(np.maximum(at, self.start), order)[:, joint]
+            if order:
+                values = np.where(at < self.start, 0.0, values)
+            columns.append(values)
+        return np.column_stack(columns)

@@ -1,0 +1,87 @@
+"""Figure: heights of the liquids as planned, as executed with the band that noise leaves, and as measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from nospill.errors import PlanFolderError
+from nospill.execution.executed import Executed
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plots.style import BLACK, BLUE, LOOK, ORANGE, SMALL, WIDTH, draw_limit, plain
+
+_PANEL, _HEAD = 1.35, 0.8
+"""in; height of a panel, and of what is above and below all of them."""
+_AFTER = 0.5
+"""s; of rest that is shown after the motion."""
+
+
+def save_executed(found: Executed, place: Path) -> None:
+    """Draw the figure and write it; the format follows the ending.
+
+    Raises:
+        PlanFolderError: the file cannot be written.
+    """
+    look: Any = LOOK  # the stubs ask for literal key names
+    with mpl.rc_context(look):
+        try:
+            executed_figure(found).savefig(place, dpi=200)
+        except OSError as error:
+            raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
+
+
+def executed_figure(found: Executed) -> Figure:
+    """One panel a liquid; those that were measured first where only some were."""
+    names = sorted(found.heights, key=lambda name: name not in found.measured)
+    figure = Figure(figsize=(WIDTH, _HEAD + _PANEL * max(1, len(names))), layout="constrained")
+    panels = figure.subplots(max(1, len(names)), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    figure.suptitle("Liquid height, planned, executed and measured", x=0.02, ha="left", size=9, weight="bold")
+    limits = {trace.subject: 1e3 * float(trace.limit[0]) for trace in found.judgement.traces if _is_height(trace)}
+    tops = [1e3 * float(np.max(values)) for values in found.heights.values()]
+    tops += [1e3 * own.measured_peak for own in found.measured.values()]
+    top = 1.12 * max([*tops, *limits.values()], default=1.0)
+    for axes, name in zip(panels, names, strict=False):
+        draw_limit(axes, limits[name], f"limit {limits[name]:.3g} mm", forbidden=top)
+        _draw(axes, found, name)
+        axes.set_ylim(0.0, top)
+        axes.set_ylabel("height [mm]")
+    begin = found.recorded.begin - found.clock
+    panels[-1].set_xlim(begin - 0.05, found.recorded.end - found.clock + _AFTER)
+    panels[-1].set_xlabel("time [s]")
+    handles = [Line2D([], [], color=BLUE, label="executed")]
+    if found.planned is not None:
+        handles.insert(0, Line2D([], [], color=ORANGE, linestyle=(0, (4, 1.5)), label="planned"))
+    if found.measured:
+        handles.append(Line2D([], [], color=BLACK, marker=".", linewidth=0.5, label="measured"))
+    figure.legend(handles=handles, loc="outside lower right", ncols=3)
+    return figure
+
+
+def _draw(axes: Axes, found: Executed, name: str) -> None:
+    t, height = found.judgement.replay.t, 1e3 * found.heights[name]
+    band = 1e3 * found.height_bands[name]
+    words = []
+    if found.planned is not None:
+        for trace in found.planned.traces:
+            if _is_height(trace) and trace.subject == name:
+                axes.plot(trace.t, 1e3 * trace.value, color=ORANGE, linestyle=(0, (4, 1.5)), zorder=3)
+                words.append(f"planned {1e3 * float(np.max(trace.value)):.1f}")
+    axes.fill_between(t, height - band, height + band, color=BLUE, alpha=0.25, linewidth=0)
+    axes.plot(t, height, color=BLUE)
+    words.append(f"executed {np.max(height):.1f}")
+    own = found.measured.get(name)
+    if own is not None:
+        axes.plot(own.t, 1e3 * own.measured, color=BLACK, marker=".", markersize=2.5, linewidth=0.5, zorder=3)
+        words.append(f"measured {1e3 * own.measured_peak:.1f}")
+    axes.set_title(plain(name))
+    axes.set_title(f"peaks: {', '.join(words)} mm", loc="right", size=SMALL)
+
+
+def _is_height(trace: Any) -> bool:
+    return trace.constraint == SloshHeight.name

@@ -1,0 +1,64 @@
+"""The keys of `[controller]`: how late the joints follow what they are asked for."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nospill.core.arrays import read_only
+from nospill.errors import ScenarioError
+from nospill.robots.robot import Robot
+from nospill.scenario.fields import JointValues, Measured, Table
+from nospill.scene.controller import Controller
+
+_LONGEST = 0.5
+"""s; an arm that is later than this is not followed, but waited for."""
+_TIME = JointValues(entry=Measured(dimension="time", at_least=0.0, at_most=_LONGEST))
+
+
+class ControllerTable(Table):
+    """`[controller]`: how every joint follows its command, lag q' + q = command(t - delay)."""
+
+    delay: Annotated[
+        float | tuple[float, ...], _TIME, Field(description="time after which a joint begins to follow its command")
+    ] = 0.0
+    lag: Annotated[
+        float | tuple[float, ...], _TIME, Field(description="time constant with which it then follows (first order)")
+    ] = 0.0
+    compensate: Annotated[
+        bool,
+        Field(
+            strict=True,
+            description="whether exported files hold the command that makes the joints do what was planned; "
+            "when false, the plan itself is the command, and the judge sees what the joints make of it",
+        ),
+    ] = True
+    tracking_tolerance: Annotated[
+        float | tuple[float, ...] | None,
+        JointValues(entry=Measured(dimension="angle", above=0.0, at_most=3.2)),
+        Field(description="distance of a joint behind its command at which the controller stops; a warning says so"),
+    ] = None
+
+    def build(self, robot: Robot) -> Controller:
+        """The controller of an arm.
+
+        Raises:
+            ScenarioError: a list of another length than there are joints; the message starts with the key.
+        """
+        tolerance = self.tracking_tolerance
+        return Controller(
+            delay=_of_joints(self.delay, "delay", robot),
+            lag=_of_joints(self.lag, "lag", robot),
+            compensate=self.compensate,
+            tracking_tolerance=None if tolerance is None else _of_joints(tolerance, "tracking_tolerance", robot),
+        )
+
+
+def _of_joints(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:
+    if isinstance(given, tuple) and len(given) != len(robot.joints):
+        values = "1 value" if len(given) == 1 else f"{len(given)} values"
+        names = ", ".join(robot.joints)
+        raise ScenarioError(f"{key} has {values} where {len(robot.joints)} are needed, one for each of {names}")
+    return read_only(np.array(np.broadcast_to(np.array(given, dtype=float), len(robot.joints))))

@@ -1,0 +1,123 @@
+"""Surface tension: a spring beside that of gravity, and a rest surface that leans less.
+
+With a contact line that slides freely at a contact angle of 90 deg the shapes of a prism's modes stay what they are,
+and each frequency becomes omega^2 = (g k + sigma k^3/rho) tanh(k h) [Lamb, Hydrodynamics, sec. 267]; in any other
+vessel the same holds to the first order with k^2 the mean squared slope of the mode over its mean square. Only
+gravity's part grows with the apparent gravity, so it stays the stiffness and the rest becomes the oscillator's tension.
+
+A contact line that is pinned adds the force that keeps the surface at the wall where it is. In the modes of the free
+line, of mass m_n and height C_n at the wall, the frequencies are then the roots of sum C_n^2/(m_n (omega_n^2 -
+omega^2)) = 0, one between each two of the free line's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from nospill.core.arrays import read_only
+from nospill.scene.containers.base import Container
+from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.liquids import Liquid
+
+ContactLine = Literal["", "free", "pinned"]
+"""How the rim of the surface meets the wall; empty: surface tension is left out."""
+
+_MANY = 48
+"""Modes with which the pinned line's frequencies are found; half of them tell how far the series has come."""
+_STEPS = 60
+
+
+def liquid_modes(
+    container: Container,
+    liquid: Liquid,
+    level: float,
+    count: int,
+    *,
+    damping: float | None = None,
+    contact_line: ContactLine = "",
+) -> SloshModes:
+    """The modes of a liquid in a container, with surface tension where the contact line is stated.
+
+    Args:
+        container: its geometry.
+        liquid: what is in it.
+        level: height at rest, m.
+        count: modes in each direction.
+        damping: ratio of the slowest mode; the formula's when left out.
+        contact_line: "free" or "pinned"; empty for gravity alone.
+
+    Raises:
+        ScenarioError: as for `Container.slosh_modes`, likewise ModelError.
+    """
+    modes = container.slosh_modes(liquid, level, count, damping=damping)
+    if not contact_line or liquid.surface_tension == 0.0:
+        return modes
+    free = with_tension(modes, liquid)
+    if contact_line == "free":
+        return free
+    many = with_tension(container.slosh_modes(liquid, level, max(_MANY, 4 * count), damping=0.0), liquid)
+    return replace(free, oscillators=tuple(_pinned(item, many.oscillators) for item in free.oscillators))
+
+
+def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
+    """Modes with the spring of surface tension, and the quasi-static gain of a surface that meets the wall squarely."""
+    length = math.sqrt(liquid.surface_tension / (liquid.density * STANDARD_GRAVITY))
+    round_section = "y" in modes.oscillators[0].directions and "x" in modes.oscillators[0].directions
+    gain = [_gain(half, length, round_section=round_section) for half in modes.quasi_static_gain.tolist()]
+    oscillators = tuple(_stretched(item, length) for item in modes.oscillators)
+    return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain))
+
+
+def wetting_rise(liquid: Liquid) -> float:
+    """How much higher a liquid stands at a plane wall that it wets than far from it, m [Landau, Lifshitz, sec. 61]."""
+    return math.sqrt(2.0 * liquid.surface_tension / (liquid.density * STANDARD_GRAVITY))
+
+
+def _stretched(item: Oscillator, length: float) -> Oscillator:
+    tension = STANDARD_GRAVITY * item.stiffness * (length * item.wave_number) ** 2
+    return replace(item, frequency=math.sqrt(item.frequency**2 + tension), tension=tension)
+
+
+def _gain(half: float, length: float, *, round_section: bool) -> float:
+    """Height at the wall per lean of the apparent gravity: g eta - (sigma/rho) laplace(eta) = -a x, square to the wall.
+
+    Args:
+        half: radius of the surface or half the side of a box, m.
+        length: capillary length, m.
+        round_section: which of both.
+    """
+    if not round_section:
+        return half - length * math.tanh(half / length)
+    # Only small vessels need it, and SciPy with it; ive does not overflow.
+    from scipy.special import ive
+
+    x = half / length
+    return half - length / float(ive(0, x) / ive(1, x) - 1.0 / x)
+
+
+def _pinned(item: Oscillator, free: Sequence[Oscillator]) -> Oscillator:
+    """An oscillator at the frequency that it has where the contact line is held; all else is the free line's."""
+    own = [mode for mode in free if mode.directions == item.directions]
+    low, high = (_root(own[: max(len(own) // part, item.number + 1)], item.number) for part in (2, 1))
+    # What the series leaves out falls with the number of modes.
+    squared = 2.0 * high - low
+    return replace(item, frequency=math.sqrt(squared), tension=squared - STANDARD_GRAVITY * item.stiffness)
+
+
+def _root(free: Sequence[Oscillator], number: int) -> float:
+    """Omega^2 of a pinned line, between the free line's for this number and the next, by bisection."""
+    squares = np.array([mode.frequency**2 for mode in free])
+    weights = np.array([mode.surface_gain**2 / mode.mass for mode in free])
+    low, high = float(squares[number - 1]), float(squares[number])
+    for _ in range(_STEPS):
+        middle = 0.5 * (low + high)
+        if np.sum(weights / (squares - middle)) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

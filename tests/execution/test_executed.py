@@ -1,0 +1,192 @@
+"""What was executed, judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.errors import ScenarioError
+from nospill.execution.executed import Executed, executed
+from nospill.execution.reading import read_log
+from nospill.execution.record import executed_table, log_lines, tracking_lines, undecided
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plans.plan import Plan
+from nospill.scenario import read_scenario
+from nospill.simulation.motion_file import Heights, read_heights
+from tests.builders import measured_data
+from tests.execution.logs import log_of
+
+CLOCK = 0.5
+
+
+@pytest.fixture(scope="module")
+def plan(gentle_plan: Callable[..., Plan]) -> Plan:
+    return gentle_plan("matrix-liquid", cargo=2)
+
+
+@pytest.fixture(scope="module")
+def found(plan: Plan) -> Executed:
+    return executed(log_of(plan, clock=CLOCK), plan.scene, plan=plan)
+
+
+def test_a_motion_that_was_executed_as_planned_is_certified_as_planned(found: Executed) -> None:
+    assert found.ok
+    assert found.planned is not None
+    planned = {(row.constraint, row.subject): row for row in found.planned.certificate.rows}
+    for row in found.judgement.certificate.rows:
+        band = found.bands[RowId(row.constraint, row.subject)]
+        if row.constraint not in ("still at the end", "residual height"):  # the end is known within milliseconds
+            assert row.worst_margin == pytest.approx(
+                planned[row.constraint, row.subject].worst_margin, abs=2.0 * band + 2e-3 * abs(row.limit) + 1e-4
+            )
+
+
+def test_the_clock_of_the_log_is_found(found: Executed) -> None:
+    assert found.clock == pytest.approx(CLOCK, abs=5e-5)
+    assert found.recorded.sampling.even
+    assert found.recorded.smooth.noise == pytest.approx(np.full(6, 1e-6), rel=0.3)
+
+
+def test_heights_are_those_of_the_plan(found: Executed) -> None:
+    assert found.planned is not None
+    for trace in found.planned.traces:
+        if trace.constraint == SloshHeight.name:
+            again = np.interp(trace.t, found.judgement.replay.t, found.heights[trace.subject])
+            assert np.max(np.abs(again - trace.value)) < 3e-5
+
+
+def test_a_late_joint_is_told_and_what_it_adds(plan: Plan) -> None:
+    late = np.array([0.0, 0.0, 0.004, 0.0, 0.0, 0.0])
+    found = executed(log_of(plan, delays=late), plan.scene, plan=plan)
+    assert found.tracking is not None
+    told = np.isfinite(found.tracking.delay)
+    assert found.tracking.delay[2] - found.tracking.delay[0] == pytest.approx(0.004, abs=3e-4)
+    assert np.count_nonzero(told) >= 4
+    for peak in found.peaks:
+        assert abs(peak.by_joint["joint_3"]) > 10.0 * abs(peak.by_joint["joint_4"])
+        assert peak.executed - peak.planned == pytest.approx(sum(peak.by_joint.values()), rel=0.5, abs=2e-4)
+
+
+def test_a_delay_behind_the_command_in_the_log(plan: Plan) -> None:
+    log = log_of(plan, delays=0.006)
+    ahead = log_of(plan, noise=0.0)
+    found = executed(replace(log, command=ahead.position), plan.scene)
+    assert found.tracking is not None
+    assert found.tracking.of_command
+    assert found.tracking.delay[[0, 2]] == pytest.approx([0.006, 0.006], abs=1e-4)
+    assert found.clock == found.recorded.begin
+
+
+def test_more_noise_makes_wider_bands(plan: Plan, found: Executed) -> None:
+    loud = executed(log_of(plan, noise=1e-4), plan.scene)
+    for row in loud.judgement.certificate.rows:
+        if row.constraint in ("slip", "joint speed") and row.subject != "joint_4":
+            own = RowId(row.constraint, row.subject)
+            assert loud.bands[own] > 3.0 * found.bands[own]
+
+
+def test_measured_heights_are_aligned(plan: Plan, found: Executed) -> None:
+    t = np.arange(0.0, 7.0, 1 / 60)
+    height = np.interp(t - 1.3, found.judgement.replay.t, found.heights["c1"], left=0.0)
+    beside = executed(log_of(plan), plan.scene, plan=plan, measured={"c1": Heights(t, height)})
+    assert beside.measured["c1"].shift == pytest.approx(1.3, abs=5e-3)
+    assert beside.measured["c1"].correlation > 0.99
+
+
+def test_record_and_sentences(found: Executed) -> None:
+    table = executed_table(found)
+    assert table["ok"] is True
+    assert table["executed"]["rows"][0]["band"] >= 0.0
+    assert set(table["noise_rad"]) == set(found.scene.robot.joints)
+    assert len(log_lines(found)) == 3
+    assert "the plan begins at 0.500" in tracking_lines(found)[0]
+    assert all(row.constraint for row in undecided(found))
+
+
+# --- logs that are refused ------------------------------------------------------------------------------------------
+
+
+def refusal(plan: Plan, change: Callable[[np.ndarray], np.ndarray], *, of_plan: bool = True) -> str:
+    log = log_of(plan)
+    with pytest.raises(ScenarioError) as caught:
+        executed(replace(log, position=change(log.position)), plan.scene, plan=plan if of_plan else None)
+    return str(caught.value)
+
+
+def test_degrees_taken_for_radians(plan: Plan) -> None:
+    assert "the log is in degrees (--unit deg" in refusal(plan, np.degrees)
+
+
+def test_a_log_that_stops_midway(plan: Plan) -> None:
+    log = log_of(plan)
+    cut = len(log.t) // 2
+    short = replace(log, t=log.t[:cut], position=log.position[:cut])
+    with pytest.raises(ScenarioError, match=r"the log stops midway: joint_\d moves at .* rad/s"):
+        executed(short, plan.scene)
+    with pytest.raises(ScenarioError, match="the log begins midway"):
+        executed(replace(log, t=log.t[cut:], position=log.position[cut:]), plan.scene)
+
+
+def test_another_zero_is_told_with_the_option_that_helps(plan: Plan) -> None:
+    turned = refusal(plan, lambda position: position + np.pi * np.eye(6)[5])
+    assert "joint_6 is 180 deg from where the plan begins" in turned
+    assert '--offset joint_6="-180 deg"' in turned
+
+
+def test_another_robot_leans_its_tray(plan: Plan) -> None:
+    assert "the tray leans by" in refusal(plan, lambda position: position[:, ::-1] * 0.3, of_plan=False)
+
+
+def test_an_arm_that_never_moves(plan: Plan) -> None:
+    assert "the arm never moves" in refusal(plan, lambda position: np.repeat(position[:1], len(position), axis=0))
+
+
+def test_the_log_of_another_motion(plan: Plan, gentle_plan: Callable[..., Plan]) -> None:
+    slower = log_of(plan)
+    stretched = replace(slower, t=1.6 * slower.t)
+    with pytest.raises(ScenarioError, match="the log of another motion"):
+        executed(stretched, plan.scene, plan=plan)
+
+
+def test_a_height_of_no_liquid(plan: Plan) -> None:
+    with pytest.raises(ScenarioError, match="--measured c9: no object of this name with a liquid; there are: c1, c2"):
+        executed(log_of(plan), plan.scene, measured={"c9": Heights(np.arange(9.0), np.arange(9.0))})
+
+
+# --- the laboratory's logs ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.oracle
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "doubled", "peak"), [("run-2a", 0, 16.1e-3), ("run-2a-not-optimised", 14, 64e-3)])
+def test_logs_of_the_laboratory(name: str, doubled: int, peak: float) -> None:
+    scene = read_scenario("matrix-liquid")
+    log = read_log(measured_data(f"executed-logs/{name}.csv"), scene.robot, offsets={"joint_6": np.pi})
+    found = executed(log, scene)
+    assert not found.ok
+    assert found.recorded.sampling.even
+    assert found.recorded.sampling.doubled == doubled
+    assert found.recorded.sampling.resolution == pytest.approx(np.full(6, 1e-7), rel=1e-3)
+    assert np.all(found.recorded.smooth.noise < 5e-5)
+    assert max(map(np.max, found.heights.values())) == pytest.approx(peak, rel=0.02)
+
+
+@pytest.mark.oracle
+@pytest.mark.slow
+def test_the_published_run_and_its_figure() -> None:
+    """The lab's own prediction from its executed joints, and the two cups that were filmed."""
+    scene = read_scenario("matrix-liquid")
+    log = read_log(measured_data("matrix-d3/executed-joints-liquid.csv"), scene.robot, offsets={"joint_6": -np.pi})
+    films = {name: read_heights(measured_data(f"matrix-d3/measured-height-{name}.csv")) for name in ("c1", "c3")}
+    found = executed(log, scene, measured=films)
+    for name in ("c1", "c2", "c3", "c4"):
+        theirs = read_heights(measured_data(f"matrix-d3/predicted-height-{name}.csv"))
+        ours = np.interp(theirs.t - found.clock, found.judgement.replay.t, found.heights[name])
+        assert np.sqrt(np.mean((ours - theirs.height) ** 2)) < 6e-5
+    assert found.measured["c1"].correlation == pytest.approx(0.966, abs=0.005)
+    assert found.measured["c3"].correlation == pytest.approx(0.835, abs=0.01)
+    assert 1e3 * found.measured["c1"].measured_peak == pytest.approx(17.4, abs=0.01)
