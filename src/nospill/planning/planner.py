@@ -24,7 +24,7 @@ from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
-from nospill.scenario.free_way import has_free_way, ways
+from nospill.scenario.free_way import has_free_way
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
@@ -76,7 +76,7 @@ def _planned(
             scene = choose_base_yaw(scene)
     if has_free_way(scene):
         with log.phase("way"), _advised(scene, ignore, log):
-            scene = diagnosis.freest_way(ways(scene))
+            scene = diagnosis.freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
     report = PlanningReport(
@@ -117,13 +117,12 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     if not scene.motion.leaves_path:
         yield found_motion(task, joint_path, log)
     else:  # the motion on the path is a start, and what is left where no other is certified
-        with suppress(NoSolutionError):
-            yield found_motion(task, joint_path, log)
+        for beside in task.corridors:
+            with suppress(NoSolutionError):
+                yield found_motion(beside, joint_path, log)
         given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
-        beside = started_beside(task, given, log)
-        if beside is not None:
-            yield beside
-        yield given.candidate
+        again = started_beside(task.corridors[-1], given, log)
+        yield from (found for found in (again, given.candidate) if found is not None)
     yield found_motion(task, joint_path, log, search=search_elsewhere)
 
 

@@ -20,6 +20,7 @@ EXAMPLES: dict[str, str] = {
     "pp-two-cups": "two cups of water along the published path pp, level tray",
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
     "coffee-to-go": "three tapered cups of coffee, filled by volume, on a UR5e that tilts its tray",
+    "cups-around-a-column": "two cups of water on a UR10e that tilts, to the other side of a column, on any way",
     "cups-past-a-column": "two cups of water on a UR10e, past a column and above a table: distances are judged",
 }
 """Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""
