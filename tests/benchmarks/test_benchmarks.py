@@ -47,7 +47,7 @@ def tray(scene: Scene, *chains: np.ndarray) -> TrayState:
     state = tuple((SX(float(chain[0])), SX(float(chain[1])), SX(float(chain[2]))) for chain in chains)
     table = path_table(scene.path.breaks, scene.path.coefficients, degree=piece_degree(structure_of(scene)))
     piece = PathPiece.of(SX(ca.DM(table[:, span_of(scene.path.breaks, chains[0][:1])])))
-    return tray_state(piece, state, tilt_free=scene.motion.tilt_free, gravity=SX(scene.gravity))
+    return tray_state(piece, state, freedom=structure_of(scene).freedom, gravity=SX(scene.gravity))
 
 
 def waiter_rows(scene: Scene, state: TrayState, slosh: Any) -> np.ndarray:

@@ -33,6 +33,10 @@ OTHER_MEANINGS = {
         "verify/report.py": "part of a file name",
         "warmup/usual.py": "key of a scenario",
     },
+    "corridor": {
+        "scenario/described.py": "key of a scenario",
+        "studio/fields.py": "key of a scenario",
+    },
 }
 """Names that are words of their own elsewhere: name -> file -> what it means there."""
 

@@ -92,7 +92,7 @@ def test_nonsense_is_marked_where_it_is_typed(draft_of: DraftOf, name: str) -> N
         (("motion", "max_duration"), "-1 s", "out of range"),
         (("planning", "intervals"), "20.5", "not a whole number"),
         (("name",), "two words", "is not a name"),
-        (("path", "yaw"), "0 deg", "2 are needed"),
+        (("path", "yaw"), "0 deg", "is not a list"),
         (("path", "yaw"), "0 deg, x", '"x"'),
         (("robot", "limits", "speed_scale"), "120 %", "out of range"),
     ],

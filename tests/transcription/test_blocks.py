@@ -17,7 +17,7 @@ import pytest
 from nospill.core.frames import SX
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
-from nospill.laws.parameters import constants
+from nospill.laws.parameters import Freedom, constants
 from nospill.laws.sample import Sample, object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.motion import motion_residual
@@ -33,7 +33,7 @@ from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
 
 INTERVALS = 2
-SCENES = ("matrix-liquid", "matrix-liquid-tilt", "mixed-tray")
+SCENES = ("matrix-liquid", "matrix-liquid-tilt", "matrix-liquid-corridor", "mixed-tray")
 BLOCKS = (tray_block._block, object_block._object_block, object_block._end_block)
 
 
@@ -74,6 +74,9 @@ class Whole:
     def _column(self, part: slice) -> SX:
         return SX(ca.DM(self.stage[part]))
 
+    def _values(self, chains: range) -> SX | None:
+        return SX(ca.DM(self.stage[[3 * index for index in chains]])) if chains else None
+
     def tray(self, fraction: float) -> TrayState:
         chains = tuple(
             advance_chain(chain, SX(float(jerk)), SX(fraction * self.interval))
@@ -83,7 +86,7 @@ class Whole:
         table = path_table(path.breaks, path.coefficients, degree=piece_degree(self.structure))
         piece = table[:, span_of(path.breaks, np.array([float(chains[0][0])]))]
         return tray_state(
-            PathPiece.of(SX(ca.DM(piece))), chains, tilt_free=self.structure.tilt_free, gravity=self.numbers.gravity
+            PathPiece.of(SX(ca.DM(piece))), chains, freedom=self.structure.freedom, gravity=self.numbers.gravity
         )
 
     def gaps(self) -> np.ndarray:
@@ -126,7 +129,8 @@ class Whole:
             self.numbers,
             joint_position=SX(ca.DM(stage[layout.joint_position])),
             joint_speed=SX(ca.DM(stage[layout.joint_speed])),
-            tilt=SX(ca.DM(stage[[3, 6]])) if layout.tilts else None,
+            tilt=self._values(layout.freedom.tilt_chains),
+            offset=self._values(layout.freedom.offset_chains),
             jerks=SX(ca.DM(stage[layout.jerks])),
         )
         found = self._smooth(node, (EvaluationPoint.JOINT, EvaluationPoint.CONTROL))
@@ -196,7 +200,7 @@ def test_scenes_with_other_objects_and_other_paths_have_the_same_blocks() -> Non
 
 def test_level_and_tilting_trays_have_blocks_of_their_own() -> None:
     """On a level tray four numbers of nine are zero at every instant."""
-    level, tilting = motion_pattern(False), motion_pattern(True)
+    level, tilting = motion_pattern(Freedom()), motion_pattern(Freedom(tilt=True))
     assert (level.count, tilting.count) == (4 * 5, 4 * 9)
     assert level.jacobian.size2() == 5 and tilting.jacobian.size2() == 13
     structure = structure_of(read_scenario("matrix-liquid-tilt"))

@@ -18,7 +18,15 @@ from nospill.transcription.nlp import _transcribe
 from nospill.transcription.problem import Problem, build_problem
 
 INTERVALS = 3
-SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
+SCENES = (
+    "matrix-liquid",
+    "matrix-liquid-still",
+    "matrix-rigid",
+    "matrix-liquid-tilt",
+    "matrix-liquid-corridor",
+    "mixed-tray",
+    "pp-two-cups",
+)
 BACKOFF = {("slip", 0): 0.02, ("joint speed", 1): 0.05, ("residual height", 0): 0.1, ("slosh height", 1): 0.03}
 
 
@@ -288,6 +296,6 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
     solid |= {name for name in names if name.endswith(".curvature.0")}  # that of the first mode is its stiffness
     discs = {f".objects[{index}].half_lengths.1" for index in (0, 1, 3)}
     discs |= {f".objects[{index}].liquid_depth.0" for index in range(4)}  # no liquid is shallow
-    unset = ("max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
+    unset = ("corridor", "offset_jerk", "max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
     unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}
     assert silent == solid | discs | unlimited | {".path_breaks.7"}

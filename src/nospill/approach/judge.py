@@ -66,10 +66,11 @@ def _joint_rows(
 ) -> list[Row]:
     """Rows of the constraints on the joints, with the limits of the approach; torques are not judged."""
     limits = {"max_speed": rules.max_speed, "max_acceleration": rules.max_acceleration, "max_jerk": rules.max_jerk}
-    bare = replace(scene, cargo=(), robot=replace(scene.robot, **limits, max_torque=None))
+    robot = replace(scene.robot, **limits, max_torque=None)
+    bare = replace(scene, cargo=(), robot=robot, motion=scene.motion.without_freedom())
     inputs = {
         EvaluationPoint.JOINT: (grid, [played(grid, order).T for order in range(3)]),
-        EvaluationPoint.CONTROL: control_inputs(record),
+        EvaluationPoint.CONTROL: control_inputs(record, bare),
     }
     of_joints = [constraint for constraint in CONSTRAINTS if constraint.role is Role.JOINT]
     return [worst_row(trace) for trace in evaluated_traces(bare, inputs, constraints=of_joints)]

@@ -40,3 +40,8 @@ def angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """
     distance = np.linalg.norm(first - second, axis=(1, 2))
     return 2.0 * np.arcsin(np.minimum(distance / np.sqrt(8.0), 1.0))
+
+
+def yaw_of(rotations: np.ndarray) -> np.ndarray:
+    """Yaw (m,), rad, of R = Rz(yaw) Ry(theta_y) Rx(theta_x) (m, 3, 3), |theta_y| below a quarter turn."""
+    return np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0])

@@ -38,7 +38,7 @@ class Path:
     coefficients: np.ndarray
     notes: tuple[str, ...] = ()
 
-    def at(self, s: np.ndarray | float) -> np.ndarray:
+    def at(self, s: np.ndarray | Sequence[float] | float) -> np.ndarray:
         """Position and yaw at path parameters `s`; outside [0, 1] the end pieces are continued.
 
         Args:
@@ -49,7 +49,7 @@ class Path:
         """
         return self.derivative(s, 0)
 
-    def derivative(self, s: np.ndarray | float, order: int = 1) -> np.ndarray:
+    def derivative(self, s: np.ndarray | Sequence[float] | float, order: int = 1) -> np.ndarray:
         """Derivative of given order with respect to s, shape (m, 4); at a break the piece to its right counts."""
         return Pieces(self.breaks, self.coefficients)(np.atleast_1d(np.asarray(s, dtype=float)), order)
 

@@ -16,6 +16,7 @@ from nospill.errors import Change, Reason
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
+from nospill.scenario.fields import FREE
 from nospill.scene.scene import Scene
 
 _LEAST_SHIFT, _GROWTH, _LARGEST_SHIFT = 0.01, 1.5, 1.5
@@ -146,7 +147,8 @@ def smaller_turn(scene: Scene) -> list[Option]:
     """The yaw along the path, less of it about its start."""
     task, table = _task(scene), scene.source["path"]
     assert isinstance(table, dict)
-    values = np.array([quantity(entry, "angle") for entry in table.get("yaw", (0.0, 0.0))])
+    given = table.get("yaw", FREE)
+    values = np.array([quantity(entry, "angle") for entry in given if entry != FREE] if given != FREE else (0.0, 0.0))
     turn = float(np.max(np.abs(values - values[0])))
     if turn < 1e-6:
         return []
@@ -160,7 +162,9 @@ def smaller_turn(scene: Scene) -> list[Option]:
 
     def change(amount: float) -> Change:
         kept = values[0] + max(1.0 - amount / turn, 0.0) * (values - values[0])
-        value = np.round(kept, 5).tolist()
+        value: list[float] | list[str] = np.round(kept, 5).tolist()
+        if scene.motion.yaw_free:
+            value = [f"{kept[0]:.5g} rad", FREE, f"{kept[-1]:.5g} rad"]
         new = format_quantity(float(np.max(np.abs(kept - values[0]))), "angle", digits=4)
         text = f"yaw change at most {new} instead of {format_quantity(turn, 'angle', digits=4)}"
         return Change("turn of the tray", "path.yaw", value, text)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.core.attitudes import angles_between, matrices, tray_quaternions
+from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
+from nospill.judge.beside_path import between_samples
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Row, limit_row
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
-from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo, with_modes
 from nospill.scene.scene import Scene
@@ -120,8 +120,7 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     `scene.output_rate`.
     """
     per_sample = round(played.rate / trajectory.rate)
-    planned = _between_samples(trajectory, played)
-    position, attitude = _path_error(planned, scene, played)
+    planned = between_samples(trajectory, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
     recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
@@ -137,8 +136,7 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     written = _pose_error(played, trajectory.tray_position, matrices(trajectory.tray_quaternion), at_samples)
     return [
         *([] if scene.motion.tilt_free else _level_rows(planned, played)),
-        limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position),
-        limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude),
+        *_path_rows(planned, scene, played),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
         limit_row("rest as played", "joints", "rad/s", jump, both, ends),
@@ -150,18 +148,32 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     ]
 
 
-def _path_error(planned: np.ndarray, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (m) and angle (rad) of the tray the joints carry from the path, on the grid of the replay.
+def _path_rows(planned: np.ndarray, scene: Scene, played: Replay) -> list[Row]:
+    """Rows about the tray that the joints carry on its path, and at the ends of it where it may leave it between them.
 
     The place on the path is the recorded s, and the attitude there the recorded tilt where the tilt is free; where it
-    is fixed, the tray is level whatever the record says. Between the samples both are splines, as the joints are.
-    `planned` is the record there, `_between_samples`.
+    is fixed, the tray is level whatever the record says. Between the samples both are splines, as the joints are. A yaw
+    that is free is the tray's own. A tray that may leave its path has a row of the table about that.
+    `planned` is the record there, `between_samples`.
     """
-    s, theta_x, theta_y = planned
+    rules, (s, theta_x, theta_y) = scene.motion, planned
     pose = scene.path.at(np.clip(s, 0.0, 1.0))
-    if not scene.motion.tilt_free:
+    if not rules.tilt_free:
         theta_x, theta_y = np.zeros_like(s), np.zeros_like(s)
-    return _pose_error(played, pose[:, :3], matrices(tray_quaternions(pose[:, 3], theta_y, theta_x)))
+    yaw = yaw_of(played.tray.rotation) if rules.yaw_free else pose[:, 3]
+    position, attitude = _pose_error(played, pose[:, :3], matrices(tray_quaternions(yaw, theta_y, theta_x)))
+    rows = [limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude)]
+    if rules.corridor is None:
+        rows.insert(0, limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position))
+    if rules.corridor is None and not rules.yaw_free:
+        return rows
+    both, ends, none = [0, -1], scene.path.at([0.0, 1.0]), np.zeros(2)
+    error = _pose_error(played, ends[:, :3], matrices(tray_quaternions(ends[:, 3], none, none)), both)
+    return [
+        *rows,
+        limit_row("goal", "tray", "m", POSITION_TOLERANCE, played.t[both], error[0]),
+        limit_row("goal attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t[both], error[1]),
+    ]
 
 
 def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:
@@ -179,14 +191,8 @@ def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:
     ]
 
 
-def _between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
-    """Recorded s, theta_x and theta_y (3, m) on the grid of the replay, by the spline that the joints are played by."""
-    columns = np.column_stack([trajectory.s, trajectory.tilt])
-    return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, columns))(played.t).T
-
-
 def _pose_error(
-    played: Replay, position: np.ndarray, attitude: np.ndarray, at: slice = slice(None)
+    played: Replay, position: np.ndarray, attitude: np.ndarray, at: slice | list[int] = slice(None)
 ) -> tuple[np.ndarray, np.ndarray]:
     """Distance (m) and angle (rad) of the tray the joints carry from a given pose, at some instants of the replay."""
     distance = np.linalg.norm(played.tray.position[at] - position, axis=1)

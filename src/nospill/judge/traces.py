@@ -14,6 +14,7 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
 from nospill.judge.after_end import residual_height
+from nospill.judge.beside_path import played_offset
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
@@ -31,6 +32,7 @@ from nospill.laws.kinds import (
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.motion.beside_path import recorded_freedom
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -64,9 +66,14 @@ def constraint_traces(
         EvaluationPoint.OBJECT: (played.t, [played.body, played.slosh_displacement.T, played.slosh_velocity.T]),
         EvaluationPoint.JOINT: (
             played.t,
-            [played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T],
+            [
+                played.joint_position.T,
+                played.joint_speed.T,
+                played.joint_acceleration.T,
+                *([played_offset(trajectory, scene, played).T] if scene.motion.corridor is not None else []),
+            ],
         ),
-        EvaluationPoint.CONTROL: control_inputs(trajectory),
+        EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
         EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
@@ -157,13 +164,16 @@ def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
     return found
 
 
-def control_inputs(trajectory: Trajectory) -> Inputs:
-    """Inputs at `EvaluationPoint.CONTROL`: tilt (2, m), jerks of s and tilt (3, m), and of the joints (n, m)."""
-    jerks = third_differences(np.column_stack([trajectory.s, trajectory.tilt, trajectory.joint_position]))
-    jerks *= trajectory.rate**3
+def control_inputs(trajectory: Trajectory, scene: Scene) -> Inputs:
+    """Inputs at `EvaluationPoint.CONTROL`: tilt (2, m), jerks as in `Sample` (c, m), and of the joints (n, m)."""
+    chains = [trajectory.s[:, None], *recorded_freedom(trajectory, scene)]
+    jerks, of_joints = (
+        third_differences(np.column_stack(columns)).T * trajectory.rate**3
+        for columns in (chains, [trajectory.joint_position])
+    )
     tilt = np.concatenate([trajectory.tilt, trajectory.tilt[-1:]])
     t = np.append(trajectory.t, trajectory.t[-1] + 1.0 / trajectory.rate)
-    return t, [tilt.T, jerks[:, :3].T, jerks[:, 3:].T]
+    return t, [tilt.T, jerks, of_joints]
 
 
 def third_differences(values: np.ndarray) -> np.ndarray:
@@ -212,11 +222,17 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
         (parameters, numbers), joints = symbolic_tray(kind), len(kind.joints)
         if point is EvaluationPoint.JOINT:
             inputs = [SX.sym(name, joints) for name in ("q", "qd", "qdd")]
+            inputs += [SX.sym("offset", 3)] if kind.offset_free else []
             sample = Sample(
-                kind, numbers, joint_position=inputs[0], joint_speed=inputs[1], joint_acceleration=inputs[2]
+                kind,
+                numbers,
+                joint_position=inputs[0],
+                joint_speed=inputs[1],
+                joint_acceleration=inputs[2],
+                offset=inputs[3] if kind.offset_free else None,
             )
         else:
-            inputs = [SX.sym("tilt", 2), SX.sym("jerks", 3), SX.sym("joint_jerk", joints)]
+            inputs = [SX.sym("tilt", 2), SX.sym("jerks", kind.freedom.chains), SX.sym("joint_jerk", joints)]
             sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
         return _figures(sample, point, [*inputs, parameters])
 

@@ -35,7 +35,9 @@ def tray_kind(structure: Structure) -> Structure:
 
 def motion_kind(structure: Structure) -> Structure:
     """The tray's way along a path: the same for any robot and cargo, and for any number of spans."""
-    return Structure("full", structure.tilt_free, "residual", 1, structure.degree, "", (), "", ())
+    tilt, offset, yaw = structure.freedom
+    way = Structure("full", tilt, "residual", 1, structure.degree, "", (), "", ())
+    return replace(way, offset_free=offset, yaw_free=yaw)
 
 
 def object_kind(structure: Structure, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:

@@ -11,7 +11,7 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -24,6 +24,42 @@ Number = Any
 """A float, a numpy array, or the SX expression that stands for it."""
 
 Record = TypeVar("Record")
+
+
+class Freedom(NamedTuple):
+    """What the tray may do beside its way along the path; all of it starts and ends at zero.
+
+    Attributes:
+        tilt: pitch and roll.
+        offset: its centre may leave the path, in any direction.
+        yaw: it may turn otherwise than the path says.
+    """
+
+    tilt: bool = False
+    offset: bool = False
+    yaw: bool = False
+
+    @property
+    def tilt_chains(self) -> range:
+        """Which of the tray's chains, of which s is the first, are the tilt angles."""
+        return range(1, 3 if self.tilt else 1)
+
+    @property
+    def offset_chains(self) -> range:
+        """Which of them are the offset from the path."""
+        start = self.tilt_chains.stop
+        return range(start, start + 3 * self.offset)
+
+    @property
+    def turn_chains(self) -> range:
+        """Which of them is the yaw beside the path's."""
+        start = self.offset_chains.stop
+        return range(start, start + self.yaw)
+
+    @property
+    def chains(self) -> int:
+        """How many chains move the tray, s among them."""
+        return self.turn_chains.stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,10 +147,13 @@ class SceneNumbers:
     load_first_moment: Number
     load_inertia: Number
     max_tilt: Number
+    corridor: Number
     path_jerk_limit: Number
     tilt_jerk_limit: Number
+    offset_jerk_limit: Number
     path_jerk_weight: Number
     tilt_jerk_weight: Number
+    offset_jerk_weight: Number
     residual_fraction: Number
     objects: tuple[ObjectNumbers, ...]
 
@@ -175,6 +214,13 @@ class Structure:
     joint_limits: tuple[str, ...] = ()
     redundant: bool = False
     regular: bool = False
+    offset_free: bool = False
+    yaw_free: bool = False
+
+    @property
+    def freedom(self) -> Freedom:
+        """What the tray may do beside its way along the path."""
+        return Freedom(self.tilt_free, self.offset_free, self.yaw_free)
 
     @property
     def slosh_slices(self) -> tuple[slice, ...]:
@@ -312,10 +358,13 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         load_first_moment=np.zeros(3),
         load_inertia=np.zeros((3, 3)),
         max_tilt=scalar,
+        corridor=scalar,
         path_jerk_limit=scalar,
         tilt_jerk_limit=scalar,
+        offset_jerk_limit=scalar,
         path_jerk_weight=scalar,
         tilt_jerk_weight=scalar,
+        offset_jerk_weight=scalar,
         residual_fraction=scalar,
         objects=tuple(_blank_object(item) for item in structure.objects),
     )

@@ -39,7 +39,9 @@ class Sample:
             acceleration or torque is limited.
         joint_jerk: (n, 1), rad/s^3, only where it is limited.
         tilt: (2, 1), theta_x and theta_y, rad.
-        jerks: third derivative of s (1/s^3), then of theta_x and theta_y (rad/s^3) where the tilt is free.
+        offset: (3, 1), from the path to the tray's centre, base axes, m.
+        jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
+            (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
     """
 
     structure: Structure
@@ -50,6 +52,7 @@ class Sample:
     joint_acceleration: SX | None = None
     joint_jerk: SX | None = None
     tilt: SX | None = None
+    offset: SX | None = None
     jerks: SX | None = None
 
 

@@ -35,6 +35,8 @@ def structure_of(scene: Scene) -> Structure:
         objects=tuple(object_structure(cargo) for cargo in scene.cargo),
         joint_limits=joint_limits(scene.robot),
         redundant=len(scene.robot.joints) > 6,
+        offset_free=scene.motion.corridor is not None,
+        yaw_free=scene.motion.yaw_free,
     )
 
 
@@ -103,10 +105,13 @@ def _numbers(scene: Scene) -> SceneNumbers:
         self_motion=np.zeros(len(scene.robot.joints)),
         **_load_numbers(scene, scene.cargo),
         max_tilt=scene.motion.max_tilt,
+        corridor=scene.motion.corridor or 0.0,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
+        offset_jerk_limit=scene.motion.path_jerk_limit * scene.way,
         path_jerk_weight=scene.planning.path_jerk_weight or 0.0,
         tilt_jerk_weight=scene.planning.tilt_jerk_weight or 0.0,
+        offset_jerk_weight=0.0,
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )

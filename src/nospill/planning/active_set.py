@@ -91,7 +91,7 @@ class ActiveSet:
         scene = task.problem_scene(members, refined, modes)
         rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
         left_out = set(task.ignored)
-        if not scene.motion.tilt_free and len(scene.robot.joints) == 6:
+        if scene.motion.is_given and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 
 from nospill import diagnosis
@@ -15,7 +15,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import Searcher, found_motion, search_elsewhere
-from nospill.planning.warm_start import restarted
+from nospill.planning.warm_start import restarted, started_beside
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.log import Log, OnProgress
 from nospill.plans.log import PlanningProgress as PlanningProgress
@@ -24,6 +24,7 @@ from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.scenario.free_way import has_free_way
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
@@ -73,6 +74,9 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), _advised(scene, ignore, log):
             scene = choose_base_yaw(scene)
+    if has_free_way(scene):
+        with log.phase("way"), _advised(scene, ignore, log):
+            scene = diagnosis.freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
     report = PlanningReport(
@@ -110,7 +114,15 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     with log.phase("kinematics"), _advised(scene, task.ignored, log):
         paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    yield found_motion(task, joint_path, log)
+    if not scene.motion.leaves_path:
+        yield found_motion(task, joint_path, log)
+    else:  # the motion on the path is a start, and what is left where no other is certified
+        for beside in task.corridors:
+            with suppress(NoSolutionError):
+                yield found_motion(beside, joint_path, log)
+        given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
+        again = started_beside(task.corridors[-1], given, log)
+        yield from (found for found in (again, given.candidate) if found is not None)
     yield found_motion(task, joint_path, log, search=search_elsewhere)
 
 

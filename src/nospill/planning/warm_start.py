@@ -10,7 +10,7 @@ from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
-from nospill.planning.refinement import REFINE_ITERATIONS, fine_intervals, started_from
+from nospill.planning.refinement import REFINE_ITERATIONS, Judged, fine_intervals, started_from
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
@@ -51,6 +51,15 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     active = replace(active, expected=earlier.duration)
     start = started_from(active, earlier.trajectory)
     return _solved_again(active, start, log, warm=None)
+
+
+def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
+    """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
+    before = given.candidate.active
+    active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)
+    active = _cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
+    active = replace(active, expected=given.trajectory.end_time)
+    return _solved_again(active, started_from(active, given.trajectory), log, warm=None)
 
 
 def _cautious(active: ActiveSet) -> ActiveSet:

@@ -15,6 +15,7 @@ from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
+from nospill.scene.scene import Scene
 
 DOT_INTERVAL = 0.1
 """s between the dots on the path."""
@@ -22,6 +23,7 @@ DOT_INTERVAL = 0.1
 _ELEVATION = 30.0
 _TICK_STEPS = (0.2, 0.1, 0.05)
 """m, between ticks of the upright axis: the longest that gives two at least."""
+_GIVEN_POINTS = 201
 _KEY_WIDTH = 4.6
 """in; what the key below the picture takes on one line."""
 _ARM, _SHOWN = "#C3C8CE", 0.32
@@ -81,6 +83,9 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.add_collection3d(Line3DCollection([shaft], colors=ORANGE, linewidths=1.6, zorder=3, clip_on=False))
         tip = _on_tray(evidence, index, head)
         axes.add_collection3d(Poly3DCollection([tip], facecolors=ORANGE, linewidths=0, zorder=3, clip_on=False))
+    given = _given(scene)
+    if given is not None:
+        axes.plot(*given.T, color=GREY, linewidth=1.2, linestyle="--", zorder=4, clip_on=False)
     axes.plot(*line.T, color=BLUE, linewidth=1.8, zorder=4, clip_on=False)
     dots = np.searchsorted(played.t, np.arange(0.0, evidence.end_time, DOT_INTERVAL))
     axes.plot(*line[dots].T, linestyle="", marker="o", markersize=3, color=BLUE, zorder=5, clip_on=False)
@@ -92,12 +97,20 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
     key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path on the floor"
+    key += "; dashed: way" if given is not None else ""
     if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
         key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")
     _dress(axes)
     _fit(figure, axes, place, low, high, azimuth=_azimuth(line))
     return axes
+
+
+def _given(scene: Scene) -> np.ndarray | None:
+    """The given path (m, 3), m, where the tray may leave it."""
+    if scene.motion.corridor is None:
+        return None
+    return scene.path.at(np.linspace(0.0, 1.0, _GIVEN_POINTS))[:, :3]
 
 
 def _instants(evidence: Evidence) -> np.ndarray:

@@ -132,9 +132,13 @@ def _path(scene: Scene) -> str:
     kind = " ".join(str(entries[key]) for key in ("type", "name") if key in entries)
     start, end = scene.path.at(0.0)[0], scene.path.at(1.0)[0]
     places = [", ".join(f"{value:.3f}" for value in point[:3]).replace("-", "−") for point in (start, end)]
+    corridor, rules = "", scene.motion
+    if rules.corridor is not None:
+        corridor = f"; the tray may leave it by up to {1e3 * rules.corridor:.4g} mm"
+    between = ", free between its ends" if rules.yaw_free else ""
     return (
         f"{kind}, {scene.path.length:.2f} m long, from ({places[0]}) m to ({places[1]}) m of the base, "
-        f"yaw from {np.degrees(start[3]):.4g} to {np.degrees(end[3]):.4g} deg".replace("-", "−")
+        f"yaw from {np.degrees(start[3]):.4g} to {np.degrees(end[3]):.4g} deg{between}{corridor}".replace("-", "−")
     )
 
 
@@ -175,9 +179,14 @@ def _tolerances(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _jerks(scene: Scene) -> str:
-    path = f"third derivative of the path parameter up to {scene.motion.path_jerk_limit:.4g} 1/s³"
-    tilt = f", of the tilt angles up to {scene.motion.tilt_jerk_limit:.4g} rad/s³" if scene.motion.tilt_free else ""
-    return path + tilt
+    rules = scene.motion
+    found = [f"third derivative of the path parameter up to {rules.path_jerk_limit:.4g} 1/s³"]
+    if rules.corridor is not None:
+        found.append(f"of the way beside the path up to {rules.path_jerk_limit * scene.way:.4g} m/s³")
+    angles = [name for name, free in (("the tilt angles", rules.tilt_free), ("the yaw", rules.yaw_free)) if free]
+    if angles:
+        found.append(f"of {' and '.join(angles)} up to {rules.tilt_jerk_limit:.4g} rad/s³")
+    return ", ".join(found)
 
 
 def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:

@@ -12,12 +12,13 @@ import numpy as np
 from nospill.core.units import DIMENSIONS
 from nospill.errors import ScenarioError
 from nospill.robots.robot import Robot
+from nospill.scenario.fields import FREE
 from nospill.scenario.reader import is_as_read, scene_from_table
 from nospill.scene.cargo import Cargo, Filling, Tolerance
 from nospill.scene.controller import Controller
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.obstacles import Obstacle
-from nospill.scene.scene import ApproachRules, Scene
+from nospill.scene.scene import ApproachRules, MotionRules, Scene
 
 _SAME = 1e-9
 """Relative difference that is rounding."""
@@ -135,6 +136,7 @@ def _table(scene: Scene, original: Scene) -> dict[str, Any]:
     if scene.motion.tilt_free != original.motion.tilt_free:
         rules["tilt"] = "free" if scene.motion.tilt_free else "fixed"
     _join(table, "motion", rules)
+    _join(table, "path", _freedom(scene.motion, original.motion, table["path"]))
     options = {f.name: None for f in dataclasses.fields(scene.planning)}
     _join(table, "planning", _changed(scene.planning, original.planning, options))
     _join(table, "planning", _changed(scene, original, {"slosh_modes": None}))
@@ -182,6 +184,18 @@ def _written(value: Any, dimension: str | None) -> Any:
         return [_written(entry, dimension) for entry in value.tolist()]
     unit = "" if dimension is None else next(iter(DIMENSIONS[dimension].units))
     return f"{float(value)!r} {unit}" if unit and value is not None else value
+
+
+def _freedom(rules: MotionRules, original: MotionRules, path: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of `[path]` about how far the tray may leave it; a free yaw keeps the ends of the stated one."""
+    values = _changed(rules, original, {"corridor": "length"})
+    if rules.yaw_free != original.yaw_free and "yaw_at_points" in path:
+        values["yaw"] = FREE if rules.yaw_free else None
+    elif rules.yaw_free != original.yaw_free:
+        given = path.get("yaw", FREE)
+        ends = [0.0, 0.0] if given == FREE else [given[0], given[-1]]
+        values["yaw"] = [ends[0], FREE, ends[1]] if rules.yaw_free else ends
+    return values
 
 
 def _approach(rules: ApproachRules, original: ApproachRules | None) -> dict[str, Any]:

@@ -15,10 +15,13 @@ EXAMPLES: dict[str, str] = {
     "matrix-liquid-tilt": "the four cups on a tray that tilts, with the whole slosh and contact model",
     "matrix-liquid-tilt-robust": "the same for ranges of friction, fill and damping: it holds at every corner",
     "matrix-liquid-tilt-all-limits": "four cups on a tilting tray, with the laboratory's limits of joint acceleration",
+    "matrix-liquid-corridor": "the four cups on a tray that tilts, turns freely and leaves its arc by up to 50 mm",
+    "matrix-liquid-point-to-point": "the four cups, tilting, from one end of the arc to the other on any way",
     "pp-two-cups": "two cups of water along the published path pp, level tray",
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
     "coffee-to-go": "three tapered cups of coffee, filled by volume, on a UR5e that tilts its tray",
     "soup-and-wine": "a bowl of soup on its ring and two glasses of wine on their feet, on a tray that tilts",
+    "cups-around-a-column": "two cups of water on a UR10e that tilts, to the other side of a column, on any way",
     "cups-past-a-column": "two cups of water on a UR10e, past a column and above a table: distances are judged",
 }
 """Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""

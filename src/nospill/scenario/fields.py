@@ -261,6 +261,9 @@ _COORDINATE = Measured(dimension="length", at_least=-100.0, at_most=100.0)
 SIDE = Measured(dimension="length", kind="size", at_least=1e-4, at_most=10.0)
 """What a size is: nothing smaller than a tenth of a millimetre."""
 
+FREE = "free"
+"""The word for an angle that is left to the planner."""
+
 Name = Annotated[str, SafeName()]
 Label = Annotated[str, ShortText()]
 Size = Annotated[float, SIDE]

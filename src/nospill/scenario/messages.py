@@ -163,7 +163,12 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         return entry_place("obstacle", location[1], table["obstacle"][location[1]]), location[3:], model
     if head == "path":
         model = PATH_TABLES.get(str(location[1])) if len(location) > 1 else None
-        return ("[path]", location[2:], model) if len(location) > 1 else ("", location, Scenario)
+        keys = location[2:]
+        part, *below = keys or ("",)
+        inner = _model_of(model, str(part)) if model is not None and below else None
+        if inner is not None:
+            return f"[path.{part}]", tuple(below), inner
+        return ("[path]", keys, model) if len(location) > 1 else ("", location, Scenario)
     if len(location) == 1:
         return "", location, Scenario
     model = _table_model(str(head))
@@ -212,7 +217,8 @@ def _unknown_key(keys: Location, model: type[BaseModel] | None) -> str:
     near = nearest(key, allowed, likeness=0.7)
     if near:
         return f'{text}; did you mean "{near}"?'
-    owner = next((name for name in Scenario.model_fields if _owns(name, key) and _table_model(name) is not model), None)
+    here = _table_model("path") if model in PATH_TABLES.values() else model
+    owner = next((name for name in Scenario.model_fields if _owns(name, key) and _table_model(name) is not here), None)
     hint = f"; it belongs to [{owner}]" if owner else ""
     return f"{text}{hint}; allowed here: {', '.join(allowed)}"
 

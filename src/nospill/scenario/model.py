@@ -193,7 +193,9 @@ class Scenario(Table):
         list[CargoEntry],
         Field(min_length=1, max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each"),
     ]
-    path: Annotated[PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline or waypoints")]
+    path: Annotated[
+        PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline, waypoints or free")
+    ]
     obstacle: Annotated[
         list[ObstacleEntry],
         Field(max_length=MOST_OBSTACLES, description="what stands around the arm, one [[obstacle]] each"),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from nospill.core.paths import (
@@ -15,22 +17,33 @@ from nospill.core.paths import (
     preset_path,
     straight_line,
 )
+from nospill.core.units import format_quantity
 from nospill.core.waypoint_files import read_waypoints
 from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import Angle, Measured, Point, Table
+from nospill.scenario.fields import FREE, Angle, Measured, Point, Table
+from nospill.scenario.freedom_entries import NARROWEST, WIDEST, Corridor, Yaw
+
+LEAST_FREEDOM = 0.1
+"""m; how far the tray may leave a way at least where its goal is near its start."""
+SAME_PLACE = 1e-6
+"""m; places that are nearer to each other are the same."""
 
 
 class PathTable(Table):
     """The keys of every path."""
 
-    yaw: Annotated[
-        list[Angle],
-        Field(
-            min_length=2,
-            description="yaw of the tray: [start, end] is linear along the path, more values are joined smoothly",
-        ),
-    ] = [0.0, 0.0]  # noqa: RUF012 # pydantic copies it and the table is frozen
+    corridor: Corridor = None
+
+    @property
+    def width(self) -> float | None:
+        """How far the tray's centre may leave the path, m; None where it may not."""
+        return self.corridor
+
+    @property
+    def yaw_free(self) -> bool:
+        """Whether the yaw between its ends is left to the planner."""
+        raise NotImplementedError
 
     def standalone(self, folder: FilePath) -> dict[str, object]:
         """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
@@ -49,7 +62,23 @@ class PathTable(Table):
         raise NotImplementedError
 
 
-class PresetTable(PathTable):
+class GivenTable(PathTable):
+    """The keys of every path that is given as a curve."""
+
+    yaw: Yaw = (0.0, 0.0)
+
+    @property
+    def angles(self) -> list[float]:
+        """The angles of the yaw, rad."""
+        return [entry for entry in self.yaw if not isinstance(entry, str)]
+
+    @property
+    def yaw_free(self) -> bool:
+        """See `PathTable`."""
+        return FREE in self.yaw
+
+
+class PresetTable(GivenTable):
     """`type = "preset"`: a published path."""
 
     type: Literal["preset"]
@@ -58,10 +87,10 @@ class PresetTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return preset_path(self.name, yaw=self.yaw, offset=self.offset)
+        return preset_path(self.name, yaw=self.angles, offset=self.offset)
 
 
-class BsplineTable(PathTable):
+class BsplineTable(GivenTable):
     """`type = "bspline"`: control points, degree and knots."""
 
     type: Literal["bspline"]
@@ -74,10 +103,10 @@ class BsplineTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.yaw)
+        return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.angles)
 
 
-class LineTable(PathTable):
+class LineTable(GivenTable):
     """`type = "line"`: straight from start to end."""
 
     type: Literal["line"]
@@ -86,10 +115,10 @@ class LineTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return straight_line(self.start, self.end, yaw=self.yaw)
+        return straight_line(self.start, self.end, yaw=self.angles)
 
 
-class ArcTable(PathTable):
+class ArcTable(GivenTable):
     """`type = "arc"`: the circle through three points."""
 
     type: Literal["arc"]
@@ -99,10 +128,10 @@ class ArcTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`."""
-        return circular_arc(self.start, self.through, self.end, yaw=self.yaw)
+        return circular_arc(self.start, self.through, self.end, yaw=self.angles)
 
 
-class WaypointsTable(PathTable):
+class WaypointsTable(GivenTable):
     """`type = "waypoints"`: a smooth path through points, given here or in a CSV file."""
 
     type: Literal["waypoints"]
@@ -134,7 +163,7 @@ class WaypointsTable(PathTable):
         if (self.file is None) == (self.points is None):
             given = "neither is given" if self.file is None else "both are given"
             raise ScenarioError(f"file and points: {given}; a path through waypoints needs exactly one of them")
-        if self.yaw_at_points is not None and "yaw" in self.model_fields_set:
+        if self.yaw_at_points is not None and self._has_own_yaw:
             raise ScenarioError("yaw and yaw_at_points: both are given; keep one of them")
         if self.file is None:
             return {}
@@ -142,16 +171,86 @@ class WaypointsTable(PathTable):
         found: dict[str, object] = {"file": None, "points": recorded.points.tolist(), "origin": recorded.origin}
         if recorded.yaw is None:
             return found
-        if "yaw" in self.model_fields_set or self.yaw_at_points is not None:
+        if self._has_own_yaw or self.yaw_at_points is not None:
             raise ScenarioError(f"yaw: {self.file} has the yaw of the tray at each point; leave yaw out")
         return found | {"yaw_at_points": recorded.yaw.tolist()}
 
+    @property
+    def _has_own_yaw(self) -> bool:
+        """Whether `yaw` says more than that it is free, which goes with the yaw of points."""
+        return "yaw" in self.model_fields_set and not (self.yaw_free and not any(self.angles))
+
     def build(self) -> Path:
         """See `PathTable`; the points are at hand, `standalone` comes first."""
+        if self.corridor is not None and self.smoothing is not None and self.corridor <= self.smoothing:
+            corridor, smoothing = (format_quantity(size, "length") for size in (self.corridor, self.smoothing))
+            raise ScenarioError(
+                f"corridor is {corridor} wide, no more than the {smoothing} of smoothing by which the path may pass "
+                "beside its points; make it wider"
+            )
         path = path_through_waypoints(
-            self.points or [], yaw=self.yaw, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
+            self.points or [], yaw=self.angles, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
         )
         return path if self.origin is None else replace(path, notes=(self.origin, *path.notes))
+
+
+class PlaceTable(Table):
+    """A place of the tray, level."""
+
+    position: Annotated[Point, Field(description="of the tray's centre")]
+    yaw: Annotated[Angle, Field(description="of the tray")] = 0.0
+
+
+class FreeTable(PathTable):
+    """`type = "free"`: from here to there, the way between them left to the planner."""
+
+    type: Literal["free"]
+    start: Annotated[PlaceTable, Field(description="where the tray is at first, with the keys position and yaw")]
+    goal: Annotated[PlaceTable, Field(description="where it is to come, with the keys position and yaw")]
+    corridor: Annotated[
+        float | None,
+        Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST),
+        Field(
+            description="how far the tray's centre may be from the way along which the motion is looked for; when not "
+            "given, as far as the goal is from the start"
+        ),
+    ] = None
+    way: Annotated[
+        list[Point] | None,
+        Field(
+            min_length=2,
+            max_length=100,
+            description="points from start to goal about which the motion is looked for, joined smoothly; "
+            "the planner chooses them when not given, and the copy kept with a plan has those",
+        ),
+    ] = None
+
+    @property
+    def width(self) -> float:
+        """See `PathTable`."""
+        if self.corridor is not None:
+            return self.corridor
+        return float(np.clip(math.dist(self.start.position, self.goal.position), LEAST_FREEDOM, WIDEST))
+
+    @property
+    def yaw_free(self) -> bool:
+        """See `PathTable`."""
+        return True
+
+    def build(self) -> Path:
+        """See `PathTable`: the straight line, or the way through the stated points."""
+        start, goal = self.start, self.goal
+        yaw = (start.yaw, goal.yaw)
+        if start == goal:
+            raise ScenarioError("goal is the start, place and yaw; give another one")
+        if self.way is None:
+            return straight_line(start.position, goal.position, yaw=yaw)
+        for name, place, point in (("start", start, self.way[0]), ("goal", goal, self.way[-1])):
+            gap = math.dist(place.position, point)
+            if gap > SAME_PLACE:
+                shown = format_quantity(gap, "length", digits=3)
+                raise ScenarioError(f"way: its end at the {name} is {shown} away from it; leave way out")
+        return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {
@@ -160,8 +259,11 @@ PATH_TABLES: dict[str, type[PathTable]] = {
     "line": LineTable,
     "arc": ArcTable,
     "waypoints": WaypointsTable,
+    "free": FreeTable,
 }
 """Type -> the keys of the path."""
 
-PathEntry = Annotated[PresetTable | BsplineTable | LineTable | ArcTable | WaypointsTable, Field(discriminator="type")]
+PathEntry = Annotated[
+    PresetTable | BsplineTable | LineTable | ArcTable | WaypointsTable | FreeTable, Field(discriminator="type")
+]
 """Any of them, distinguished by `type`."""

@@ -32,7 +32,7 @@ from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene
+from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 
@@ -273,15 +273,10 @@ def _check_motion(scenario: Scenario) -> None:
 
 
 def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
-    """Bound on the third derivative of s, 1/s^3: as stated, or of a jerk along the way.
-
-    The way is that of the tray's centre, or of its corners about it where that is longer.
-    """
+    """Bound on the third derivative of s, 1/s^3: as stated, or of a jerk along the way."""
     if rules.path_jerk_limit is not None:
         return rules.path_jerk_limit
-    turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
-    way = max(path.length, turn * float(np.hypot(*tray.size)) / 2)
-    return (rules.max_jerk or DEFAULT_JERK) / way
+    return (rules.max_jerk or DEFAULT_JERK) / way_of(path, tray)
 
 
 def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
@@ -297,6 +292,8 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         hold_before=rules.hold_before,
         hold_after=rules.hold_after,
         duration=rules.duration,
+        corridor=scenario.path.width,
+        yaw_free=scenario.path.yaw_free,
     )
 
 

@@ -25,13 +25,10 @@ from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standal
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import Robot
 from nospill.scenario.capsule_entry import MOST_CAPSULES, CapsuleTable, fitted_capsules, with_capsules
-from nospill.scenario.fields import ANGLE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
+from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
 
 _LARGEST_URDF = 10_000_000
 _SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"
-
-FREE = "free"
-"""`base_yaw` where the planner is to find it; until then the arm stands at 0."""
 
 _Scale = Annotated[
     float | None,

@@ -40,6 +40,8 @@ class MotionRules:
         hold_before: how long the arm stands still at the start of an exported motion, s.
         hold_after: likewise, at its end.
         duration: of the motion, s; None for the shortest that keeps the limits.
+        corridor: greatest distance of the tray's centre from its path between the ends, m; None where it keeps to it.
+        yaw_free: whether the tray turns as it likes between the ends.
     """
 
     tilt_free: bool
@@ -52,6 +54,26 @@ class MotionRules:
     hold_before: float = 0.0
     hold_after: float = 0.0
     duration: float | None = None
+    corridor: float | None = None
+    yaw_free: bool = False
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the path alone says where the tray is: it has no freedom beside its way along it."""
+        return not (self.tilt_free or self.leaves_path)
+
+    @property
+    def leaves_path(self) -> bool:
+        """Whether the tray may be beside the path, or turned otherwise than it."""
+        return self.yaw_free or self.corridor is not None
+
+    def on_path(self) -> MotionRules:
+        """The same with place and yaw as the path has them."""
+        return replace(self, corridor=None, yaw_free=False)
+
+    def without_freedom(self) -> MotionRules:
+        """The same on the path itself, level."""
+        return replace(self.on_path(), tilt_free=False)
 
     @property
     def longest(self) -> float:
@@ -147,8 +169,19 @@ class Scene:
         """Modes of a liquid in each direction that the optimiser carries in the end, where the judge objects."""
         return self.slosh_modes if self.fidelity == "deliverable" else min(self.slosh_modes, _PLANNED_MODES)
 
+    @property
+    def way(self) -> float:
+        """Length of the path, m: the tray centre's, or that of its corners about it where that is longer."""
+        return way_of(self.path, self.tray)
+
     def with_one_mode(self) -> Scene:
         """The scene with one mode of each liquid in each direction, with which a search begins."""
         cargo = tuple(with_modes(item, 1) for item in self.cargo)
         same = self.slosh_modes == 1 and all(a is b for a, b in zip(cargo, self.cargo, strict=True))
         return self if same else replace(self, cargo=cargo, slosh_modes=1)
+
+
+def way_of(path: Path, tray: Tray) -> float:
+    """`Scene.way` of a path and a tray."""
+    turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
+    return max(path.length, turn * float(np.hypot(*tray.size)) / 2)

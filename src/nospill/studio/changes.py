@@ -37,7 +37,10 @@ _ABOUT_LIQUID = (
     *("liquid", "liquid_height", "liquid_volume", "max_slosh_height", "freeboard_reserve"),
     *("damping", "empty_mass"),
 )
-_ABOUT_PATH = ("name", "offset", "start", "through", "end", "points", "file", "control_points", "degree", "knots")
+_ABOUT_PATH = (
+    *("name", "offset", "start", "through", "end", "points", "file", "control_points", "degree", "knots"),
+    *("goal", "way"),
+)
 _SOME_LENGTH, _SOME_MASS = 0.07, "0.2 kg"
 
 
@@ -76,6 +79,7 @@ def _path(kind: str, path: Path | None) -> dict[Key, Any]:
         "line": {"start": start, "end": end},
         "arc": {"start": start, "through": middle, "end": end},
         "waypoints": {"points": [start, quarter, middle, last_quarter, end]},
+        "free": {"start": {"position": start}, "goal": {"position": end}, "yaw": None},
     }
     return values | {("path", "type"): kind} | {("path", key): value for key, value in own[kind].items()}
 

@@ -130,7 +130,7 @@ def _robot(draft: Draft) -> list[Field]:
 
 def _path(draft: Draft) -> list[Field]:
     kind = draft.value(("path", "type"))
-    types = ("preset", "line", "arc", "waypoints")
+    types = ("preset", "line", "arc", "waypoints", "free")
     own: dict[str, list[Field]] = {
         "preset": [
             field_of(("path", "name"), "choice", tuple(PRESETS)),
@@ -140,11 +140,22 @@ def _path(draft: Draft) -> list[Field]:
         "arc": [_point("start"), _point("through"), _point("end")],
         "waypoints": [field_of(("path", "points"), "points", hint="one point a line: x, y, z")],
         "bspline": [field_of(("path", "control_points"), "points", hint="one a line: x, y, z")],
+        "free": [*_place("start"), *_place("goal")],
     }
+    yaw = field_of(("path", "yaw"), "one or list", hint="from start to end: 0 deg, 180 deg; or 0 deg, free, 180 deg")
     return [
         field_of(("path", "type"), "choice", types if kind in types else (*types, str(kind))),
         *own.get(str(kind), []),
-        field_of(("path", "yaw"), "list", hint="of the tray from start to end: 0 deg, 180 deg"),
+        *([] if kind == "free" else [yaw]),
+        field_of(("path", "corridor"), hint="how far the tray may leave the path between its ends, for example 50 mm"),
+    ]
+
+
+def _place(key: str) -> list[Field]:
+    hint = "of the tray's centre, for example 0.9, 0.3, 1.2 or 900 mm, ..."
+    return [
+        Field(("path", key, "position"), f"{key.capitalize()} x, y, z", "list", hint=hint),
+        Field(("path", key, "yaw"), f"{key.capitalize()} yaw", hint="of the tray there: 90 deg"),
     ]
 
 

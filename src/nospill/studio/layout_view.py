@@ -12,6 +12,7 @@ import numpy as np
 from nospill.errors import NospillError
 from nospill.film.robot_model import read_chain
 from nospill.robots.joint_paths.search import joint_paths
+from nospill.scenario.free_way import has_free_way, ways
 from nospill.scene.scene import Scene
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
 
@@ -111,10 +112,15 @@ class LayoutView:
         self._drawn = {"way": way, "load": load}
 
     def _draw_way(self, scene: Scene) -> None:
+        obstacle = ""
+        if has_free_way(scene):
+            try:
+                scene = ways(scene)[0]
+            except NospillError as error:
+                obstacle = str(error)
         points = scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))
         self._tray_place, self._turn = points[0, :3], float(points[0, 3])
         chain = read_chain(scene.robot.urdf, scene.robot.joints, scene.robot.tip)
-        obstacle = ""
         try:
             q = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)[0].q[0]
         except NospillError as error:

@@ -76,8 +76,11 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
     tray = _tray_samples(scene, samples.chains)
     position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
     tilt = [np.zeros((count, 2)) for _ in range(3)]
-    if scene.motion.tilt_free:
-        tilt = [samples.chains[:, [3 + order, 6 + order]] for order in range(3)]
+    if layout.freedom.tilt:
+        tilt = [samples.chains[:, [3 * chain + order for chain in layout.freedom.tilt_chains]] for order in range(3)]
+    yaw = scene.path.at(samples.chains[:, 0])[:, 3]
+    for chain in layout.freedom.turn_chains:
+        yaw = yaw + samples.chains[:, 3 * chain]
     return Trajectory(
         t=t,
         s=samples.chains[:, 0],
@@ -91,7 +94,7 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
         joint_speed=speed,
         joint_acceleration=acceleration,
         tray_position=tray.position,
-        tray_quaternion=tray_quaternions(scene.path.at(samples.chains[:, 0])[:, 3], tilt[0][:, 1], tilt[0][:, 0]),
+        tray_quaternion=tray_quaternions(yaw, tilt[0][:, 1], tilt[0][:, 0]),
         slosh=_slosh_tracks(scene, samples, tray),
     )
 
@@ -129,7 +132,7 @@ def tray_function(kind: Structure) -> Any:
         layout, gravity = layout_of(kind), SX.sym("g")
         symbol, piece = SX.sym("chains", 3 * layout.chains), SX.sym("piece", piece_size(kind.degree))
         chains = tuple(layout.chain(symbol, index) for index in range(layout.chains))
-        state = tray_state(PathPiece.of(piece), chains, tilt_free=kind.tilt_free, gravity=gravity)
+        state = tray_state(PathPiece.of(piece), chains, freedom=kind.freedom, gravity=gravity)
         motion, rotation = state.motion, state.rotation
         acceleration, angular_acceleration = state.acceleration(gravity)
         parts = [

@@ -98,7 +98,7 @@ def _tray_jerk(
     """Second time derivative (6, 1) of the tray's twist in base axes, right after the node: there the jerk jumps."""
     symbol = SX.sym("chains", 3 * layout.chains)
     moving = tuple(layout.chain(symbol, index) for index in range(layout.chains))
-    tray = tray_state(piece, moving, tilt_free=structure.tilt_free, gravity=numbers.gravity)
+    tray = tray_state(piece, moving, freedom=structure.freedom, gravity=numbers.gravity)
     acceleration = ca.vertcat(*tray.acceleration(numbers.gravity))
     rates = [ca.vertcat(*chain[1:], jerks[index]) for index, chain in enumerate(chains)]
     jerk = ca.jtimes(acceleration, symbol, ca.vertcat(*rates))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.parameters import Structure
+from nospill.laws.parameters import Freedom, Structure
 from nospill.laws.sample import coordinate_count
 
 IntegratorChain = tuple[SX, SX, SX]
@@ -18,13 +18,14 @@ IntegratorChain = tuple[SX, SX, SX]
 class Layout:
     """Sizes and slices of a stage's variables.
 
-    State: chains (s, then theta_x and theta_y where free, then the self-motion of a seven-joint arm; each value, rate,
-    acceleration), interval length, slosh displacements, slosh velocities.
+    State: chains (s; where free, theta_x and theta_y, the offset from the path along the base's x, y and z, the yaw
+    beside the path's; then the self-motion of a seven-joint arm; each value, rate, acceleration), interval length,
+    slosh displacements, slosh velocities.
     Control: jerks, slosh accelerations at both points, joint positions and their time derivatives at the node, and
     last, where the arm is kept regular, the determinant of its Jacobian.
 
     Attributes:
-        tilts: 2 where the tilt is free, 0 otherwise.
+        freedom: of the tray; says which chains there are.
         redundant: 1 with seven joints, 0 with six.
         coordinates: number of slosh coordinates.
         joints: number of joints.
@@ -33,7 +34,7 @@ class Layout:
         regular: 1 where the determinant is a variable, 0 otherwise.
     """
 
-    tilts: int
+    freedom: Freedom
     redundant: int
     coordinates: int
     joints: int
@@ -42,8 +43,8 @@ class Layout:
 
     @property
     def chains(self) -> int:
-        """How many jerk-driven chains there are."""
-        return 1 + self.tilts + self.redundant
+        """How many jerk-driven chains there are: first those that move the tray."""
+        return self.freedom.chains + self.redundant
 
     @property
     def interval(self) -> int:
@@ -108,7 +109,7 @@ def layout_of(structure: Structure) -> Layout:
     """The layout of a structure."""
     lifted = {"acceleration": 2, "torque": 2, "jerk": 3}
     return Layout(
-        tilts=2 if structure.tilt_free else 0,
+        freedom=structure.freedom,
         redundant=int(structure.redundant),
         coordinates=coordinate_count(structure),
         joints=len(structure.joints),

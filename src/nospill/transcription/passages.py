@@ -49,8 +49,8 @@ def passages(scene: Scene, joint_path: JointPath, motion: Stages) -> tuple[Passa
     values = stage_determinants(scene, motion)
     if motion.self_motion is not None or keeps_branch(values):  # a seventh joint passes by itself
         return NOT_BOUNDED, Passage(determinant=clearance(values))
-    through = Passage(along=joint_path, level=scene.motion.tilt_free)
-    if not scene.motion.tilt_free or not keeps_branch(values[[0, -1]]):
+    through = Passage(along=joint_path, level=not scene.motion.is_given)
+    if scene.motion.is_given or not keeps_branch(values[[0, -1]]):
         return (through,)
     # a tilting tray passes beside a singularity if it does not end behind it
     return NOT_BOUNDED, Passage(determinant=clearance(values[[0, -1]]), brief=True), through

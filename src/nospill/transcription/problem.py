@@ -12,7 +12,7 @@ import numpy as np
 
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import Number, SceneNumbers, Structure
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
@@ -165,12 +165,16 @@ def _scales(
     scene: Scene, structure: Structure, numbers: SceneNumbers, layout: Layout, duration: float, intervals: int
 ) -> np.ndarray:
     scales = np.ones(layout.size)
-    tilt = 0.3
+    freedom = layout.freedom
+    sizes: dict[int, Number] = dict.fromkeys(freedom.tilt_chains, 0.3)
+    sizes |= dict.fromkeys(freedom.offset_chains, numbers.corridor)
     for chain in range(layout.chains):
-        value = (1.0, *[tilt] * layout.tilts, *[1.0] * layout.redundant)[chain]
+        value = sizes.get(chain, 1.0)
         scales[3 * chain : 3 * chain + 3] = value, 2 * value / duration, 10 * value / duration**2
     scales[layout.interval] = duration / intervals
     limits = [scene.motion.path_jerk_limit] + [scene.motion.tilt_jerk_limit] * (layout.chains - 1)
+    for chain in layout.freedom.offset_chains:
+        limits[chain] = numbers.offset_jerk_limit
     if layout.redundant:
         limits[-1] = _SELF_MOTION_JERK
     scales[layout.jerks] = [0.3 * limit for limit in limits]

@@ -79,12 +79,13 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
     warp, warp_rate = tau + start.skew * tau * (1 - tau), 1 + start.skew * (1 - 2 * tau)
     s, rate, change = quintic(warp)
     chains = [(s, rate * warp_rate / duration, (change * warp_rate**2 - 2 * start.skew * rate) / duration**2)]
-    for index in range(layout_of(structure_of(scene)).tilts):
-        amplitude = start.tilt[index]
+    layout = layout_of(structure_of(scene))
+    for amplitude in start.tilt if layout.freedom.tilt else ():
         bump = 64 * tau**3 * (1 - tau) ** 3
         slope = 192 * tau**2 * (1 - tau) ** 2 * (1 - 2 * tau)
         bend = 384 * tau * (1 - tau) * (1 - 5 * tau + 5 * tau**2)
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
+    chains += [(np.zeros_like(tau),) * 3] * (layout.freedom.chains - len(chains))
     return motion_along(scene, joint_path, [np.column_stack(chain) for chain in chains], duration)
 
 

@@ -13,6 +13,9 @@ from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
 from nospill.transcription.passages import NOT_BOUNDED, Passage
 
+_NARROWER = (1.0, 0.25, 0.1, 0.04)
+"""Parts of a corridor in which motions are tried where there are obstacles."""
+
 
 @dataclass(frozen=True, slots=True)
 class Task:
@@ -41,10 +44,28 @@ class Task:
         return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
 
     @property
+    def on_path(self) -> Task:
+        """The same with the tray on its path, place and yaw; the certificate is about what was requested."""
+        return replace(self, model=replace(self.model, motion=self.model.motion.on_path()))
+
+    @property
+    def corridors(self) -> tuple[Task, ...]:
+        """The same with the corridors in which motions are looked for, one after the other until one is certified.
+
+        Obstacles are judged and unknown to the optimiser: about a path that keeps clear of them the corridor is made
+        narrower, until a motion in it keeps clear too.
+        """
+        rules = self.model.motion
+        if not self.scene.obstacles or rules.corridor is None:
+            return (self,)
+        narrower = (replace(rules, corridor=part * rules.corridor) for part in _NARROWER)
+        return tuple(replace(self, model=replace(self.model, motion=own)) for own in narrower)
+
+    @property
     def searched_scene(self) -> Scene:
         """The model, with a level tray where only that passes the singularities."""
         scene = self.model
-        return replace(scene, motion=replace(scene.motion, tilt_free=False)) if self.passage.level else scene
+        return replace(scene, motion=scene.motion.without_freedom()) if self.passage.level else scene
 
     @property
     def first_members(self) -> frozenset[VariantId]:

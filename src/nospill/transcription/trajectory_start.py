@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from nospill.laws.scene_parameters import structure_of
+from nospill.motion.beside_path import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
@@ -31,9 +32,9 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
 
     table = np.zeros((intervals + 1, layout.size))
     chains = [np.column_stack([trajectory.s, trajectory.s_rate, trajectory.s_acceleration])]
-    if layout.tilts:
-        tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
-        chains += [np.column_stack([part[:, axis] for part in tilt]) for axis in range(2)]
+    for column in np.hstack([np.zeros((len(trajectory.t), 0)), *recorded_freedom(trajectory, scene)]).T:
+        rate = np.gradient(column, trajectory.t)
+        chains.append(np.column_stack([column, rate, np.gradient(rate, trajectory.t)]))
     joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
     direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
     if direction is not None:

@@ -135,7 +135,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
     jerks, interval = stage[layout.jerks], stage[layout.interval]
     pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
-    tray = tray_motions(chains, jerks, interval, pieces, lifted, tilt_free=structure.tilt_free, gravity=numbers.gravity)
+    tray = tray_motions(chains, jerks, interval, pieces, lifted, freedom=structure.freedom, gravity=numbers.gravity)
     ends = moved(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
     equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
@@ -143,7 +143,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     own = ca.vertcat(gaps, equalities, rows.stacked()[0])
     cost = _cost(layout, numbers, interval, jerks, given.intervals)
 
-    pattern, columns = motion_pattern(structure.tilt_free), motion_columns(layout)
+    pattern, columns = motion_pattern(structure.freedom), motion_columns(layout)
     weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
     gamma, curvature = SX.sym("gamma", count), SX.sym("curvature", pattern.share.nnz())
     motion = lifted.lift(tray.numbers)
@@ -190,7 +190,8 @@ def _rows(
         joint_speed=stage[layout.joint_speed],
         joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
         joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
-        tilt=ca.vertcat(stage[3], stage[6]) if structure.tilt_free else None,
+        tilt=_values(stage, layout.freedom.tilt_chains),
+        offset=_values(stage, layout.freedom.offset_chains),
         jerks=stage[layout.jerks],
     )
     collector = RowCollector(backoff)
@@ -198,9 +199,16 @@ def _rows(
     return collector
 
 
+def _values(stage: SX, chains: range) -> SX | None:
+    """Values of some of the chains of a stage; None where there are none."""
+    return ca.vertcat(*[stage[3 * index] for index in chains]) if chains else None
+
+
 def _cost(layout: Layout, numbers: SceneNumbers, interval: SX, jerks: SX, intervals: SX) -> SX:
     """Share of the stage, s."""
-    weights = [numbers.path_jerk_weight] + [numbers.tilt_jerk_weight] * (layout.tilts + layout.redundant)
+    weights = [numbers.path_jerk_weight, *[numbers.tilt_jerk_weight] * (layout.chains - 1)]
+    for index in layout.freedom.offset_chains:
+        weights[index] = numbers.offset_jerk_weight
     cost: SX = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     return cost
 

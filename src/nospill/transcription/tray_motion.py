@@ -13,6 +13,7 @@ from functools import lru_cache
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.laws.parameters import Freedom
 from nospill.transcription.collocation import POINTS, advance_chain
 from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.lifted_variables import LiftedVariables
@@ -80,16 +81,16 @@ def tray_motions(
     pieces: tuple[PathPiece, ...],
     lifted: LiftedVariables,
     *,
-    tilt_free: bool,
+    freedom: Freedom,
     gravity: SX,
 ) -> TrayMotions:
     """The tray over an interval, `pieces` the path's at each of `INSTANTS`."""
-    start = tray_state(pieces[0], chains, tilt_free=tilt_free, gravity=gravity).lifted(lifted)
+    start = tray_state(pieces[0], chains, freedom=freedom, gravity=gravity).lifted(lifted)
     motions = [start.motion]
     for piece, fraction in zip(pieces[1:], INSTANTS[1:], strict=True):
         later = moved(chains, jerks, fraction * interval)
         later = tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in later)
-        motions.append(tray_state(piece, later, tilt_free=tilt_free, gravity=gravity).motion)
+        motions.append(tray_state(piece, later, freedom=freedom, gravity=gravity).motion)
     numbers: list[SX] = []
     entries: list[tuple[int | None, ...]] = []
     for motion in motions:
@@ -104,15 +105,15 @@ def tray_motions(
     return TrayMotions(start, ca.vertcat(*numbers), tuple(entries))
 
 
-@lru_cache(maxsize=2)
-def motion_pattern(tilt_free: bool) -> MotionPattern:
-    """The pattern of a level or of a tilting tray; the motion variables are all variables of this layout's stage."""
-    layout = Layout(tilts=2 if tilt_free else 0, redundant=0, coordinates=0, joints=0, orders=1)
+@lru_cache(maxsize=8)
+def motion_pattern(freedom: Freedom) -> MotionPattern:
+    """The pattern of a tray with some freedom; the motion variables are all variables of this layout's stage."""
+    layout = Layout(freedom, redundant=0, coordinates=0, joints=0, orders=1)
     z, lifted = SX.sym("z", layout.size), LiftedVariables()
     chains = tuple(layout.chain(z, index) for index in range(layout.chains))
     pieces = tuple(PathPiece.of(SX.sym("piece", piece_size(3))) for _ in INSTANTS)
     found = tray_motions(
-        chains, z[layout.jerks], z[layout.interval], pieces, lifted, tilt_free=tilt_free, gravity=SX.sym("g")
+        chains, z[layout.jerks], z[layout.interval], pieces, lifted, freedom=freedom, gravity=SX.sym("g")
     )
     count = found.numbers.numel()
     jacobian = lifted.derivatives(z, found.numbers, SX.zeros(count)).jacobian.sparsity()
@@ -134,5 +135,5 @@ def with_interval(slopes: SX, interval: int) -> SX:
 
 def motion_columns(layout: Layout) -> list[int]:
     """Where the motion variables stand among the variables of a stage."""
-    chains = 1 + layout.tilts
+    chains = layout.freedom.chains
     return [*range(3 * chains), layout.interval, *range(layout.jerks.start, layout.jerks.start + chains)]

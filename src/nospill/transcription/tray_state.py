@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
+from nospill.laws.parameters import Freedom
 from nospill.laws.sample import tray_motion
 from nospill.transcription.layout import IntegratorChain
 from nospill.transcription.lifted_variables import LiftedVariables
@@ -49,13 +50,19 @@ class TrayState:
         return self.rotation @ self.motion.specific_force - weight, self.rotation @ self.motion.angular_acceleration
 
 
-def tray_state(piece: PathPiece, chains: tuple[IntegratorChain, ...], *, tilt_free: bool, gravity: SX) -> TrayState:
-    """The tray frame's pose and motion from s and, where free, the tilt angles; `piece` is the path's at s."""
+def tray_state(piece: PathPiece, chains: tuple[IntegratorChain, ...], *, freedom: Freedom, gravity: SX) -> TrayState:
+    """The tray frame's pose and motion from s and what is free, in the order of `Layout`; the path's `piece` at s."""
     s, speed, acceleration = chains[0]
     value, first, second = piece.at(s)
     rate, change = first * speed, second * speed**2 + first * acceleration
-    level = (SX(0), SX(0), SX(0))
-    theta_x, theta_y = (chains[1], chains[2]) if tilt_free else (level, level)
+    further, none = iter(chains[1:]), (SX(0), SX(0), SX(0))
+    theta_x, theta_y = (next(further), next(further)) if freedom.tilt else (none, none)
+    beside = [next(further) for _ in range(3)] if freedom.offset else [none] * 3
+    turn = next(further) if freedom.yaw else none
+    value, rate, change = (
+        along + ca.vertcat(*[chain[order] for chain in (*beside, turn)])
+        for order, along in enumerate((value, rate, change))
+    )
     rotation = tray_rotation(value[3], theta_y[0], theta_x[0])
     omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
     motion = tray_motion(rotation, change[:3], omega, alpha, gravity)

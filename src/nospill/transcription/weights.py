@@ -23,10 +23,12 @@ _NAMES = ("path_jerk_weight", "tilt_jerk_weight")
 def jerk_weights(scene: Scene, duration: float) -> dict[str, float]:
     """Weights by name, for a motion that is expected to take `duration`, s; of a given duration nothing else counts."""
     if scene.motion.duration is not None:
-        return dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
-    usual = min(_SMOOTHNESS * duration**7, _LARGEST)
-    stated = {name: getattr(scene.planning, name) for name in _NAMES}
-    return {name: usual if weight is None else weight for name, weight in stated.items()}
+        found = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
+    else:
+        usual = min(_SMOOTHNESS * duration**7, _LARGEST)
+        stated = {name: getattr(scene.planning, name) for name in _NAMES}
+        found = {name: usual if weight is None else weight for name, weight in stated.items()}
+    return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.way**2}
 
 
 def weigh_too_much(scene: Scene, expected: float, found: float) -> bool:

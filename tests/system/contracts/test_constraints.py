@@ -18,7 +18,14 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 
-SCENES = ("matrix-liquid", "matrix-liquid-still", "matrix-liquid-soft-end", "matrix-rigid", "mixed-tray")
+SCENES = (
+    "matrix-liquid",
+    "matrix-liquid-still",
+    "matrix-liquid-soft-end",
+    "matrix-rigid",
+    "mixed-tray",
+    "matrix-liquid-corridor",
+)
 CASES = [
     pytest.param(constraint, name, id=f"{constraint.name}-{name}") for constraint in CONSTRAINTS for name in SCENES
 ]
@@ -58,9 +65,10 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         half = (numbers.joint_upper - numbers.joint_lower) / 2
         position = middle + 1.5 * half * x[:joints]
         speed = 1.5 * numbers.max_speed * x[joints:]
-        return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed), x)
-    x = ca.SX.sym("x", 5)
-    return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=1500 * x[2:]), x)
+        offset = 1.2 * numbers.corridor * x[:3]
+        return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed, offset=offset), x)
+    x = ca.SX.sym("x", 2 + structure.freedom.chains)
+    return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=3000 * x[2:]), x)
 
 
 def budgets_of(constraint: Constraint, name: str) -> tuple[Probe, list[list[Budget]]]:

@@ -6,7 +6,8 @@ from types import MappingProxyType
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
 from nospill.laws.constraints.clearance import Clearance
-from nospill.laws.constraints.jerk import PathJerk, TiltJerk
+from nospill.laws.constraints.corridor import Corridor
+from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
 from nospill.laws.constraints.joint_acceleration import JointAcceleration
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.joint_position import JointPosition
@@ -39,6 +40,9 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Tilt(),
     PathJerk(),
     TiltJerk(),
+    Corridor(),
+    OffsetJerk(),
+    YawJerk(),
 )
 """Every constraint that the optimiser and the judge evaluate by its expressions, in the order of the certificate."""
 

@@ -104,17 +104,19 @@ class JointKey:
 
 @dataclass(frozen=True, slots=True)
 class MotionKey:
-    """A limit among the rules of the motion, in `[motion]`.
+    """A limit among the rules of the motion.
 
     Attributes:
-        key: there, and the attribute of the rules, SI units.
+        key: in its table, and the attribute of the rules, SI units.
         dimension: as in `core.units`.
         largest: value that the scenario allows, SI units.
+        table: of the scenario.
     """
 
     key: str
     dimension: str
     largest: float
+    table: str = "motion"
 
 
 LimitKey = ObjectKey | JointKey | MotionKey

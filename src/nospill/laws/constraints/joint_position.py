@@ -44,7 +44,7 @@ def range_backoff(scene: Scene, q: np.ndarray) -> dict[RowId, float]:
         q: (m, n) rad, joint positions along the path.
     """
     robot = scene.robot
-    given = q[[0, -1]] if scene.motion.tilt_free else q
+    given = q if scene.motion.is_given else q[[0, -1]]
     nearest = np.min(np.minimum(given - robot.lower, robot.upper - given), axis=0)
     shares = np.minimum(np.maximum(nearest, 0.0) / (robot.upper - robot.lower), JointPosition.backoff)
     return {RowId(JointPosition.name, joint): float(share) for joint, share in zip(robot.joints, shares, strict=True)}

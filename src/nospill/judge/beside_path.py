@@ -1,0 +1,22 @@
+"""Where on its path the tray is by the record, and how far beside it by the played joints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.judge.replay import Replay
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.scene import Scene
+
+
+def between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
+    """Recorded s, theta_x and theta_y (3, m) on the grid of the replay, by the spline that the joints are played by."""
+    columns = np.column_stack([trajectory.s, trajectory.tilt])
+    return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, columns))(played.t).T
+
+
+def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> np.ndarray:
+    """From the path at the recorded s to the tray's centre as the joints carry it (m, 3), m, on the replay's grid."""
+    s = np.clip(between_samples(trajectory, played)[0], 0.0, 1.0)
+    return played.tray.position - scene.path.at(s)[:, :3]

@@ -1,0 +1,60 @@
+"""Which way round obstacles a free path takes, and what is said where all are blocked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nospill.diagnosis import freest_way
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.free_way import has_free_way, ways
+from nospill.scene.scene import Scene
+
+pytest.importorskip("coal")
+pytestmark = pytest.mark.slow
+
+COLUMN = {"name": "column", "shape": "box", "at": [0.86, 0.0, 0.45], "size": [0.15, 0.15, 0.9], "clearance": 0.01}
+TABLE = {"name": "table", "shape": "halfspace", "at": [0.0, 0.0, 0.0]}
+
+
+def scene_of(*obstacles: dict[str, object], tilt: str = "fixed") -> Scene:
+    table = read_scenario("cups-around-a-column").source
+    return scene_from_table({**table, "obstacle": [*obstacles], "motion": {"tilt": tilt}}, name="around")
+
+
+def middle_of(scene: Scene) -> np.ndarray:
+    return scene.path.at(0.5)[0, :3]
+
+
+def test_without_obstacles_three_ways_are_looked_at() -> None:
+    table = read_scenario("cups-around-a-column").source
+    scene = scene_from_table({key: value for key, value in table.items() if key != "obstacle"}, name="open")
+    assert freest_way(scene) is not scene or has_free_way(scene)
+    assert len(ways(scene)) <= 3 < len(ways(scene_of(TABLE)))
+
+
+def test_inside_a_tall_column_and_over_a_low_one() -> None:
+    inside = middle_of(freest_way(scene_of(COLUMN, TABLE)))
+    assert 0.3 < inside[0] < 0.66 and inside[2] == pytest.approx(0.45)
+    low = {**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}
+    over = middle_of(freest_way(scene_of(low, TABLE)))
+    assert over[2] > 0.5
+
+
+def test_where_all_are_blocked_one_line_says_so() -> None:
+    walls = [
+        {"name": name, "shape": "box", "at": [side, 0.0, 1.25], "size": ["1.8 m", "20 mm", "2.5 m"]}
+        for name, side in (("front", 1.1), ("back", -1.1))
+    ]
+    with pytest.raises(NoSolutionError, match=r"No way found for the arm: .* ways that were tried") as caught:
+        freest_way(scene_of(*walls, TABLE))
+    assert caught.value.exit_code == 3
+    tilting = freest_way(scene_of(*walls, TABLE, tilt="free"))
+    assert not has_free_way(tilting) or tilting.path.length > 0.0  # the certificate decides
+
+
+def test_a_goal_beside_an_obstacle_is_bad_input() -> None:
+    with pytest.raises(ScenarioError, match=r"where the path ends; move the obstacle or the path") as caught:
+        freest_way(scene_of({**COLUMN, "at": [0.75, 0.66, 0.45]}, TABLE))
+    assert caught.value.exit_code == 2

@@ -1,0 +1,129 @@
+"""Trays that may leave their paths: certified, and the shorter the more is free."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.core.attitudes import matrices, yaw_of
+from nospill.judge.certificate import certify
+from nospill.planning import planner as planning
+from nospill.planning.planner import Planner, plan
+from nospill.planning.refinement import Judged
+from nospill.plans.loading import load_plan
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.free_way import has_free_way
+
+pytestmark = pytest.mark.slow
+
+FREEDOM = {
+    "yaw": {"path.yaw": ["0 deg", "free", "180 deg"]},
+    "10 mm": {"path.corridor": "10 mm"},
+    "50 mm": {"path.corridor": "50 mm"},
+    "both": {"path.corridor": "50 mm", "path.yaw": ["0 deg", "free", "180 deg"]},
+}
+
+
+def test_a_corridor_and_a_free_yaw_shorten_the_tilting_motion(example_plan) -> None:
+    found, given = example_plan("matrix-liquid-corridor"), example_plan("matrix-liquid-tilt")
+    assert found.certificate.ok and found.duration < 1.42 < given.duration
+    trajectory, scene = found.trajectory, found.scene
+    distance = np.linalg.norm(trajectory.tray_position - scene.path.at(trajectory.s)[:, :3], axis=1)
+    assert 0.045 < distance.max() <= 0.05 and distance[[0, -1]].max() < 1e-9
+    yaw = np.unwrap(yaw_of(matrices(trajectory.tray_quaternion)))
+    beside = yaw - scene.path.at(trajectory.s)[:, 3]
+    np.testing.assert_allclose(beside[[0, -1]], 0.0, atol=1e-9)
+    assert np.abs(beside).max() > 0.05
+    # the motion on the given path keeps every limit of this scene, too
+    assert certify(given.trajectory, replace(scene, path=given.scene.path)).ok
+
+
+@pytest.mark.parametrize("name", ["matrix-liquid", "matrix-rigid", "pp-two-cups"])
+def test_every_freedom_makes_the_motion_shorter_or_equal(name: str, example_plan, changed_scene) -> None:
+    ends = read_scenario(name).source["path"]["yaw"]  # type: ignore[index]
+    durations = {"given": example_plan(name).duration}
+    for label, changes in FREEDOM.items():
+        keys = {**changes, **({"path.yaw": [ends[0], "free", ends[-1]]} if "path.yaw" in changes else {})}
+        found = plan(changed_scene(name, keys))
+        assert found.certificate.ok
+        durations[label] = found.duration
+    for less, more in (("given", "yaw"), ("given", "10 mm"), ("10 mm", "50 mm"), ("50 mm", "both"), ("yaw", "both")):
+        assert durations[more] <= durations[less] + 1e-3
+
+
+def test_a_seventh_joint_and_limits_of_acceleration(changed_scene) -> None:
+    table = {
+        "robot": {"model": "franka-fr3"},
+        "path": {"type": "line", "start": [0.45, -0.25, 0.45], "end": [0.45, 0.25, 0.45], "yaw": "free"},
+        "motion": {"tilt": "fixed", "end": "residual"},
+        "tray": {"size": [0.2, 0.15], "friction": 0.45, "offset": 0.05},
+    }
+    cup = {**read_scenario("pp-two-cups").source["cargo"][0], "at": [0.0, 0.0]}  # type: ignore[index]
+    given = plan({"cargo": [cup], **table, "path": {**table["path"], "yaw": [0.0, 0.0]}})
+    free = plan({"cargo": [cup], **table, "path": {**table["path"], "corridor": 0.03}})
+    assert given.certificate.ok and free.certificate.ok
+    assert free.duration < given.duration
+
+
+def test_a_plan_starts_from_an_earlier_one_with_the_same_freedom(changed_scene, example_plan) -> None:
+    planner = Planner(example_plan("matrix-liquid-corridor"))
+    found = planner.plan(changed_scene("matrix-liquid-corridor", {"tray.friction": 0.45}))
+    assert found.certificate.ok and found.report.iterations < 100
+    assert example_plan("matrix-liquid-corridor").duration < found.duration < 1.43
+
+
+def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monkeypatch, changed_scene) -> None:
+    """Every motion beside the path is spoilt."""
+    certified = planning.certified_by_refinement
+
+    def spoilt(candidate, log) -> Judged:
+        judged = certified(candidate, log)
+        if judged.candidate.active.scene.motion.corridor is None:
+            return judged
+        failed = replace(judged.judgement.certificate, ok=False)
+        return replace(judged, judgement=replace(judged.judgement, certificate=failed))
+
+    monkeypatch.setattr(planning, "certified_by_refinement", spoilt)
+    changes = {"path.corridor": "50 mm", "planning.intervals": 40}
+    found = plan(changed_scene("matrix-rigid", changes))
+    given = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
+    assert found.certificate.ok and "corridor" in {row.constraint for row in found.certificate.rows}
+    assert found.duration == pytest.approx(given.duration, rel=1e-6)
+
+
+def test_from_one_end_of_the_arc_to_the_other_on_any_way(example_plan, tmp_path) -> None:
+    found, corridor = example_plan("matrix-liquid-point-to-point"), example_plan("matrix-liquid-corridor")
+    assert found.certificate.ok and found.duration < 1.30 < corridor.duration
+    rows = {row.constraint: row for row in found.certificate.rows if row.subject == "tray"}
+    assert rows["goal"].ok and rows["goal attitude"].ok and "path position" not in rows
+    ends = found.trajectory.tray_position[[0, -1]]
+    np.testing.assert_allclose(ends, [[0.1541, -0.5994, 1.2195], [0.1541, 0.5994, 1.2195]], atol=1e-9)
+    # the way that was chosen is kept with the plan
+    found.save(tmp_path / "out")
+    kept = load_plan(tmp_path / "out")
+    assert not has_free_way(kept.scene) and has_free_way(read_scenario("matrix-liquid-point-to-point"))
+    assert certify(kept.trajectory, kept.scene).ok
+
+
+def test_a_level_tray_on_any_way(changed_scene) -> None:
+    found = plan(changed_scene("matrix-liquid-point-to-point", {"motion.tilt": "fixed"}))
+    assert found.certificate.ok and found.duration < 1.40
+
+
+def test_a_turn_on_the_spot(changed_scene) -> None:
+    place = {"position": [0.75, 0.0, 1.2]}
+    path = {"type": "free", "start": place, "goal": {**place, "yaw": 1.0}}
+    table = {**read_scenario("matrix-rigid").source, "path": path}
+    assert plan(scene_from_table(table, name="turn")).certificate.ok
+
+
+def test_round_a_column_that_stands_between(example_plan) -> None:
+    """The corridor is narrowed until the motion in it keeps clear; the level motion on the way takes 1.8 s."""
+    found = example_plan("cups-around-a-column")
+    assert found.certificate.ok and found.duration < 1.0
+    rows = {(row.constraint, row.subject): row for row in found.certificate.rows}
+    assert rows["clearance", "tray to column"].ok
+    corridor = rows["corridor", "tray"]
+    assert 0.01 < corridor.worst_value < 0.3 * corridor.limit

@@ -1,0 +1,74 @@
+"""`type = "free"`: from here to there; what is refused, and along which ways a motion is looked for."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.errors import ScenarioError
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.free_way import has_free_way, ways
+from nospill.scene.scene import Scene
+
+START: dict[str, Any] = {"position": ["154 mm", "-600 mm", "1220 mm"], "yaw": "10 deg"}
+GOAL: dict[str, Any] = {"position": ["154 mm", "600 mm", "1220 mm"], "yaw": "180 deg"}
+
+
+def scene_of(start: object = START, goal: object = GOAL, *, example: str = "matrix-rigid", **keys: object) -> Scene:
+    table = copy.deepcopy(read_scenario(example).source)
+    return scene_from_table({**table, "path": {"type": "free", "start": start, "goal": goal, **keys}}, name="free")
+
+
+def test_it_is_a_straight_line_until_a_way_is_chosen() -> None:
+    scene = scene_of()
+    assert has_free_way(scene) and scene.motion.yaw_free
+    assert scene.motion.corridor == pytest.approx(1.2)  # as far as the goal is from the start
+    places = scene.path.at([0.0, 0.5, 1.0])
+    np.testing.assert_allclose(places[:, 1], [-0.6, 0.0, 0.6], atol=1e-12)
+    np.testing.assert_allclose(np.degrees(places[[0, 2], 3]), [10.0, 180.0])
+    assert scene_of(corridor="300 mm").motion.corridor == pytest.approx(0.3)
+
+
+def test_past_the_foot_of_the_arm_it_goes_round() -> None:
+    scene = scene_of()
+    found = ways(scene)
+    best = found[0]
+    assert not has_free_way(best)
+    places = best.path.at(np.linspace(0.0, 1.0, 50))
+    np.testing.assert_allclose(np.hypot(*places[:, :2].T), np.hypot(0.154, 0.6), atol=2e-3)
+    assert places[25, 0] > 0.6  # the short way round, in front of the arm
+    np.testing.assert_allclose(best.path.at([0.0, 1.0]), scene.path.at([0.0, 1.0]), atol=1e-9)
+    again = scene_from_table(best.source, name="free")  # as the copy that is kept with a plan is read
+    np.testing.assert_array_equal(again.path.coefficients, best.path.coefficients)
+
+
+def test_where_the_line_is_the_fastest_it_stays() -> None:
+    scene = scene_of({"position": [0.6, 0.0, 1.2]}, {"position": [0.85, 0.0, 1.2]})
+    assert ways(scene)[0] is scene
+
+
+def test_out_of_reach_is_told_of_the_line() -> None:
+    with pytest.raises(ScenarioError, match=r"path: out of reach of robot 'comau-smart-six'") as caught:
+        ways(scene_of(goal={"position": [3.0, 0.6, 1.2]}))
+    assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"goal": START}, r"\[path\]: goal is the start, place and yaw; give another one"),
+        ({"goal": {"yaw": 1.0}}, r"\[path.goal\]: position is missing"),
+        ({"start": {**START, "jaw": 1.0}}, r'\[path.start\]: unknown key "jaw"; allowed here: position, yaw'),
+        ({"start": [1.0, 2.0, 3.0]}, r"\[path\]: start is not a table"),
+        ({"goal": {"position": [1.0, 2.0]}}, r"\[path.goal\]: position \[1.0, 2.0\] has 2 values where 3 are needed"),
+        ({"yaw": "free"}, r'\[path\]: unknown key "yaw"; allowed here: corridor, type, start, goal, way'),
+        ({"corridor": "0 mm"}, "it must be at least 0.1 mm"),
+        ({"way": [[0.154, -0.6, 1.22], [0.2, 0.0, 1.2]]}, "way: its end at the goal is 602 mm away from it"),
+    ],
+)
+def test_refused(keys: dict[str, object], message: str) -> None:
+    with pytest.raises(ScenarioError, match=message):
+        scene_of(**{"start": START, "goal": GOAL, **keys})
