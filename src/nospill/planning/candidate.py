@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from types import MappingProxyType
-from typing import Any
 
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
@@ -19,15 +17,11 @@ from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
+from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.weights import weigh_too_much
 
-Options = Mapping[str, Any]
-"""Fields of `SolveOptions` that differ from those of the scene."""
-
-BARRIERS = (1e-5, 1e-4, 0.1)
-"""First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
-_NO_PUSH, _NEAR_AT_START, _LEAST_TIME = 1e-6, 0.75, 10.0
+_NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,11 +105,6 @@ def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | levels)
 
 
-def near_optimum(barrier: float, iterations: int) -> Options:
-    """Options of a solve whose start is nearly optimal: a small first barrier, and no push off the bounds."""
-    return {"barrier_start": barrier, "bound_push": _NO_PUSH, "max_iterations": iterations}
-
-
 def solved(
     active: ActiveSet, start: Stages, log: Log, options: Options = MappingProxyType({}), warm: Solution | None = None
 ) -> Candidate:
@@ -137,7 +126,7 @@ def solved(
     log.solutions.append(solution)
     expected, found = active.expected or start.duration, solution.stages.duration
     if usable(solution) and weigh_too_much(active.scene, expected, found):
-        options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}
+        options = {**options, **near_optimum(BARRIERS[1])}
         again = solved(replace(active, expected=found), solution.stages, log, options)
         if usable(again.solution):
             return again
@@ -155,4 +144,4 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         if broken <= candidate.active.rows:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active, start = candidate.active.with_rows(active.rows | broken), candidate.stages
-        options = {**options, "barrier_start": BARRIERS[1], "bound_push": _NO_PUSH}
+        options = {**options, **near_optimum(BARRIERS[1])}

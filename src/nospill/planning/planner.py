@@ -20,7 +20,6 @@ from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_
 from nospill.plans.log import Log, OnProgress
 from nospill.plans.log import PlanningProgress as PlanningProgress
 from nospill.plans.plan import Plan, judged_plan
-from nospill.plans.records import PlanningReport, Starts
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
@@ -29,8 +28,6 @@ from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
 from nospill.transcription.task import Task
-
-_TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 def plan(
@@ -79,21 +76,13 @@ def _planned(
             scene = diagnosis.freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
-    report = PlanningReport(
-        plan_time=time.perf_counter() - log.began,
-        solve_time=sum(solution.solve_time_s for solution in log.solutions),
-        iterations=sum(solution.iterations for solution in log.solutions),
-        rounds=log.rounds,
-        starts=Starts.of(log.starts),
-        phases=log.phases,
-        solver_status=judged.candidate.solution.status + (_TIME_IS_UP if log.out_of_time else ""),
-        linear_solvers=tuple(solution.linear_solver for solution in log.solutions),
+    report = log.report(
+        judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )
-    record = with_recorded_modes(judged.trajectory, scene)
-    found = judged_plan(scene, record, judged.judgement, report)
+    found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
     answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
     saved = savings(answer.problem(), answer.solution, limits) if answer.has_converged else {}
     report = replace(report, savings={row.label: value for row, value in saved.items()})

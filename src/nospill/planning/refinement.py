@@ -13,14 +13,15 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import BARRIERS, Candidate, exported, near_optimum, problem_about, solved
+from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.plans.log import Log
 from nospill.robots.kinematics.regularity import clearance
 from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
-from nospill.transcription.resampling import resample, resolving_intervals
+from nospill.transcription.resampling import fine_intervals, resample
 from nospill.transcription.solvers import usable
+from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory, with_liquids
@@ -31,16 +32,10 @@ _TIGHTEN_BARRIER = 1e-6
 _ROUNDS = 8
 """Of tightening, since members last joined."""
 _GROWTHS = 12
-_FINE_SWING = 0.7
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
-
-
-def fine_intervals(active: ActiveSet, duration: float) -> int:
-    """Number of intervals of the fine grid for a motion of this duration, s."""
-    return max(active.scene.planning.intervals, resolving_intervals(active.scene, duration, _FINE_SWING))
 
 
 def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
@@ -48,7 +43,7 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     stages = coarse.stages
     active = replace(coarse.active, expected=stages.duration)
     coarse = replace(coarse, active=active)
-    wanted = fine_intervals(active, stages.duration)
+    wanted = fine_intervals(active.scene, stages.duration)
     first = _refined(coarse, wanted, active.near(coarse.solution.slack), log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
@@ -156,7 +151,7 @@ def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
         slosh = variant_tracks(trajectory, active.task.scene, active.names)
         layout = layout_of(structure_of(before.active.scene))
         start = with_liquids(active.scene, before.stages, layout, trajectory.t, slosh)
-        intervals = max(start.intervals, fine_intervals(active, start.duration))
+        intervals = max(start.intervals, fine_intervals(active.scene, start.duration))
         if intervals == start.intervals:
             return start
         start = resample(start, layout_of(structure_of(active.scene)), intervals)
@@ -166,7 +161,7 @@ def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
 def started_from(active: ActiveSet, trajectory: Trajectory) -> Stages:
     """A motion of the whole scene as a start for the members of a problem, on the fine grid."""
     slosh = variant_tracks(trajectory, active.task.scene, active.names)
-    intervals = fine_intervals(active, trajectory.end_time)
+    intervals = fine_intervals(active.scene, trajectory.end_time)
     return from_trajectory(active.scene, replace(trajectory, slosh=slosh), intervals)
 
 

@@ -9,12 +9,14 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import BARRIERS, Candidate, near_optimum, problem_about, solved
-from nospill.planning.refinement import REFINE_ITERATIONS, Judged, fine_intervals, started_from
+from nospill.planning.candidate import Candidate, problem_about, solved
+from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import is_uncertain
+from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers import Solution
+from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
@@ -33,7 +35,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     if last is not None and not task.ignored:
         active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
         same = structure_of(active.scene) == structure_of(last.active.scene)
-        if same and fine_intervals(active, earlier.duration) == last.stages.intervals:
+        if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
             active = replace(active, expected=earlier.duration)
             found = _solved_again(active, last.stages, log, warm=last.solution)

@@ -6,8 +6,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
+from nospill.plans.records import PlanningReport, Starts
 from nospill.transcription.solvers import Solution
+
+_TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,3 +83,22 @@ class Log:
         """Pass an iteration of the solver on."""
         if self.progress is not None:
             self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
+
+    def report(self, last: str, **found: Any) -> PlanningReport:
+        """What was spent.
+
+        Args:
+            last: status of the last solve.
+            found: the other fields of the report, about the motion.
+        """
+        return PlanningReport(
+            plan_time=time.perf_counter() - self.began,
+            solve_time=sum(solution.solve_time_s for solution in self.solutions),
+            iterations=sum(solution.iterations for solution in self.solutions),
+            rounds=self.rounds,
+            starts=Starts.of(self.starts),
+            phases=self.phases,
+            solver_status=last + (_TIME_IS_UP if self.out_of_time else ""),
+            linear_solvers=tuple(solution.linear_solver for solution in self.solutions),
+            **found,
+        )

@@ -8,6 +8,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout
 from nospill.transcription.stages import Stages, sample_stages
 
+_FINE_SWING = 0.7
 _FLAT_SWING = 1.0
 """rad; the phase of a mode is then right to 0.02 rad after 70."""
 
@@ -43,3 +44,8 @@ def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
         for mode in cargo.oscillators
     ]
     return int(np.ceil(max(turns, default=0.0)))
+
+
+def fine_intervals(scene: Scene, duration: float) -> int:
+    """Number of intervals of the fine grid for a motion of this duration, s."""
+    return max(scene.planning.intervals, resolving_intervals(scene, duration, _FINE_SWING))

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 IterationCallback = Callable[[int, float, float], None]
 """Called with iteration, duration in s and largest constraint violation (scaled)."""
+
+Options = Mapping[str, Any]
+"""Fields of `SolveOptions` that differ from those of the scene."""
+
+BARRIERS = (1e-5, 1e-4, 0.1)
+"""First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
+
+_NO_PUSH = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,3 +44,14 @@ class SolveOptions:
     barrier_start: float | None = None
     bound_push: float | None = None
     progress: IterationCallback | None = None
+
+
+def near_optimum(barrier: float, iterations: int | None = None) -> Options:
+    """Options of a solve whose start is nearly optimal: a small first barrier, and no push off the bounds.
+
+    Args:
+        barrier: first barrier parameter.
+        iterations: most of them; left as they are when left out.
+    """
+    most = {} if iterations is None else {"max_iterations": iterations}
+    return {"barrier_start": barrier, "bound_push": _NO_PUSH, **most}
