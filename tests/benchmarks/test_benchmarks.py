@@ -169,6 +169,7 @@ def test_different_cups_are_all_in_the_problem() -> None:
     assert len(outer_objects(scene)) == 64
 
 
+@pytest.mark.slow
 def test_unseen_structures_are_none_of_the_examples() -> None:
     known = {structure_of(scenes.example(name)) for name in EXAMPLES}
     for name in scenes.UNSEEN:

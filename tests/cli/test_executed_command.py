@@ -54,6 +54,7 @@ def test_a_run_as_planned(place: Path, tmp_path: Path) -> None:
     assert table["measured"]["c1"]["correlation"] > 0.99
 
 
+@pytest.mark.slow
 def test_columns_in_degrees_are_the_same_run(place: Path) -> None:
     first, second = (
         json.loads(run(place, name, "--plan", "@plan", "--json").stdout) for name in ("@run.csv", "@degrees.csv")

@@ -29,6 +29,7 @@ def run(place: Path, *arguments: str) -> Result:
     return CliRunner().invoke(app, ["identify", *(text.replace("@", f"{place}/") for text in arguments)])
 
 
+@pytest.mark.slow
 def test_tables_are_printed_and_written(place: Path, tmp_path: Path) -> None:
     result = run(place, "@run.csv", "--plan", "@plan", "--stayed", "c1", "-o", str(tmp_path / "learnt.toml"))
     assert result.exit_code == 0, result.output
@@ -38,6 +39,7 @@ def test_tables_are_printed_and_written(place: Path, tmp_path: Path) -> None:
     assert len(tables["controller"]["delay"]) == 6
 
 
+@pytest.mark.slow
 def test_the_record_as_json(place: Path) -> None:
     result = run(place, "@run.csv", "--plan", "@plan", "--json")
     assert json.loads(result.stdout)["joints"]["joint_1"]["lag"]["told"] is True

@@ -28,6 +28,7 @@ def test_the_branch_through_the_table_is_left_out(changed_scene) -> None:
     assert chosen is free[0] is not paths[0]
 
 
+@pytest.mark.slow
 def test_without_obstacles_all_are_free(changed_scene) -> None:
     scene = changed_scene("coffee-to-go", {})
     paths = joint_paths_of(scene)

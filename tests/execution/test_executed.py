@@ -34,6 +34,7 @@ def found(plan: Plan) -> Executed:
     return executed(log_of(plan, clock=CLOCK), plan.scene, plan=plan)
 
 
+@pytest.mark.slow
 def test_a_motion_that_was_executed_as_planned_is_certified_as_planned(found: Executed) -> None:
     assert found.ok
     assert found.planned is not None
@@ -97,6 +98,7 @@ def test_more_noise_makes_wider_bands(plan: Plan, found: Executed) -> None:
             assert loud.bands[own] > 3.0 * found.bands[own]
 
 
+@pytest.mark.slow
 def test_measured_heights_are_aligned(plan: Plan, found: Executed) -> None:
     t = np.arange(0.0, 7.0, 1 / 60)
     height = np.interp(t - 1.3, found.judgement.replay.t, found.heights["c1"], left=0.0)

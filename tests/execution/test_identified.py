@@ -24,6 +24,9 @@ from tests.execution.logs import log_of
 DELAY, LAG = 1e-3 * np.array([8.0, 4, 6, 5, 2, 10]), 1e-3 * np.array([15.0, 20, 10, 5, 25, 8])
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def plan(gentle_plan: Callable[..., Plan]) -> Plan:
     return gentle_plan("matrix-liquid", cargo=2)

@@ -103,6 +103,7 @@ def test_a_broken_row_of_the_approach_breaks_the_certificate(whole):
     assert not verdict.ok and verdict.worst.constraint.startswith(APPROACH)
 
 
+@pytest.mark.slow
 def test_it_comes_back_from_its_folder_and_is_judged_the_same(loaded, tmp_path):
     loaded = loaded.with_second_looks()
     loaded.save(tmp_path / "out")
@@ -142,6 +143,7 @@ def test_folders_of_earlier_versions_are_read(moved, tmp_path):
     assert back.certificate == plan.certificate
 
 
+@pytest.mark.slow
 def test_an_approach_changed_behind_the_source_is_saved_as_it_is(whole, tmp_path):
     rules = whole.scene.approach
     assert rules is not None

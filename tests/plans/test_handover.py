@@ -103,6 +103,7 @@ def test_jerk_of_a_file_is_that_of_its_own_samples(gentle_plan):
     assert list(found.values()) == pytest.approx(list(jerks), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_what_the_receiver_does_between_the_samples_is_judged(gentle_plan):
     """Positions of the plan at every sample, but a swing of 200 Hz between them: only the interpolation shows it."""
     plan = gentle_plan("matrix-liquid-soft-end", 1)

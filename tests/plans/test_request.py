@@ -64,6 +64,7 @@ def test_a_plan_is_no_scene_and_a_name_no_scene_to_judge_by(gentle_plan) -> None
         ns.certify(plan.trajectory, "matrix-liquid")  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_an_altered_scene_is_kept_as_it_is(gentle_plan, tmp_path: Path) -> None:
     plan: Plan = gentle_plan("matrix-liquid")
     rules = replace(plan.scene.motion, max_duration=7.0)

@@ -60,6 +60,7 @@ def table(cargo: list[dict[str, object]], **motion: object) -> dict[str, object]
         "cargo": cargo,
         "path": {"type": "preset", "name": "arc", "yaw": ["0 deg", "90 deg"]},
         "motion": {"end": "residual", **motion},
+        "planning": {"slosh_modes": 1},
     }
 
 

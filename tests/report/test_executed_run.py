@@ -16,6 +16,8 @@ from nospill.report.executed_run import executed_run
 from nospill.report.writing import pdf_tables
 from tests.execution.logs import log_of, write_log
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def plan(gentle_plan: Callable[..., Plan]) -> Plan:
