@@ -12,6 +12,7 @@ Some are implied by others there and get a variant of the same tray, or are left
 * joint position: the arc lies far inside; the variant has a shoulder that reaches less far.
 * tilt: two objects ask for less than the tray may tilt; the variant has a tighter limit.
 * path jerk: the weights alone keep it below a tenth of its limit; the variant has a tighter one.
+* corridor, and the jerks of what leaves the path: on a variant whose tray may leave it, with tighter limits of jerk.
 * still at the end: asked for by another end condition than the tray's.
 """
 
@@ -38,6 +39,10 @@ _DROP = {
     "path": {"type": "line", "start": [0.8, 0.0, 1.45], "end": [0.8, 0.0, 1.0]},
     "motion.tilt": "fixed",
     "planning.path_jerk_weight": 1e-7,
+}
+_BESIDE = {
+    "path.corridor": "30 mm",
+    "path.yaw": ["0 deg", "free", "180 deg"],
 }
 _TIN = {
     "name": "tin",
@@ -74,6 +79,9 @@ CASES = (
     Case("tilt", "tight tilt"),
     Case("path jerk", "tight path jerk"),
     Case("tilt jerk"),
+    Case("corridor", "beside its path"),
+    Case("offset jerk", "sharp steps aside"),
+    Case("yaw jerk", "sharp turns"),
 )
 
 
@@ -87,6 +95,9 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "tight tilt": {"motion.max_tilt": "15 deg"},
             "shallow water": {"cargo.0.liquid_height": "10 mm", "cargo.0.max_slosh_height": "30 mm"},
             "tight path jerk": {"motion.path_jerk_limit": 25.0},
+            "beside its path": _BESIDE,
+            "sharp steps aside": _BESIDE | {"motion.path_jerk_limit": 30.0},
+            "sharp turns": _BESIDE | {"motion.tilt_jerk_limit": 25.0},
             "drop of cup and bottle": _DROP,
             "drop of the bottle": _DROP,
         }
