@@ -44,7 +44,7 @@ def level_film(changed_scene: Callable[..., Scene]) -> Film:
 @pytest.fixture(scope="session")
 def example_film(changed_scene: Callable[..., Scene]) -> Callable[[str], Film]:
     """A smooth motion of an example with one mode of each liquid, five pictures a second; made once for all tests."""
-    return cache(lambda name: film_of(changed_scene(name, {}).with_one_mode(), rate=5.0))
+    return cache(lambda name: film_of(changed_scene(name, {"planning.slosh_modes": 1}), rate=5.0))
 
 
 @pytest.fixture(scope="module")
