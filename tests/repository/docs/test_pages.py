@@ -39,9 +39,9 @@ def test_every_row_of_a_certificate_is_explained(smooth_motion: Callable[..., ob
 def test_the_two_cups_of_get_started_are_certified() -> None:
     found = plan(read_scenario(DOCS / "examples" / "two-cups.toml"))
     assert found.certificate.ok
-    # What the page says of it: the liquid's height and slip are what the motion waits for, the arm is not.
+    # What holds it back: the liquids, whose back-off leaves some hundredths unused, and slip; not the arm's speed.
     use = {row.constraint: row.use for row in found.certificate.worst_rows()}
-    assert min(use["slosh height"], use["slip"]) > 0.99
+    assert use["slip"] > 0.98 and max(use["slosh height"], use["residual height"]) > 0.95
     assert max(use["joint speed"], use["joint position"]) < 0.98
 
 
