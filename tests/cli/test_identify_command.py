@@ -59,3 +59,10 @@ def test_bad_input_is_one_line_and_exit_code_2(place: Path, arguments: list[str]
     assert result.exit_code == 2, result.output
     assert message in result.output
     assert len(result.output.strip().splitlines()) == 1
+
+
+def test_help_names_the_tables() -> None:
+    """Square brackets would be markup to the help's printer, and vanish."""
+    assert 'tables "controller" and "tolerance"' in " ".join(
+        CliRunner().invoke(app, ["identify", "--help"]).output.split()
+    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,58 +10,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.reporting import only_stderr, print_json
+from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, ScenarioName, Unit, assigned, read_run
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.execution.executed import Executed
-    from nospill.execution.log import JointLog
-    from nospill.plans.plan import Plan
-    from nospill.scene.scene import Scene
 
 _FILES = {"executed.json", "heights.png", "heights.pdf"}
 
 
 def executed(
-    log: Annotated[
-        Path, typer.Argument(metavar="LOG", help="What the arm did: CSV of joint positions, RTDE recording, ROS bag.")
-    ],
-    plan: Annotated[
-        Path | None, typer.Option("--plan", metavar="DIR", help="The plan that was executed.", show_default=False)
-    ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Option(
-            "--scenario",
-            metavar="SCENARIO",
-            help="Without a plan: what the motion must keep to, a file or an example.",
-            show_default=False,
-        ),
-    ] = None,
-    measured: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--measured",
-            metavar="CUP=FILE.csv",
-            help="A measured height of a cup (t_s, height_mm); may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    offset: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--offset",
-            metavar="JOINT=ANGLE",
-            help='Added to a joint that the log counts from another zero, as joint_6="180 deg"; may be repeated.',
-            show_default=False,
-        ),
-    ] = None,
-    unit: Annotated[
-        str, typer.Option("--unit", metavar="rad|deg", help="Of angles whose columns do not name it.")
-    ] = "rad",
-    rate: Annotated[
-        float | None,
-        typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
-    ] = None,
+    log: Log,
+    plan: PlanFolder = None,
+    scenario: ScenarioName = None,
+    measured: Measured = None,
+    offset: Offset = None,
+    unit: Unit = "rad",
+    rate: Rate = None,
     bandwidth: Annotated[
         float,
         typer.Option("--bandwidth", metavar="HZ", help="Motion that is followed; what is faster counts as noise."),
@@ -107,46 +71,6 @@ def executed(
 
         say(f"Not certified as executed: {describe(found.judgement.certificate.worst)}.")
     return 0 if found.ok else 1
-
-
-def read_run(
-    log: Path, plan: Path | None, scenario: str | None, offset: Sequence[str], unit: str, rate: float | None
-) -> tuple[JointLog, Scene, Plan | None]:
-    """A log with the scene that it is judged by, and its plan if there is one.
-
-    Raises:
-        ScenarioError: neither plan nor scenario or both, an offset or a log that cannot be read.
-        PlanFolderError: no plan in the folder.
-    """
-    from nospill.core.units import quantity
-    from nospill.errors import ScenarioError
-    from nospill.execution.reading import read_log
-    from nospill.plans.loading import load_plan
-    from nospill.scenario import read_scenario
-
-    if (plan is None) == (scenario is None):
-        raise ScenarioError("give either --plan DIR or --scenario SCENARIO: what the log is judged by")
-    offsets = {name: quantity(text, "angle") for name, text in assigned("--offset", offset, '"180 deg"').items()}
-    planned = None if plan is None else load_plan(plan)
-    scene = read_scenario(str(scenario)) if planned is None else planned.scene
-    return read_log(log, scene.robot, offsets=offsets, rate=rate, unit=unit), scene, planned
-
-
-def assigned(option: str, given: Sequence[str], example: str) -> dict[str, str]:
-    """Values given as NAME=VALUE, by name.
-
-    Raises:
-        ScenarioError: an entry without a name or a value, or a name that is given twice.
-    """
-    from nospill.errors import ScenarioError
-
-    found: dict[str, str] = {}
-    for entry in given:
-        name, sign, value = entry.partition("=")
-        if not (name and sign and value) or name in found:
-            raise ScenarioError(f"{option} {entry}: one NAME={example} for each name is needed")
-        found[name] = value
-    return found
 
 
 def _text(table: dict[str, Any]) -> str:

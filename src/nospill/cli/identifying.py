@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.executing import assigned, read_run
 from nospill.cli.reporting import only_stderr, print_json
+from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, ScenarioName, Unit, assigned, read_run
 from nospill.cli.tables import print_lines, print_table
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -17,27 +17,10 @@ if TYPE_CHECKING:  # for annotations only: at run time these would load numpy an
 
 
 def identify(
-    log: Annotated[
-        Path, typer.Argument(metavar="LOG", help="What the arm did: CSV of joint positions, RTDE recording, ROS bag.")
-    ],
-    plan: Annotated[
-        Path | None, typer.Option("--plan", metavar="DIR", help="The plan that was executed.", show_default=False)
-    ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Option(
-            "--scenario", metavar="SCENARIO", help="Without a plan: a file or an example.", show_default=False
-        ),
-    ] = None,
-    measured: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--measured",
-            metavar="CUP=FILE.csv",
-            help="A measured height of a cup (t_s, height_mm); may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
+    log: Log,
+    plan: PlanFolder = None,
+    scenario: ScenarioName = None,
+    measured: Measured = None,
     stayed: Annotated[
         list[str] | None,
         typer.Option("--stayed", metavar="OBJECT", help="It did not slide; may be repeated.", show_default=False),
@@ -46,22 +29,9 @@ def identify(
         list[str] | None,
         typer.Option("--slid", metavar="OBJECT", help="It slid; may be repeated.", show_default=False),
     ] = None,
-    offset: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--offset",
-            metavar="JOINT=ANGLE",
-            help='Added to a joint that the log counts from another zero, as joint_6="180 deg"; may be repeated.',
-            show_default=False,
-        ),
-    ] = None,
-    unit: Annotated[
-        str, typer.Option("--unit", metavar="rad|deg", help="Of angles whose columns do not name it.")
-    ] = "rad",
-    rate: Annotated[
-        float | None,
-        typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
-    ] = None,
+    offset: Offset = None,
+    unit: Unit = "rad",
+    rate: Rate = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FILE.toml", help="Write the tables here.", show_default=False),
@@ -70,7 +40,7 @@ def identify(
 ) -> int:
     """Learn from a run: clock, fill, damping and gauge of measured cups, delay and lag of the joints, friction.
 
-    The tables [controller] and [tolerance] are for a scenario.
+    Prints the tables "controller" and "tolerance" of a scenario.
     """
     from nospill.core.files import atomic_text
     from nospill.execution.identified import identified, identified_table, scenario_text

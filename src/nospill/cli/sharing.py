@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.executing import assigned, read_run
 from nospill.cli.progress import ProgressLine
 from nospill.cli.reporting import beside
+from nospill.cli.run_options import assigned, read_run
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
