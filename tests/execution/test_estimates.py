@@ -67,7 +67,7 @@ def test_intervals_follow_the_profile_where_it_is_not_quadratic() -> None:
 
     scale, lower, upper = np.array([0.1]), np.array([0.0]), np.array([3.0])
     found = fitted(residuals, np.array([0.5]), scale, lower, upper, neighbours=0)
-    ends = profile_ends(residuals, found, 0, scale, lower, upper)
+    ends = profile_ends(residuals, found, 0, lower, upper)
     square = float(place @ seen / (place @ place))
     half = 1.96 * np.sqrt(np.sum((square * place - seen) ** 2) / 399.0 / (place @ place))
     assert ends == pytest.approx((np.sqrt(max(square - half, 0.0)), np.sqrt(square + half)), abs=0.01)
@@ -79,4 +79,4 @@ def test_intervals_of_linear_laws_stay_symmetric() -> None:
     seen = slopes @ [1.0, 2.0] + 0.1 * generator.standard_normal(200)
     bounds = np.array([-9.0, -9.0]), np.array([9.0, 9.0])
     found = fitted(lambda v: (slopes @ v - seen, slopes), np.zeros(2), np.ones(2), *bounds, neighbours=0)
-    assert profile_ends(lambda v: (slopes @ v - seen, slopes), found, 1, np.ones(2), *bounds) is None
+    assert profile_ends(lambda v: (slopes @ v - seen, slopes), found, 1, *bounds) is None

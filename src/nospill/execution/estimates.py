@@ -124,11 +124,11 @@ def fitted(
 
 
 def profile_ends(
-    residuals: Residuals, found: Fit, place: int, scale: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    residuals: Residuals, found: Fit, place: int, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[float, float] | None:
     """Ends of the interval of 95 % of a value from the profile of the likelihood; None where it is quadratic.
 
-    The value is held, the others fitted again; the interval ends where the sum of squares has grown by the square of
+    The value is held, the others follow it by their covariance and one Gauss-Newton step; the interval ends where the sum of squares has grown by the square of
     `WIDE` times the variance. Quadratic is a profile that has grown by that, within a quarter, at the ends of the
     symmetric interval. A bound of the value ends the interval too.
 
@@ -136,8 +136,7 @@ def profile_ends(
         residuals: as of `fitted`.
         found: the fit.
         place: of the value.
-        scale: as of `fitted`.
-        lower: likewise.
+        lower: as of `fitted`.
         upper: likewise.
     """
     least = np.sum(residuals(found.values)[0] ** 2)
@@ -146,13 +145,14 @@ def profile_ends(
     variance = least / max(count - len(found.values), 1) * (deviation / found.alone[place]) ** 2
     free = np.arange(len(found.values)) != place
 
-    def growth(value: float) -> float:
-        def of_others(others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            left, slopes = residuals(np.insert(others, place, value))
-            return left, slopes[:, free]
+    along = found.covariance[free, place] / found.covariance[place, place]
 
-        again = fitted(of_others, found.values[free], scale[free], lower[free], upper[free], neighbours=0)
-        return float(again.left**2 * count - least) / variance / WIDE**2
+    def growth(value: float) -> float:
+        others = found.values[free] + along * (value - found.values[place])
+        left, slopes = residuals(np.insert(others, place, value))
+        step = np.linalg.lstsq(slopes[:, free], -left, rcond=None)[0]
+        again = left + slopes[:, free] @ step
+        return float(again @ again - least) / variance / WIDE**2
 
     middle, bounds = float(found.values[place]), (float(lower[place]), float(upper[place]))
     usual = [float(np.clip(middle + sign * WIDE * deviation, *bounds)) for sign in (-1.0, 1.0)]

@@ -157,7 +157,7 @@ def _profiles(
     for name in _STATED:
         if free[_PLACES[name]]:
             place = int(np.sum(free[: _PLACES[name]]))
-            ends[name] = profile_ends(residuals, own, place, _SCALE[free], lower[free], upper[free])
+            ends[name] = profile_ends(residuals, own, place, lower[free], upper[free])
     return {name: found for name, found in ends.items() if found is not None}
 
 

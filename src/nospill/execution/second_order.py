@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -112,5 +113,5 @@ def _response(asked: np.ndarray, values: np.ndarray) -> np.ndarray:
     from scipy.signal import cont2discrete, lfilter
 
     period, ratio = values
-    top, bottom, _ = cont2discrete(([1.0], [period**2, 2.0 * ratio * period, 1.0]), _STEP, "foh")
-    return np.asarray(lfilter(np.ravel(top), bottom, asked))
+    found: Any = cont2discrete(([1.0], [period**2, 2.0 * ratio * period, 1.0]), _STEP, "foh")
+    return np.asarray(lfilter(np.ravel(found[0]), found[1], asked))
