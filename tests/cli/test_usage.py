@@ -18,7 +18,7 @@ from tests.waiting import run_python, wait_until
 # fmt: off
 COMMANDS = (
     "plan", "slow", "check", "verify", "margins", "plot", "view", "film", "studio", "report", "export", "simulate",
-    "compare", "executed", "identify", "examples", "robots", "schema", "cache",
+    "compare", "executed", "identify", "measure", "design-test", "examples", "robots", "schema", "cache",
 )
 # fmt: on
 
@@ -28,7 +28,9 @@ def test_version() -> None:
 
 
 def test_every_command_is_in_the_list() -> None:
-    assert {command.callback.__name__ for command in app.registered_commands if command.callback} == set(COMMANDS)
+    assert {
+        command.callback.__name__.replace("_", "-") for command in app.registered_commands if command.callback
+    } == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

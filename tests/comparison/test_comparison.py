@@ -11,15 +11,15 @@ import pytest
 
 from nospill.comparison import compared, trapezoid_motion
 from nospill.comparison.compared import LEVEL, TRAPEZOID
-from nospill.comparison.trapezoid import _JERKS, along, profile
 from nospill.core.paths import straight_line
 from nospill.judge.certificate import certify
 from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario
+from nospill.transcription.trapezoids import PIECES, along, profile
 
 
 def test_the_profile_leads_from_rest_to_rest_at_constant_limits() -> None:
-    place, speed, acceleration = profile(10 * len(_JERKS))
+    place, speed, acceleration = profile(10 * PIECES)
     for values in (speed, acceleration):
         assert values[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert (place[0], place[-1]) == (0.0, pytest.approx(1.0))

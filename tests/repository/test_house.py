@@ -103,8 +103,8 @@ def test_tests_linter_and_documentation_have_environments_of_their_own() -> None
 
 @pytest.mark.parametrize("path", PAGES, ids=label)
 def test_nospill_commands_in_the_pages_exist(path: Path) -> None:
-    named = re.findall(r"(?:`|\.venv/bin/)nospill ([a-z]+)", path.read_text())
-    known = {command.callback.__name__ for command in app.registered_commands if command.callback}
+    named = re.findall(r"(?:`|\.venv/bin/)nospill ([a-z-]+)", path.read_text())
+    known = {command.callback.__name__.replace("_", "-") for command in app.registered_commands if command.callback}
     assert set(named) <= known
 
 

@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from nospill.cli.cache import cache
+from nospill.cli.designing import design_test
 from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
@@ -46,6 +47,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     executed,
     identify,
     measure,
+    design_test,
     examples,
     robots,
     schema,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +14,7 @@ from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, Sce
 from nospill.cli.tables import print_lines, print_table
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.execution.estimates import Estimate
     from nospill.execution.identified import Identified
 
 
@@ -63,8 +65,22 @@ def identify(
     return 0
 
 
-_SHOWN = {"s": (1e3, "ms", 3), "m": (1e3, "mm", 2), "1": (1.0, "", 5), "rad/s": (1.0, "rad/s", 3)}
+SHOWN = {"s": (1e3, "ms", 3), "m": (1e3, "mm", 2), "1": (1.0, "", 5), "rad/s": (1.0, "rad/s", 3)}
 """SI unit -> factor, unit and decimals as shown."""
+
+
+def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, ...]]:
+    """Rows of a table: number, of what, value, unit, interval."""
+    rows = []
+    for own in estimates:
+        factor, unit, digits = SHOWN[own.unit]
+        value = f"{factor * own.value:.{digits}f}" if own.told else "-"
+        wide = f"± {factor * own.half_width:.{digits}f}"
+        if own.ends is not None:
+            wide = " to ".join(f"{factor * end:.{digits}f}" for end in own.ends)
+        wide = wide if own.told else "not identifiable from this motion"
+        rows.append((own.name, own.subject, value, unit, wide))
+    return rows
 
 
 def _print(found: Identified) -> None:
@@ -73,16 +89,7 @@ def _print(found: Identified) -> None:
     estimates = [own for fit in found.liquids for own in fit.estimates]
     estimates += [own for fit in found.joints for own in (fit.delay, fit.lag)]
     if estimates:
-        rows = []
-        for own in estimates:
-            factor, unit, digits = _SHOWN[own.unit]
-            value = f"{factor * own.value:.{digits}f}" if own.told else "-"
-            wide = f"± {factor * own.half_width:.{digits}f}"
-            if own.ends is not None:
-                wide = " to ".join(f"{factor * end:.{digits}f}" for end in own.ends)
-            wide = wide if own.told else "not identifiable from this motion"
-            rows.append((own.name, own.subject, value, unit, wide))
-        print_table(("number", "of", "value", "unit", "95 %"), rows, right=("value",))
+        print_table(("number", "of", "value", "unit", "95 %"), estimate_rows(estimates), right=("value",))
         print()
     for fit in found.liquids:
         print_lines(f"{fit.subject}: {1e3 * fit.left:.2f} mm rms are left of the measured height")

@@ -128,9 +128,9 @@ def profile_ends(
 ) -> tuple[float, float] | None:
     """Ends of the interval of 95 % of a value from the profile of the likelihood; None where it is quadratic.
 
-    The value is held, the others follow it by their covariance and one Gauss-Newton step; the interval ends where the sum of squares has grown by the square of
-    `WIDE` times the variance. Quadratic is a profile that has grown by that, within a quarter, at the ends of the
-    symmetric interval. A bound of the value ends the interval too.
+    The value is held, the others follow it by their covariance and one Gauss-Newton step; the interval ends where the
+    sum of squares has grown by the square of `WIDE` times the variance. Quadratic is a profile that has grown by that,
+    within a quarter, at the ends of the symmetric interval. A bound of the value ends the interval too.
 
     Args:
         residuals: as of `fitted`.

@@ -6,33 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.core.batches import evaluate
-from nospill.errors import ModelError
 from nospill.execution.estimates import Estimate, Fit, Residuals, fitted, profile_ends
-from nospill.judge.replay import liquid_step, tray_from_joints
-from nospill.judge.traces import object_figures_function
-from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.laws.kinds import numbers_of_object, object_kind
-from nospill.laws.parameters import flatten
-from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.laws.slosh.integrate import integrate
+from nospill.execution.liquid_law import FILL_STEP, NUMBERS, STEP, LiquidLaw
 from nospill.motion.interpolation import JointMotion
-from nospill.scene.cargo import Cargo
-from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from nospill.simulation.compare import compare
 from nospill.simulation.motion_file import Heights
 
-_STEP = 0.004
-"""s; of the integration, some sixty to a swing."""
 _SIGNED = 0.3
 """A record that falls below rest by more than this part of its highest value has signs: a crest has none."""
-_FILL_STEP, _DAMPING_STEP = 2e-4, 0.02
-"""m, and logarithm of the factor; of the differences that give the derivatives by fill and damping."""
 _FILL, _DAMPING = 0.3, np.log(30.0)
 """Part of the stated fill, and logarithm of the factor, by which the fit may leave what is stated."""
-_TOLD = {"clock": 0.01, "fill": 3e-3, "damping": 0.5, "frequency": 0.5, "gauge": 2e-3}
+TOLD = {"clock": 0.01, "fill": 3e-3, "damping": 0.5, "frequency": 0.5, "gauge": 2e-3}
 """Half widths of 95 % above which a number is not told: s, m, part of the value, rad/s, m."""
 _NEIGHBOURS = 6
 
@@ -83,7 +68,7 @@ def fit_liquid(
     assert cargo.filling is not None  # checked with the measured heights
     first = min(cargo.filling.modes.oscillators, key=lambda mode: mode.frequency)
     length = float(measured.t[-1] - measured.t[0])
-    law = _Law(motion, replace(scene, cargo=(cargo,)), begin, end + max(length - (end - begin), 0.5) + 0.5)
+    law = LiquidLaw(motion, replace(scene, cargo=(cargo,)), begin, end + max(length - (end - begin), 0.5) + 0.5)
     stated = law.heights(0.0, 0.0)
     aligned = compare(_from_rest(law.t, stated, max(length - (end - begin), 0.5)), measured)
     fill = cargo.filling.liquid_height
@@ -92,15 +77,8 @@ def fit_liquid(
 
     def residuals(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         clock, rise, damping, gauge = values
-        here = law.heights(rise, damping)
-        by_fill = (law.heights(rise + _FILL_STEP, damping) - here) / _FILL_STEP
-        by_damping = (law.heights(rise, damping + _DAMPING_STEP) - here) / _DAMPING_STEP
-        speed = np.gradient(here, law.t)
-        t = measured.t - clock
-        found, speed, by_fill, by_damping = (
-            np.interp(t, law.t, column, left=0.0) for column in (here, speed, by_fill, by_damping)
-        )
-        return found + gauge - height, np.column_stack([-speed, by_fill, by_damping, np.ones(len(t))])
+        found, slopes = law.with_slopes(rise, damping, measured.t - clock)
+        return found + gauge - height, slopes
 
     lower = np.array([aligned.shift - 0.1, -_FILL * fill, -_DAMPING, -0.01])
     upper = np.array([aligned.shift + 0.1, min(_FILL * fill, cargo.container.height - fill - 1e-4), _DAMPING, 0.01])
@@ -120,7 +98,7 @@ def fit_liquid(
         free[untold[0]] = False
 
 
-_PLACES = {"clock": 0, "fill": 1, "damping": 2, "gauge": 3}
+_PLACES = {name: place for place, name in enumerate(NUMBERS)}
 _STATED = ("fill", "damping")
 """What the scenario states, and what may stay so; in the order in which it is given up."""
 _SCALE = np.array([1e-2, 1e-3, 0.3, 1e-3])
@@ -173,71 +151,23 @@ def _with_ends(own: Estimate, ends: dict[str, tuple[float, float]], stated: tupl
 
 
 def _estimates(
-    subject: str, found: Fit, free: np.ndarray, law: _Law, fill: float, stated: float
+    subject: str, found: Fit, free: np.ndarray, law: LiquidLaw, fill: float, stated: float
 ) -> tuple[Estimate, ...]:
     clock, rise, damping, gauge = (float(value) for value in found.values)
     deviation = [float(value) for value in np.sqrt(np.diag(found.covariance))]
     here = law.frequency(rise)
-    slope = abs(law.frequency(rise + _FILL_STEP) - here) / _FILL_STEP
+    slope = abs(law.frequency(rise + FILL_STEP) - here) / FILL_STEP
     ratio = stated * float(np.exp(damping))
     return (
-        Estimate("clock", subject, "s", clock, deviation[0], _TOLD["clock"]),
-        Estimate("fill", subject, "m", fill + rise, deviation[1], _TOLD["fill"]),
-        Estimate("damping", subject, "1", ratio, ratio * deviation[2], _TOLD["damping"] * ratio),
-        Estimate("frequency", subject, "rad/s", here, slope * deviation[1], _TOLD["frequency"]),
-        Estimate("gauge", subject, "m", gauge, deviation[3], _TOLD["gauge"]),
+        Estimate("clock", subject, "s", clock, deviation[0], TOLD["clock"]),
+        Estimate("fill", subject, "m", fill + rise, deviation[1], TOLD["fill"]),
+        Estimate("damping", subject, "1", ratio, ratio * deviation[2], TOLD["damping"] * ratio),
+        Estimate("frequency", subject, "rad/s", here, slope * deviation[1], TOLD["frequency"]),
+        Estimate("gauge", subject, "m", gauge, deviation[3], TOLD["gauge"]),
     )
 
 
-class _Law:
-    """The height of one liquid along one motion, for any fill and damping."""
-
-    def __init__(self, motion: JointMotion, scene: Scene, begin: float, stop: float) -> None:
-        count = int(np.ceil((stop - begin) / _STEP))
-        half = begin + 0.5 * _STEP * np.arange(2 * count + 1)
-        _, self._body = tray_from_joints(scene, [motion(half, order) for order in range(3)])
-        self._scene, self.t = scene, half[::2]
-        structure = structure_of(scene)
-        self._kind = object_kind(structure, structure.objects[0])
-        self._step = liquid_step(self._kind)
-        self._known: dict[tuple[float, float], np.ndarray] = {}
-
-    def heights(self, rise: float, damping: float) -> np.ndarray:
-        """Crest (m,) m at `t`, for a fill that is higher by `rise`, m, and exp(damping) times the damping."""
-        key = rise, damping
-        if key not in self._known:
-            if len(self._known) > 8:
-                self._known.clear()
-            self._known[key] = self._integrated(rise, damping)
-        return self._known[key]
-
-    def frequency(self, rise: float) -> float:
-        """Of the first mode, rad/s."""
-        filling = self._cup(rise, 0.0).filling
-        assert filling is not None
-        return min(mode.frequency for mode in filling.modes.oscillators)
-
-    def _cup(self, rise: float, damping: float) -> Cargo:
-        by = Perturbation(liquid_height=rise, damping=float(np.exp(damping)))
-        return perturbed(self._scene.cargo[0], by, fidelity=self._scene.fidelity)
-
-    def _integrated(self, rise: float, damping: float) -> np.ndarray:
-        scene = replace(self._scene, cargo=(self._cup(rise, damping),))
-        own = np.asarray(flatten(numbers_of_object(numbers_of(scene), 0)))
-        start = np.zeros(self._step.size1_in(0))
-        states = integrate(
-            self._step, start, inputs=self._body, lengths=np.full(len(self.t) - 1, _STEP), parameters=own
-        ).T
-        count = len(start) // 2
-        function, names = object_figures_function(self._kind, EvaluationPoint.OBJECT)
-        rows = evaluate(function, [self._body[:, ::2], states[:count], states[count:]], own)
-        height = rows[3 * names.index(SloshHeight.name)]
-        if not np.isfinite(height).all():
-            raise ModelError(f"{scene.cargo[0].name}: the liquid leaves its cup along this motion")
-        return height
-
-
 def _from_rest(t: np.ndarray, height: np.ndarray, before: float) -> Heights:
-    count = int(before / _STEP)
-    early = t[0] - _STEP * np.arange(count, 0, -1)
+    count = int(before / STEP)
+    early = t[0] - STEP * np.arange(count, 0, -1)
     return Heights(np.concatenate([early, t]), np.concatenate([np.zeros(count), height]))

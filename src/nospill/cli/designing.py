@@ -1,0 +1,67 @@
+"""design-test: the short motion that tells most about damping, fill and lag."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from nospill.cli.identifying import SHOWN
+from nospill.cli.planning import print_plan
+from nospill.cli.tables import print_lines, print_table
+
+
+def design_test(
+    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="A file, or the name of an example.")],
+    rest: Annotated[
+        str, typer.Option("--rest", metavar="TIME", help="How long the liquids are filmed after the motion.")
+    ] = "10 s",
+    noise: Annotated[
+        str, typer.Option("--noise", metavar="LENGTH", help="Standard deviation of a measured height.")
+    ] = "0.5 mm",
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Measured heights a second.")] = 60.0,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
+    ] = None,
+) -> int:
+    """Find the motion along the path that tells most about damping, fill and lag, safe by certificate.
+
+    It ends with the liquids swinging, up to the limit of their height. Exit code 3 if no motion is certified.
+    """
+    from nospill.core.files import require_replaceable
+    from nospill.core.units import quantity
+    from nospill.errors import ScenarioError
+    from nospill.execution.design import Records, designed, test_scene
+    from nospill.plans.names import is_plan_folder
+    from nospill.scenario import read_scenario
+
+    values = {}
+    for option, text, dimension in (("--rest", rest, "time"), ("--noise", noise, "length")):
+        try:
+            values[option] = quantity(text, dimension)
+        except ScenarioError as error:
+            raise ScenarioError(f"{option}: {error}") from None
+        if values[option] <= 0.0:
+            raise ScenarioError(f"{option} {text}: must be above zero")
+    if not 5.0 <= rate <= 10_000.0:
+        raise ScenarioError(f"--rate {rate:g}: 5 to 10000 are allowed")
+    if output is not None:
+        require_replaceable(output, replaceable=is_plan_folder)
+    records = Records(rest=values["--rest"], rate=rate, height_noise=values["--noise"])
+    found = designed(test_scene(read_scenario(scenario)), records)
+    if output is not None:
+        found.plan.save(output)
+        print_plan(found.plan, output)
+    rows = []
+    for own in found.expected:
+        factor, unit, digits = SHOWN[own.unit]
+        rows.append((own.name, own.subject, f"± {factor * own.half_width:.{digits}f}", unit))
+    print_table(("number", "of", "expected 95 %", "unit"), rows, right=("expected 95 %",))
+    print()
+    print_lines(
+        f"the motion takes {found.plan.duration:.3f} s; film {values['--rest']:g} s of rest after it",
+        f"{found.tried} motions were looked at; {found.refused} that tell more are not certified",
+    )
+    return 0
