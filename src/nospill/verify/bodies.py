@@ -60,6 +60,7 @@ class Body:
         liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
         modes: of the liquid.
+        swing: (2, j) displacements and velocities of every modal mass along its axes when the motion begins, m and m/s.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Body:
     liquid_height: float
     friction: float
     modes: tuple[ModalMass, ...]
+    swing: np.ndarray
 
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
@@ -126,4 +128,5 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
             )
             for mode in oscillators
         ),
+        swing=cargo.initial_coordinates,
     )
