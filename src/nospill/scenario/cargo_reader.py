@@ -16,6 +16,7 @@ from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
@@ -166,9 +167,10 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
     limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+        stands = _wetting(container, liquid, level) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
-            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup is "
+            "too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
@@ -182,6 +184,12 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         floor=floor,
         contact_line=line,
     )
+
+
+def _wetting(container: Container, liquid: Liquid, level: float) -> str:
+    """Where the surface at rest stands in a vessel whose wall it wets, in words."""
+    rise, drop = meniscus_in(container, liquid, level)
+    return f" (flat at {_mm(level)}; wetting the wall, {_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
 
 
 def _level(entry: CargoTable, container: Container) -> float:
