@@ -24,7 +24,7 @@ def contact_use_figure(evidence: Evidence) -> Figure:
     """One panel per constraint on the objects, one line per object; the fullest first, the slack ones in words."""
     by_constraint = evidence.by_constraint(EvaluationPoint.OBJECT)
     by_constraint.pop(SloshHeight.name, None)  # has its own figure, in millimetres
-    subjects = [cargo.name for cargo in evidence.plan.scene.standing]
+    subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
     peaks = {name: _largest(traces) for name, traces in by_constraint.items()}
     ordered = sorted(peaks, key=lambda name: -peaks[name][0])
     shown = [name for name in ordered if peaks[name][0] >= _SLACK] or ordered[:1]

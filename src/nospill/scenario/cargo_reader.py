@@ -169,8 +169,8 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
         stands = _wetting(container, liquid, level) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup is "
-            "too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
+            "is too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
