@@ -18,7 +18,7 @@ from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.described import described
-from nospill.scene.cargo import with_modes
+from nospill.scene.carriers import with_modes
 from nospill.scene.containers.modes import Oscillator
 from nospill.scene.scene import Scene
 from nospill.scene.swing import coordinates, swing_of
@@ -150,3 +150,10 @@ def test_a_changed_scene_is_saved_with_its_swing_and_without_it() -> None:
     still = replace(again.cargo[0], filling=replace(again.cargo[0].filling, initial_swing=None))
     source: dict[str, Any] = described(replace(again, cargo=(still, *others))).source
     assert "initial_swing" not in source["cargo"][0]
+
+
+def test_what_stands_in_a_carrier_begins_at_rest() -> None:
+    source = read_scenario("vial-rack").source
+    place = next(index for index, entry in enumerate(source["cargo"]) if entry.get("carrier"))  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match="initial_swing is given to what stands in"):
+        scene_from_table(changed_table(source, {f"cargo.{place}.initial_swing": SWING}), name="t")

@@ -101,6 +101,18 @@ class CargoTable(Table):
         ArrayTable | None,
         Field(description="rows and columns of equal objects about at: name-1-1, name-1-2, ..."),
     ] = None
+    carrier: Annotated[
+        Name | None,
+        Field(
+            description="name of the solid in which the object stands and with which it moves, such as a rack; "
+            "at and yaw then count from the middle of that one"
+        ),
+    ] = None
+    seat_height: Annotated[
+        float | None,
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
+        Field(description="height of the object's bottom above the tray, where it stands in a carrier; 0 if not given"),
+    ] = None
     shape: Any  # each class below narrows it to its own literal
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
     liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
@@ -140,7 +152,10 @@ class CargoTable(Table):
         SwingTable | None,
         Field(description="the table [cargo.initial_swing]: swing of the liquid when the motion begins"),
     ] = None
-    mass: Annotated[Mass | None, Field(description="total mass as it stands on the tray, liquid included")] = None
+    mass: Annotated[
+        Mass | None,
+        Field(description="total mass as it stands on the tray, liquid included, but not what stands in it"),
+    ] = None
     empty_mass: Annotated[
         float | None,
         Measured(dimension="mass", at_least=0.0, at_most=1000.0),

@@ -16,6 +16,7 @@ from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
@@ -110,6 +111,11 @@ def _check_keys(entry: CargoTable) -> None:
         if entry.centre_of_mass is not None and entry.centre_of_mass_height is not None:
             raise ScenarioError("centre_of_mass and centre_of_mass_height are both given; keep one of them")
         return
+    if entry.carrier and entry.initial_swing is not None:
+        raise ScenarioError(
+            f"initial_swing is given to what stands in {as_written(entry.carrier)}; a carrier feels its liquids from "
+            "rest only: wait until they are at rest, or place them on the tray"
+        )
     if entry.liquid_height is None and entry.liquid_volume is None:
         raise ScenarioError(
             'liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm", or liquid_volume'
@@ -168,9 +174,10 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
     limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+        stands = _wetting(container, liquid, level) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
-            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
+            "is too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
@@ -208,6 +215,12 @@ def _swinging(filling: Filling, container: Container, table: SwingTable) -> Fill
             f"{_mm(filling.max_slosh_height)}; wait longer before the motion or raise the limit"
         )
     return dataclasses.replace(filling, initial_swing=swing)
+
+
+def _wetting(container: Container, liquid: Liquid, level: float) -> str:
+    """Where the surface at rest stands in a vessel whose wall it wets, in words."""
+    rise, drop = meniscus_in(container, liquid, level)
+    return f" (flat at {_mm(level)}; wetting the wall, {_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
 
 
 def _level(entry: CargoTable, container: Container) -> float:

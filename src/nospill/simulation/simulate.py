@@ -24,7 +24,8 @@ from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import with_modes
 from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup

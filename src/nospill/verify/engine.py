@@ -208,9 +208,10 @@ def _mode_text(label: str, mode: ModalMass) -> str:
     text = ""
     for depth, axis in reversed(list(enumerate(mode.axes))):
         last, first = depth == len(mode.axes) - 1, depth == 0
+        foot = (*mode.place, mode.height) if first else (0.0, 0.0, 0.0)
         share = 1.0 - _LINK_FRACTION * (len(mode.axes) - 1) if last else _LINK_FRACTION
         text = (
-            f'<body simple="false" pos="0 0 {mode.height if first else 0.0:.17g}">'
+            f'<body simple="false" pos="{" ".join(f"{value:.17g}" for value in foot)}">'
             f'<inertial pos="0 0 0" mass="{share * mode.mass:.17g}" '
             f'diaginertia="{_POINT_INERTIA} {_POINT_INERTIA} {_POINT_INERTIA}"/>'
             f'<joint name="across{label}-{axis}" type="slide" axis="{_AXES[axis]}" damping="{mode.damping:.17g}" '
