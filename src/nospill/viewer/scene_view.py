@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
-from nospill.film.geometry import Mesh, board, contact_collar, container_body
+from nospill.film.geometry import Mesh, board, contact_collar, container_body, creased
 from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.film.props import limit_ring
 from nospill.film.robot_model import DrawnChain, read_chain
@@ -90,7 +90,7 @@ class TrayView:
         )
         hollow = cargo.filling is not None
         look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
-        body = container_body(cargo.container, hollow=hollow)
+        body = creased(container_body(cargo.container, hollow=hollow))
         _add(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
         self._collars[cargo.name] = _add(
             scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
