@@ -20,9 +20,10 @@ from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, arrangement
 from nospill.scenario.examples import EXAMPLES
-from nospill.viewer.live import aim, running_server, short_titles, show_plans, title_of
+from nospill.viewer.live import aim, running_server, short_titles, show_plans
 from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
+from nospill.viewer.words import title_of
 from tests.films import film_of
 
 

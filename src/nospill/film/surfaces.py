@@ -96,7 +96,7 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
     section = container.section(level)
     size = float(section.half_lengths[0] / container.footprint.half_lengths[0])
     # Slightly inside the wall, or both surfaces flicker where they meet.
-    gap = 1.02 * wall_thickness(container)
+    gap = 1.2 * wall_thickness(container)
     picked = _ring(container.outline)
     outline = size * picked
     drawn = shrunk(outline, gap)
