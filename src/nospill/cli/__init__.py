@@ -20,6 +20,7 @@ from nospill.cli.exporting import export
 from nospill.cli.filming import film
 from nospill.cli.identifying import identify
 from nospill.cli.listings import examples, robots, schema
+from nospill.cli.measuring import measure
 from nospill.cli.planning import plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.sharing import report
@@ -45,6 +46,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     compare,
     executed,
     identify,
+    measure,
     examples,
     robots,
     schema,
