@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from nospill.cli.cache import cache
+from nospill.cli.checking import check
 from nospill.cli.designing import design_test
 from nospill.cli.executing import executed
 from nospill.cli.exporting import export
@@ -21,7 +22,7 @@ from nospill.cli.filming import film
 from nospill.cli.identifying import identify
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.measuring import measure
-from nospill.cli.planning import check, plan, plot
+from nospill.cli.planning import plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
