@@ -23,12 +23,14 @@ from nospill.judge.certificate import judge
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, margins, probability
+from nospill.margins.arms import ArmRanges, drawn_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import draw
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
+from nospill.scene.controller import Controller
 
 NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
 STILL = np.zeros(len(FACTORS))
@@ -256,3 +258,26 @@ def test_wrong_options_are_one_line(arguments: tuple[str, ...], message: str, tm
     done = run("margins", str(tmp_path), *arguments)
     assert done.exit_code == 2 and message in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.slow
+def test_arms_that_are_late_cost_margin(smooth_plan: Callable[..., Plan]) -> None:
+    """Every batch of samples has an arm of its own; with certain objects nothing else moves the margins."""
+    plan = smooth_plan("matrix-liquid", cargo=1)
+    certain = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
+    late = margins(plan, ranges=certain, arm=ArmRanges(delay=0.004, lag=0.01), samples=200)
+    assert late.arms == 2
+    assert len(np.unique(np.round(late.worst_margin, 9))) == 2
+    assert np.all(np.abs(late.worst_margin - late.nominal) > 1e-5)
+    assert late.to_dict()["arm"] == {"delay_s": 0.004, "lag_s": 0.01, "drawn": 2}
+
+
+def test_drawn_arms_lie_within_their_ranges() -> None:
+    scene = replace(read_scenario("matrix-liquid"), controller=Controller(np.full(6, 0.001), np.full(6, 0.02)))
+    arms, after = drawn_arms(scene, ArmRanges(delay=0.002, lag=0.005), 50, seed=1)
+    delay, lag = np.array([own.delay for own in arms]), np.array([own.lag for own in arms])
+    assert np.min(delay) == 0.0 and 0.0025 < np.max(delay) <= 0.003
+    assert 0.015 <= np.min(lag) < 0.016 and 0.024 < np.max(lag) <= 0.025
+    assert after == pytest.approx(0.154)
+    with pytest.raises(ScenarioError, match=r"range of lag = 1 s: 0 to 0.1 s are allowed"):
+        ArmRanges(lag=1.0)

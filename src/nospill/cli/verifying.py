@@ -131,6 +131,15 @@ def margins(
     mass: Annotated[
         str | None, typer.Option("--mass", metavar="RATIO", help="Mass of an object, relative, +-.", show_default=False)
     ] = None,
+    delay: Annotated[
+        str | None,
+        typer.Option(
+            "--delay", metavar="TIME", help="Delay of every joint, +- about the controller's.", show_default=False
+        ),
+    ] = None,
+    lag: Annotated[
+        str | None, typer.Option("--lag", metavar="TIME", help="Lag of every joint, likewise.", show_default=False)
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
     output: Annotated[
         Path | None,
@@ -146,21 +155,24 @@ def margins(
     """Draw friction, fill, damping, place and mass anew and report what is left of a plan's margins.
 
     Drawn are the scenario's tolerances, where it states any; else friction +-10 %, fill +-2 mm, damping x0.5 to x2,
-    place +-1 mm and mass +-2 %. An option counts for all objects.
+    place +-1 mm and mass +-2 %. An option counts for all objects. Delay and lag of the arm are drawn where asked for.
     """
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_folder, require_replaceable
         from nospill.margins import margins as study
         from nospill.margins import scenario_ranges
+        from nospill.margins.arms import ArmRanges
         from nospill.plans.loading import load_plan
 
         given = _given_ranges(friction, fill, damping, position, mass)
+        times = {name: _given_time(f"--{name}", text) for name, text in (("delay", delay), ("lag", lag))}
         if output is not None:
             require_replaceable(output, replaceable=_only_study)
         plan = load_plan(folder)
         report = study(
             plan,
             ranges=[replace(own, **given) for own in scenario_ranges(plan.scene)],
+            arm=ArmRanges(**times),
             samples=samples,
             seed=seed,
             progress=lambda done, total: progress.say("draw", f"{done} of {total}"),
@@ -175,6 +187,17 @@ def margins(
         if output is not None:
             print(f"written to {output}")
     return 0
+
+
+def _given_time(option: str, text: str | None) -> float:
+    """A time that may be left out, s."""
+    from nospill.core.units import quantity
+    from nospill.errors import ScenarioError
+
+    try:
+        return 0.0 if text is None else quantity(text, "time")
+    except ScenarioError as error:
+        raise ScenarioError(f"{option}: {error}") from None
 
 
 def _given_ranges(
@@ -261,6 +284,11 @@ def _print_margins(report: MarginsReport) -> None:
         "tip": report.tip,
         "any limit of the certificate": report.any_limit,
     }
+    if not report.arm.certain:
+        print_lines(
+            f"arm: {report.arms} drawn, delay +- {1e3 * report.arm.delay:g} ms and lag +- {1e3 * report.arm.lag:g} ms "
+            "of every joint about the controller's"
+        )
     spill = report.spill
     print_verdict(
         f"{spill.count} of {report.samples} samples spill: a probability of at most {1e2 * spill.high:.1f} %",

@@ -36,14 +36,17 @@ from nospill.laws.parameters import (
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
-from nospill.motion.interpolation import planned_motion
+from nospill.motion.control import commanded, followed
+from nospill.motion.interpolation import QUINTIC_SPLINE, planned_motion
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
 STEP = 1e-3
 """s; longest step of the integration, after each of which the margins are looked at."""
 
-_BATCH = 100
+BATCH = 100
+"""Samples that are computed together, and share one motion of the tray."""
 _NEVER = 1e9
 
 
@@ -60,11 +63,23 @@ class TrayMotion:
     step: float
 
 
-def tray_motion(trajectory: Trajectory, scene: Scene) -> TrayMotion:
-    """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone."""
+def tray_motion(
+    trajectory: Trajectory, scene: Scene, arm: Controller | None = None, *, after: float = 0.0
+) -> TrayMotion:
+    """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone.
+
+    Args:
+        trajectory: the plan's.
+        scene: with the controller that the command was made for.
+        arm: how the joints really follow the command; as the scenario states when left out.
+        after: s of rest that are added to the end, in which a late arm comes to rest.
+    """
     run = run_of(trajectory, scene.controller)
     motion = run.motion or planned_motion(trajectory)
-    start, end = float(trajectory.t[0]), run.record.end_time
+    if arm is not None:
+        samples = commanded(trajectory, scene.controller)
+        motion = followed(QUINTIC_SPLINE.motion(samples), arm, float(samples.t[0]), float(samples.t[-1]))
+    start, end = float(trajectory.t[0]), run.record.end_time + after
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
     _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
@@ -89,7 +104,7 @@ class Margins:
 
 
 def object_margins(
-    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], motion: TrayMotion
+    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], *motions: TrayMotion
 ) -> Iterator[tuple[int, Margins]]:
     """Margins of one object for many sets of its numbers, batch by batch.
 
@@ -97,7 +112,7 @@ def object_margins(
         scene: the object's scene.
         index: of the object.
         numbers: one per sample, of the structure the object has in the scene.
-        motion: of the tray.
+        motions: of the tray, of so many steps each; one for each batch of `BATCH`, and again from the first.
 
     Yields:
         The number of samples in the batch and their margins.
@@ -105,15 +120,15 @@ def object_margins(
     whole = structure_of(scene)
     structure = replace(whole, objects=whole.objects[index : index + 1])
     shared = (scene.gravity, scene.motion.residual_fraction)
-    made = _function(structure, motion.body.shape[1], _BATCH)
+    made = _function(structure, motions[0].body.shape[1], BATCH)
     names = tuple(constraint.name for constraint in made.constraints)
     points = tuple(constraint.evaluated_at for constraint in made.constraints)
-    body, initial = ca.DM(motion.body), ca.DM(scene.cargo[index].initial_coordinates.ravel())
-    for first in range(0, len(numbers), _BATCH):
-        batch = numbers[first : first + _BATCH]
+    initial = ca.DM(scene.cargo[index].initial_coordinates.ravel())
+    for first in range(0, len(numbers), BATCH):
+        batch, motion = numbers[first : first + BATCH], motions[first // BATCH % len(motions)]
         columns = np.column_stack([np.concatenate([shared, [motion.step], flatten(item)]) for item in batch])
-        padded = np.pad(columns, ((0, 0), (0, _BATCH - len(batch))), mode="edge")
-        found = np.array(made.call(ca.DM(padded), initial, body).full())[:, : len(batch)].T
+        padded = np.pad(columns, ((0, 0), (0, BATCH - len(batch))), mode="edge")
+        found = np.array(made.call(ca.DM(padded), initial, ca.DM(motion.body)).full())[:, : len(batch)].T
         figures, states = np.split(found, [2 * len(names)], axis=1)
         margin, limit = figures[:, 0::2].copy(), figures[:, 1::2]
         _play_on(structure, batch, names, states, margin, limit)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.margins.arms import ArmRanges
 from nospill.margins.ranges import Ranges
 
 CONFIDENCE = 0.95
@@ -96,6 +97,8 @@ class MarginsReport:
         ranges: by object.
         samples: number of samples drawn.
         seed: of the generator.
+        arm: how far delay and lag of the joints may be off.
+        arms: how many arms were drawn; each plays a hundred samples.
         nominal: worst margin with the scenario's numbers.
         worst_margin: (m,) of every sample.
         draws: (m, objects, 6), columns as in `Ranges.bounds`.
@@ -112,6 +115,8 @@ class MarginsReport:
     ranges: dict[str, Ranges]
     samples: int
     seed: int
+    arm: ArmRanges
+    arms: int
     nominal: float
     worst_margin: np.ndarray
     draws: np.ndarray
@@ -137,6 +142,7 @@ class MarginsReport:
             "samples": self.samples,
             "seed": self.seed,
             "ranges": {name: asdict(item) for name, item in self.ranges.items()},
+            "arm": {"delay_s": self.arm.delay, "lag_s": self.arm.lag, "drawn": 0 if self.arm.certain else self.arms},
             "nominal_worst_margin": self.nominal,
             "worst_margin_percentiles": {f"{key:g}": value for key, value in self.percentiles.items()},
             "confidence": CONFIDENCE,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -19,8 +20,9 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
 from nospill.laws.scene_parameters import object_numbers
+from nospill.margins.arms import ArmRanges, drawn_arms
 from nospill.margins.drawn_object import drawn_object
-from nospill.margins.laws import object_margins, tray_motion
+from nospill.margins.laws import BATCH, TrayMotion, object_margins, tray_motion
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
 from nospill.plans.plan import Plan
@@ -70,18 +72,22 @@ def margins(
     plan: Plan,
     *,
     ranges: Ranges | Sequence[Ranges] | None = None,
+    arm: ArmRanges | None = None,
     samples: int = 1000,
     seed: int = 0,
     progress: ObjectCallback | None = None,
 ) -> MarginsReport:
     """Draw friction, fill, damping, position and mass of every object and see what is left of the plan's margins.
 
-    The joints, and so the tray, move as planned in every sample. The laws are those of the scene's fidelity.
+    The joints, and so the tray, move as planned in every sample, unless delay and lag of the arm are drawn too: then
+    every hundred samples have an arm of their own, which plays the plan's command. The laws are those of the scene's
+    fidelity.
 
     Args:
         plan: certified or not.
         ranges: how far the numbers may be off, of all objects alike or of each; what the scenario states when left
             out (`scenario_ranges`).
+        arm: how far delay and lag of the joints may be off; not at all when left out.
         samples: how many sets of numbers, 1 to 1,000,000.
         seed: of the draw; the same seed gives the same figures.
         progress: called after each batch.
@@ -101,18 +107,18 @@ def margins(
     draws = draw(used, samples, seed=seed)
     swept, labels = _sweeps(used)
     nominal = np.zeros((1, len(FACTORS)))
-    motion = tray_motion(plan.trajectory, scene)
+    motion, arms = _motions(plan, arm or ArmRanges(), samples, seed)
     total, done = len(scene.cargo) * (samples + len(labels) + 1), 0
     found = []
     for index, cargo in enumerate(scene.cargo):
         changed = [drawn_object(cargo, item, scene) for item in np.vstack([draws[:, index], swept[:, index], nominal])]
         parts = []
-        for count, part in object_margins(
-            scene,
-            index,
-            tuple(object_numbers(item, fidelity=scene.fidelity, gravity=scene.gravity) for item in changed),
-            motion,
-        ):
+        numbers = tuple(object_numbers(item, fidelity=scene.fidelity, gravity=scene.gravity) for item in changed)
+        batches = chain(
+            object_margins(scene, index, numbers[:samples], *arms),
+            object_margins(scene, index, numbers[samples:], motion),
+        )
+        for count, part in batches:
             parts.append(part)
             done += count
             if progress is not None:
@@ -136,6 +142,8 @@ def margins(
         ranges={cargo.name: own for cargo, own in zip(scene.cargo, used, strict=True)},
         samples=samples,
         seed=seed,
+        arm=arm or ArmRanges(),
+        arms=len(arms),
         nominal=float(worst[-1]),
         worst_margin=worst[drawn],
         draws=draws,
@@ -147,6 +155,16 @@ def margins(
         constraints=_risks(found, drawn),
         influences=_influences(found, labels, samples),
     )
+
+
+def _motions(plan: Plan, ranges: ArmRanges, samples: int, seed: int) -> tuple[TrayMotion, tuple[TrayMotion, ...]]:
+    """The tray as planned, and as the drawn arms move it, one for each batch; the former alone where none is drawn."""
+    if ranges.certain:
+        planned = tray_motion(plan.trajectory, plan.scene)
+        return planned, (planned,)
+    arms, after = drawn_arms(plan.scene, ranges, math.ceil(samples / BATCH), seed=seed)
+    planned = tray_motion(plan.trajectory, plan.scene, after=after)
+    return planned, tuple(tray_motion(plan.trajectory, plan.scene, own, after=after) for own in arms)
 
 
 def _during(item: _Found) -> dict[str, np.ndarray]:

@@ -1,0 +1,52 @@
+"""Arms that follow their command not quite as the scenario states: delay and lag of every joint, drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.scene.controller import Controller
+from nospill.scene.scene import Scene
+
+LONGEST = 0.1
+"""s; delays and lags that are farther off are those of another arm."""
+_DIES = 6.0
+"""Lags after which nothing is left that counts: exp(-6) is 0.25 %."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArmRanges:
+    """Ranges about `[controller]`, about zero without it; every joint is drawn on its own, and none below zero.
+
+    Attributes:
+        delay: +-, s.
+        lag: likewise.
+    """
+
+    delay: float = 0.0
+    lag: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("delay", "lag"):
+            value = getattr(self, name)
+            if not 0.0 <= value <= LONGEST:
+                raise ScenarioError(f"range of {name} = {value:g} s: 0 to {LONGEST:g} s are allowed")
+
+    @property
+    def certain(self) -> bool:
+        """Whether nothing is drawn."""
+        return self.delay == 0.0 and self.lag == 0.0
+
+
+def drawn_arms(scene: Scene, ranges: ArmRanges, count: int, *, seed: int) -> tuple[tuple[Controller, ...], float]:
+    """So many arms, and how much longer than planned the latest of them may move, s."""
+    joints = len(scene.robot.joints)
+    stated = scene.controller or Controller(np.zeros(joints), np.zeros(joints))
+    off = np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, 2, joints))
+    arms = tuple(
+        Controller(np.maximum(stated.delay + ranges.delay * delay, 0.0), np.maximum(stated.lag + ranges.lag * lag, 0.0))
+        for delay, lag in off
+    )
+    return arms, 2.0 * ranges.delay + _DIES * float(np.max(stated.lag) + ranges.lag)
