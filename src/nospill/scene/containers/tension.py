@@ -74,8 +74,8 @@ def liquid_modes(
 def _many(container: Container, liquid: Liquid, level: float, count: int) -> SloshModes:
     """So many modes that the pinned line's first `count` are found in them.
 
-    Of a vessel that is no prism the elements give the first ones; the higher ones live near the surface and are those of
-    a deep cylinder of its radius, but for a factor on the height at a wall that leans, which the last known ones tell.
+    Of a vessel that is no prism the elements give the first ones; the higher ones live near the surface and are those
+    of a deep cylinder of its radius, but for a factor on the height at a leaning wall, which the last known ones tell.
     """
     wanted = max(_MANY, 4 * count)
     if not isinstance(container, Vessel):
