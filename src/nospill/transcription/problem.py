@@ -222,8 +222,8 @@ def _bounds(
         row[0] = 1.0
     for row in ends[:2]:
         row[layout.displacement] = row[layout.velocity] = 0.0
-    # Flat modes come to rest as nearly as the judge demands: exactly so, each would cost two controls at the end. Of what
-    # pushes a carrier nothing is demanded but that it pushes no more than its limits allow.
+    # Flat modes come to rest as nearly as the judge demands: exactly so, each would cost two controls at the end.
+    # Of what pushes a carrier nothing is demanded there.
     slow = np.array(
         [
             not flat and not item.spread
