@@ -38,7 +38,7 @@ class StandIn:
     robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
     scene = SimpleNamespace(name="tea", robot=robot, motion=motion, path=SimpleNamespace(notes=()))
     held_back = "friction of c1 holds 31 % of the motion"
-    would_save = "a limit wider by 10 % would save about 0.05 s (friction of all)"
+    would_save = "a limit wider by 10 % would save about 0.05 s (friction of all objects)"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     sooner: tuple[str, ...] = ()
     approach = None

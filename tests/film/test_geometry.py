@@ -13,6 +13,7 @@ from nospill.film.geometry import (
     board,
     contact_collar,
     container_body,
+    drawn_section,
     joined,
     prism,
     shrunk,
@@ -20,6 +21,7 @@ from nospill.film.geometry import (
     wall_thickness,
 )
 from nospill.scene.containers import Box, Cylinder
+from tests.builders import VESSELS
 
 SIZE = st.floats(0.01, 0.5)
 PLACE = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
@@ -68,6 +70,26 @@ def test_box_shell_has_the_same_wall_on_every_side() -> None:
     body = solid(container_body(Box(0.2, 0.1, 0.05), hollow=True))
     assert body.is_watertight
     assert body.volume == pytest.approx(0.2 * 0.1 * 0.05 - 0.196 * 0.096 * 0.048)
+
+
+def test_a_drawn_section_is_near_all_points_and_has_few() -> None:
+    angle = np.linspace(0.0, np.pi / 2, 500)
+    bowl = np.column_stack([np.sin(angle), 0.05 * (1.0 - np.cos(angle))])
+    kept = drawn_section(bowl, 0.05)
+    assert len(kept) < 40
+    assert kept[[0, -1]] == pytest.approx(bowl[[0, -1]])
+    radius = np.interp(bowl[:, 1], kept[:, 1], kept[:, 0])
+    across = np.interp(bowl[:, 0], kept[:, 0], kept[:, 1])
+    off = np.minimum(0.05 * np.abs(radius - bowl[:, 0]), np.abs(across - bowl[:, 1]))
+    assert off.max() < 1.5e-3 * 0.05
+    straight = np.column_stack([np.ones(9), np.linspace(0.0, 0.1, 9)])
+    assert drawn_section(straight, 0.03) == pytest.approx(straight[[0, -1]])
+
+
+def test_a_glass_is_round_and_light() -> None:
+    body = container_body(VESSELS["wine-glass"], hollow=True)
+    assert len(body.faces) < 15_000
+    assert solid(body).is_watertight
 
 
 @settings(max_examples=25, deadline=None)

@@ -83,7 +83,7 @@ def test_sentence_names_the_longest_three() -> None:
 def test_sentence_on_savings_names_the_largest_first_and_no_trifles() -> None:
     joints = ("shoulder_pan_joint", "wrist_1_joint")
     found = {"slosh height | all": 0.0208, "joint speed | shoulder_pan_joint": 0.0521, "tilt jerk | all": 1e-4}
-    sentence = "a limit wider by 10 % would save about 0.052 s (speed of shoulder pan), 0.021 s (liquid of all)"
+    sentence = "a limit wider by 10 % would save about 0.052 s (speed of shoulder pan), 0.021 s (liquid of all objects)"
     assert would_save(found, joints) == sentence
     assert would_save({"slip | all": 1e-5}, joints) == would_save({}, joints) == ""
 

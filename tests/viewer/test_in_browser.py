@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarn
 from nospill.scenario.examples import EXAMPLES  # noqa: E402
 from nospill.viewer.charts import draw_charts  # noqa: E402
 from nospill.viewer.html import CLOCK, save_html, with_charts  # noqa: E402
-from nospill.viewer.live import live_viewer, short_titles, title_of  # noqa: E402
+from nospill.viewer.live import live_viewer, short_titles  # noqa: E402
 from nospill.viewer.playback import SPEEDS  # noqa: E402
 from tests.waiting import PATIENCE, wait_until  # noqa: E402
 
@@ -190,7 +190,7 @@ def test_no_text_of_an_example_covers_another_in_any_window(
 ) -> None:
     film = example_film(name)
     blank = "<html><head><title>Viser</title></head><body><div id='root'></div></body></html>"
-    page.set_content(with_charts(blank, [title_of(film)], draw_charts([film], short_titles([film]))))
+    page.set_content(with_charts(blank, [film], draw_charts([film], short_titles([film]))))
     for width in (1280, 760, 400):
         page.set_viewport_size({"width": width, "height": 700})
         assert page.evaluate(OVERLAPS) == []

@@ -178,13 +178,16 @@ def test_charts_call_objects_as_people_do(mixed_film: Film) -> None:
 
 
 def test_limits_of_heights_name_their_liquids_and_go_on_after_the_end(tilting_film: Film, mixed_film: Film) -> None:
-    def limits(film: Film) -> list[tuple[float, str, float]]:
+    def heights(film: Film) -> Panel:
         panel = next(panel for rank, panel in contents(film, "") if rank == 1)
         assert isinstance(panel, Panel)
-        return [(round(limit.value, 3), limit.name, limit.start) for limit in panel.limits]
+        return panel
 
-    end = tilting_film.end_time
-    assert limits(tilting_film) == [(15.0, "15 mm", 0.0), (3.0, "after the end 3 mm", end)]
+    def limits(film: Film) -> list[tuple[float, str, float]]:
+        return [(round(limit.value, 3), limit.name, limit.start) for limit in heights(film).limits]
+
+    assert limits(tilting_film) == [(15.0, "15 mm", 0.0), (3.0, "", tilting_film.end_time)]
+    assert heights(tilting_film).note == "limit after the end: 3 mm"
     found = limits(mixed_film)
     values = sorted({1e3 * track.limit for track in mixed_film.liquids.values()}, reverse=True)
     assert [value for value, _, start in found if start == 0.0] == pytest.approx(values)

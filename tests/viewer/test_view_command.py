@@ -16,7 +16,7 @@ from typer.testing import CliRunner, Result
 from nospill.cli import app
 from nospill.film.timeline import Film
 from nospill.plans.approach import judged
-from nospill.viewer.live import title_of
+from nospill.viewer.words import title_of
 from tests.waiting import finished, first_line
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -14,6 +13,8 @@ TUBE_SIDES = 32
 """Corners round a tube."""
 _BALL_SIDES, _BALL_RINGS = 32, 8
 """Corners round a ball, and rings of them from its equator to a pole."""
+_SAGITTA = 1e-3
+"""Least detail of a section over its half width: what the 64 corners of a circle are off."""
 _SMOOTH = float(np.cos(np.radians(35.0)))
 """Corners whose faces differ by less are shaded as one round surface."""
 
@@ -55,10 +56,44 @@ def prism(outline: np.ndarray, bottom: float, top: float) -> Mesh:
 def bands(outlines: Sequence[np.ndarray], heights: Sequence[float] | np.ndarray) -> Mesh:
     """Bands from each outline (n, 2), counter-clockwise, m, at its height in m to the next; open at both ends.
 
-    Their outside is seen where the heights rise.
+    Their outside is seen where the heights rise. Neighbours share their vertices, so that a curved wall is shaded as
+    one.
     """
     rings = [_at_height(outline, float(height)) for outline, height in zip(outlines, heights, strict=True)]
-    return joined([_strip(low, high) for low, high in pairwise(rings)])
+    count = len(rings[0])
+    faces = np.concatenate([_between(count) + number * count for number in range(len(rings) - 1)])
+    return Mesh(np.concatenate(rings), faces)
+
+
+def drawn_section(section: np.ndarray, half_width: float) -> np.ndarray:
+    """The points of a container's section that a picture needs, by Douglas and Peucker.
+
+    Vessels come with hundreds of points; a straight line may pass a left out one by `_SAGITTA` of the half width.
+
+    Args:
+        section: (n, 2), part of the outline and height in m, as `Container.inside`.
+        half_width: of the outline, m.
+
+    Returns:
+        (k, 2), some of the points, both ends among them.
+    """
+    points = section * (half_width, 1.0)
+    kept = np.zeros(len(points), dtype=bool)
+    kept[[0, -1]] = True
+    spans = [(0, len(points) - 1)]
+    while spans:
+        first, last = spans.pop()
+        between = points[first + 1 : last] - points[first]
+        if not len(between):
+            continue
+        chord = points[last] - points[first]
+        along = np.clip(between @ chord / max(float(chord @ chord), 1e-30), 0.0, 1.0)
+        off = np.linalg.norm(between - along[:, None] * chord, axis=1)
+        worst = int(np.argmax(off))
+        if off[worst] > _SAGITTA * half_width:
+            kept[first + 1 + worst] = True
+            spans += [(first, first + 1 + worst), (first + 1 + worst, last)]
+    return section[kept]
 
 
 def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, sides: int = TUBE_SIDES) -> Mesh:
@@ -110,8 +145,8 @@ def container_body(container: Container, *, hollow: bool) -> Mesh:
 
     The wall stands inside the outside; real walls are thin, so its thickness is only for the eye.
     """
-    outlines = [size * container.outline for size in container.outside[:, 0]]
-    heights = list(container.outside[:, 1])
+    outside = drawn_section(container.outside, half_width(container))
+    outlines, heights = [size * container.outline for size in outside[:, 0]], list(outside[:, 1])
     end = outlines[-1], heights[-1]
     if hollow:
         inside, levels = drawn_inside(container, wall_thickness(container))
@@ -127,14 +162,15 @@ def drawn_inside(container: Container, wall: float) -> tuple[list[np.ndarray], l
     `wall`: m, by which they stand inside; the same on every side, and below.
     """
     floor = float(container.inside[0, 1]) + wall
-    wide = [(size, float(z)) for size, z in container.inside if size * _half_width(container) > 1.5 * wall]
+    half = half_width(container)
+    wide = [(size, float(z)) for size, z in drawn_section(container.inside, half) if size * half > 1.5 * wall]
     outlines = [shrunk(size * container.outline, wall) for size, _ in wide]
     return outlines, [floor, *(max(z, floor) for _, z in wide[1:-1]), wide[-1][1]]
 
 
 def wall_thickness(container: Container) -> float:
     """Thickness a container's wall is drawn with, m: a twenty-fifth of its narrower half width."""
-    return 0.04 * _half_width(container)
+    return 0.04 * half_width(container)
 
 
 def widest_outline(container: Container) -> np.ndarray:
@@ -147,7 +183,8 @@ def outline_at(container: Container, height: float) -> np.ndarray:
     return float(np.interp(height, container.outside[:, 1], container.outside[:, 0])) * container.outline
 
 
-def _half_width(container: Container) -> float:
+def half_width(container: Container) -> float:
+    """Of the footprint's outline, where it is narrower, m."""
     return float(np.min(np.max(np.abs(container.outline), axis=0)))
 
 
@@ -199,13 +236,16 @@ def _at_height(outline: np.ndarray, z: float) -> np.ndarray:
 
 def _strip(low: np.ndarray, high: np.ndarray) -> Mesh:
     """Band between two rings (n, 3); its vertices are its own, so that light breaks at its edges."""
-    count = len(low)
+    return Mesh(np.concatenate([low, high]), _between(len(low)))
+
+
+def _between(count: int) -> np.ndarray:
+    """Faces (2 count, 3) between a ring of `count` vertices and the next ones, which lie above it."""
     here = np.arange(count)
     after = (here + 1) % count
-    faces = np.concatenate(
+    return np.concatenate(
         [np.column_stack([here, after, after + count]), np.column_stack([here, after + count, here + count])]
     )
-    return Mesh(np.concatenate([low, high]), faces)
 
 
 def _cap(ring: np.ndarray, *, downwards: bool = False) -> Mesh:

@@ -33,14 +33,15 @@ def ground_colours(
     x = (np.arange(width) - (width - 1) / 2) / focal
     y = ((height - 1) / 2 - np.arange(height)) / focal
     rays = x[None, :, None] * rotation[:, 0] + y[:, None, None] * rotation[:, 1] - rotation[:, 2]
+    long = np.sqrt(1.0 + x[None, :] ** 2 + y[:, None] ** 2)
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = np.where(rays[..., 2] < 0, -origin[2] / rays[..., 2], np.inf)
-        distance = reach * np.linalg.norm(rays, axis=2)
+        distance = reach * long
         fade = np.clip(1.0 - distance / _FADE, 0.0, 1.0) if origin[2] > 0 else np.zeros((height, width))
         fade = np.where(np.isfinite(distance), fade, 0.0)
         place = np.where(np.isfinite(reach)[..., None], origin[:2] + reach[..., None] * rays[..., :2], 0.0)
     colour = _FAR + fade[..., None] * (_NEAR - _FAR)
-    down = np.maximum(-rays[..., 2] / np.linalg.norm(rays, axis=2), 1e-3)
+    down = np.maximum(-rays[..., 2] / long, 1e-3)
     pixel = np.where(fade > 0, distance / focal / down, 1.0)
     for cell, ink, breadth in ((_CELL, _LINE, 0.004), (_MAIN_CELL, _MAIN, 0.006)):
         share = _on_lines(place, cell, np.maximum(breadth, pixel)) * np.minimum(1.0, breadth / pixel * 1.6) * fade
@@ -50,5 +51,5 @@ def ground_colours(
 
 def _on_lines(place: np.ndarray, cell: float, breadth: np.ndarray) -> np.ndarray:
     """How much of a pixel (height, width) at places (height, width, 2) lies on lines every `cell` m."""
-    off = np.abs(place - cell * np.rint(place / cell)).min(axis=2)
-    return np.clip(1.0 - off / breadth, 0.0, 1.0)
+    off = np.abs(place - cell * np.rint(place / cell))
+    return np.clip(1.0 - np.minimum(off[..., 0], off[..., 1]) / breadth, 0.0, 1.0)

@@ -17,6 +17,8 @@ from nospill.film.geometry import (
     board,
     contact_collar,
     container_body,
+    drawn_section,
+    half_width,
     moved,
     outline_at,
     ribbon,
@@ -204,8 +206,9 @@ def _liquid(surface: LiquidSurface, coordinates: np.ndarray, colour: np.ndarray)
 
 def _glass(cargo: Cargo) -> Mesh:
     """The wall alone, without a lid: what is seen of thin glass."""
-    outside, low = cargo.container.outside, wall_thickness(cargo.container)
-    return bands([size * cargo.container.outline for size in outside[:, 0]], np.maximum(outside[:, 1], low))
+    container = cargo.container
+    outside, low = drawn_section(container.outside, half_width(container)), wall_thickness(container)
+    return bands([size * container.outline for size in outside[:, 0]], np.maximum(outside[:, 1], low))
 
 
 def _path_bodies(points: np.ndarray) -> list[Body]:

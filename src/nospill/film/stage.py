@@ -17,7 +17,7 @@ _FOOT, _THICKNESS = 0.2, 0.1
 """m; half width of the foot of an arm, and what its links need round their joints."""
 _MOMENTS = 40
 """Pictures of a film that are looked at."""
-_ANGLE, _ASPECT, _MARGIN = float(np.radians(40.0)), 1.2, 1.04
+_ANGLE, _ASPECT, _MARGIN = float(np.radians(40.0)), 1.2, 1.02
 """Vertical angle of view; width over height of the scene's part of a usual window; distance to spare."""
 
 

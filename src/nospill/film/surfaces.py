@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.film.geometry import Mesh, shrunk, wall_thickness
+from nospill.film.geometry import Mesh, drawn_section, half_width, shrunk, wall_thickness
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.footprints import Footprint
 
@@ -96,12 +96,13 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
     section = container.section(level)
     size = float(section.half_lengths[0] / container.footprint.half_lengths[0])
     # Slightly inside the wall, or both surfaces flicker where they meet.
-    gap = 1.02 * wall_thickness(container)
+    gap = 1.2 * wall_thickness(container)
     picked = _ring(container.outline)
     outline = size * picked
     drawn = shrunk(outline, gap)
     floor = container.inside[0, 1] + min(gap, 0.5 * cargo.filling.depth)
-    below = [(part * picked, height) for part, height in container.inside if floor < height < level]
+    inside = drawn_section(container.inside, half_width(container))
+    below = [(part * picked, height) for part, height in inside if floor < height < level]
     bottom = [part for part, height in container.inside if height <= floor]
     sides = [(shrunk(ring, gap), height) for ring, height in below[::-1]]
     sides.append((shrunk(max(bottom[-1], 1e-3) * picked, gap), floor))

@@ -45,7 +45,7 @@ VIEW_NAMES = {
 CLOSE = (View.TRAY, View.FIXED)
 """Views that show the tray as large as the picture allows."""
 
-_ELEVATION, _CLOSE_ANGLE = float(np.radians(27.0)), float(np.radians(28.0))
+_ELEVATION, _CLOSE_ANGLE = float(np.radians(32.0)), float(np.radians(28.0))
 _STEEP = np.array([0.03, 0.0, 1.0])
 """From above, but for so little that it is clear what is up in the picture."""
 _APART = 1.05
@@ -79,11 +79,13 @@ class Carriage:
 
 
 def carriage(film: Film, view: View) -> Carriage:
-    """What the camera of a view rides on: the tray, its heading, or the robot's base."""
-    if view is View.FIXED:
-        return Carriage(film.tray_position, film.tray_rotation)
-    if view is View.TRAY:
-        return Carriage(film.tray_position, headings(film.tray_rotation))
+    """What the camera of a view rides on: the tray with what stands on it, its heading, or the robot's base.
+
+    On the tray that is the point half as high as its tallest object: about it a tilting tray sways least.
+    """
+    if view in CLOSE:
+        middle = film.tray_position + film.tray_rotation[:, :, 2] * (_tallest(film.plan.scene.cargo) / 2)
+        return Carriage(middle, film.tray_rotation if view is View.FIXED else headings(film.tray_rotation))
     count = len(film.t)
     return Carriage(np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))
 
@@ -206,11 +208,13 @@ def _hidden(film: Film, ride: Carriage, towards: np.ndarray) -> np.ndarray:
     links = (joints[:, :-1, None] * (1 - along) + joints[:, 1:, None] * along).reshape(len(joints), -1, 3)
     seen = Carriage(ride.position[picked], ride.rotation[picked]).seen(links)
     side = float(np.hypot(*scene.tray.size)) / 2
-    tall = max((cargo.container.height for cargo in scene.cargo), default=0.1)
-    centre = np.array([0.0, 0.0, tall / 2])
     found = []
     for direction in towards:
-        ahead = (seen - centre) @ direction
-        aside = np.linalg.norm((seen - centre) - ahead[..., None] * direction, axis=2)
+        ahead = seen @ direction
+        aside = np.linalg.norm(seen - ahead[..., None] * direction, axis=2)
         found.append(float(np.mean(np.any((ahead > 0.0) & (aside < side), axis=1))))
     return np.array(found)
+
+
+def _tallest(load: Sequence[Cargo]) -> float:
+    return max((item.container.height for item in load), default=0.0)

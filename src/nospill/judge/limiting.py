@@ -10,7 +10,9 @@ import numpy as np
 from nospill.core.short_names import short_names
 from nospill.judge.certificate import Judgement
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.base import ALL, RowId
+from nospill.laws.constraints.jerk import TiltJerk
+from nospill.laws.constraints.tilt import Tilt
 
 NEAR = 0.9
 """Use above which a limit is one that the motion comes near."""
@@ -82,7 +84,8 @@ def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
     for row in rows:
         known = BY_NAME.get(row.constraint)
         plain = (known.in_words if known is not None else "") or f"{row.constraint} of {{subject}}"
-        names.append(plain.format(subject=short.get(row.subject, row.subject)))
+        everything = "both angles" if row.constraint in (Tilt.name, TiltJerk.name) else "all objects"
+        names.append(plain.format(subject={**short, ALL: everything}.get(row.subject, row.subject)))
     return names
 
 

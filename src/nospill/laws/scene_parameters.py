@@ -68,6 +68,11 @@ def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 
+def initial_coordinates(scene: Scene) -> np.ndarray:
+    """Displacements (m) and velocities (m/s) of all slosh coordinates when the motion begins, shape (2, k)."""
+    return np.hstack([np.zeros((2, 0)), *(cargo.initial_coordinates for cargo in scene.cargo)])
+
+
 def numbers_of(scene: Scene, payload: Sequence[Cargo] | None = None) -> SceneNumbers:
     """The numbers of a scene; those of the last few scenes are cached.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,6 +23,8 @@ _SHADES = 20
 """Steps of the colour; neighbouring instants of one step are drawn as one patch, so that files stay small."""
 _HATCH, _NONE = "//////", "#BBBBBB"
 _MOST_ROWS, _LONGEST_NAME = 16, 22
+_TWO_LINES = 6.0
+"""Points; letters of a name that takes two lines."""
 _BROKEN_ABOVE = 1.0 + 1e-6
 _ROW, _TOP, _BOTTOM, _KEY, _LEFT, _RIGHT = 0.19, 0.8, 0.44, 0.1, 1.38, 0.52
 """in."""
@@ -65,8 +68,12 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
     for line, share in enumerate(shares):
         axes.text(1.13, line, share, transform=axes.get_yaxis_transform(), ha="right", va="center", size=SMALL)
     axes.text(1.13, -0.62, "at limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", size=SMALL)
-    axes.set_yticks(range(last + 1), [*(plain(name, longest) for name in names), "at no limit"])
+    labels = [_in_lines(name, longest) for name in names]
+    axes.set_yticks(range(last + 1), [*labels, "at no limit"])
     axes.tick_params(axis="y", length=0, labelsize=8)
+    for text, label in zip(axes.get_yticklabels(), labels, strict=False):
+        if "\n" in label:
+            text.set(size=_TWO_LINES, linespacing=0.95)
     axes.set_ylim(last + 0.5, -0.5)
     axes.set_xlim(0.0, evidence.end_time)
     axes.grid(visible=False)
@@ -75,6 +82,12 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
         more = f"and {len(found) - most} more"
         look = {"size": SMALL, "color": INK, "ha": "right", "va": "top"}
         axes.annotate(more, (0.0, 0.0), (-16, -4), "axes fraction", "offset points", **look)
+
+
+def _in_lines(name: str, longest: int) -> str:
+    """A row's name on one line where it fits, else on two."""
+    lines = textwrap.wrap(plain(name, 2 * longest), longest)
+    return "\n".join(plain(line, longest) for line in lines[:2])
 
 
 def draw_colour_key(axes: Axes, *, broken: bool) -> None:

@@ -84,7 +84,8 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = 0.03 + 0.95 * index / len(shown)
-        figure.text(x, 0.895, tile.value, size=14, weight="bold", va="top", color=BLUE if tile.ok else DARK_RED)
+        size = 14 if len(shown) < MOST_IN_A_ROW else 13
+        figure.text(x, 0.895, tile.value, size=size, weight="bold", va="top", color=BLUE if tile.ok else DARK_RED)
         label = textwrap.wrap(plain(tile.label, 40), _TILE_LETTERS)
         figure.text(x, 0.862, "\n".join(label), size=8, va="top", color="#333333", linespacing=1.05)
 

@@ -34,8 +34,11 @@ from nospill.scene.containers.base import Container
 from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.scene import FULL_MODES
 
 _PLACE = Measured(dimension="length", at_least=-10.0, at_most=10.0)
+_SWING = Measured(dimension="length", at_least=-1.0, at_most=1.0)
+_SWING_RATE = Measured(dimension="speed", at_least=-100.0, at_most=100.0)
 
 
 class LiquidTable(Table):
@@ -58,6 +61,24 @@ class LiquidTable(Table):
 
 def _liquid_kind(value: object) -> str:
     return "table" if isinstance(value, dict | LiquidTable) else "name"
+
+
+class SwingTable(Table):
+    """`[cargo.initial_swing]`: how the liquid swings when the motion begins; without it, it is at rest."""
+
+    displacement: Annotated[
+        list[Annotated[tuple[float, ...], Vector(entry=_SWING, axes=("x", "y"))]],
+        Field(
+            description="of the modal masses along x and y of the object, [x, y] mode by mode from the slowest; "
+            "modes that are not given are at rest",
+            min_length=1,
+            max_length=FULL_MODES,
+        ),
+    ]
+    velocity: Annotated[
+        list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]],
+        Field(description="their velocities, of the same modes", min_length=1, max_length=FULL_MODES),
+    ]
 
 
 LiquidValue = Annotated[
@@ -126,6 +147,10 @@ class CargoTable(Table):
             description="how the surface meets the wall of a small vessel: free to slide, or pinned; takes surface "
             "tension into the frequency, which is left out when not given"
         ),
+    ] = None
+    initial_swing: Annotated[
+        SwingTable | None,
+        Field(description="the table [cargo.initial_swing]: swing of the liquid when the motion begins"),
     ] = None
     mass: Annotated[
         Mass | None,

@@ -287,6 +287,12 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         for item in (filling, original)
     )
     values |= {} if _same(damping, before) else {"damping": damping}
+    swing = filling.initial_swing
+    if swing != (original.initial_swing if original else None):
+        parts = {"displacement": "length", "velocity": "speed"}
+        values["initial_swing"] = swing and {
+            name: [_written(np.array(row), unit) for row in getattr(swing, name)] for name, unit in parts.items()
+        }
     line = filling.contact_line
     return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
 

@@ -285,6 +285,13 @@ def _check_motion(scenario: Scenario) -> None:
             f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
             f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
         )
+    swinging = next((entry.name for entry in scenario.cargo if entry.initial_swing is not None), None)
+    before = "hold_before" if scenario.motion.hold_before > 0.0 else "[approach]" if scenario.approach else ""
+    if swinging is not None and before:
+        raise ScenarioError(
+            f"{before} comes before the motion, at whose beginning {as_written(swinging)} has its initial_swing; leave "
+            "one of them out, and give the swing that is left after the wait"
+        )
 
 
 def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:

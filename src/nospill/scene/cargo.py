@@ -12,6 +12,7 @@ from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.modes import Oscillator, SloshModes
 from nospill.scene.containers.tension import ContactLine
 from nospill.scene.liquids import Liquid
+from nospill.scene.swing import Swing, coordinates
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,7 @@ class Filling:
         floor: height of the lowest point of the inside above the container's bottom, m.
         freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
         contact_line: how the surface meets the wall; empty where surface tension is left out.
+        initial_swing: of the liquid when the motion begins; None where it is at rest then.
     """
 
     liquid: Liquid
@@ -35,6 +37,7 @@ class Filling:
     freeboard_reserve: float = 0.1
     floor: float = 0.0
     contact_line: ContactLine = ""
+    initial_swing: Swing | None = None
 
     @property
     def depth(self) -> float:
@@ -150,6 +153,11 @@ class Cargo:
         if self.carried is not None:
             return self.carried.oscillators
         return self.filling.modes.oscillators if self.filling else ()
+
+    @property
+    def initial_coordinates(self) -> np.ndarray:
+        """Displacements (m) and velocities (m/s) of its slosh coordinates when the motion begins, shape (2, k)."""
+        return coordinates(self.filling.initial_swing if self.filling else None, self.oscillators)
 
 
 def titles_of(cargo: Sequence[Cargo]) -> dict[str, str]:

@@ -13,15 +13,13 @@ from dataclasses import fields, replace
 import numpy as np
 
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import JointKey, LimitKey, MotionKey, ObjectKey, RowId
+from nospill.laws.constraints.base import ALL, JointKey, LimitKey, MotionKey, ObjectKey, RowId
 from nospill.laws.parameters import ObjectNumbers, SceneNumbers
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution
 
 WIDER = 0.1
 """Part by which a limit is made wider."""
-ALL = "all"
-"""Subject of what is saved where a limit counts for several of them."""
 _STEP = 1e-4
 """Part of a limit by which it is moved either way for its derivative; rows are at most quadratic in it."""
 _NUMBERS = {"friction": "planned_friction"}

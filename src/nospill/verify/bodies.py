@@ -11,6 +11,7 @@ from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import single_oscillators, with_modes
 from nospill.scene.scene import Scene
+from nospill.scene.swing import coordinates
 
 RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
@@ -64,6 +65,7 @@ class Body:
         liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
         modes: of the liquid.
+        swing: (2, j) displacements and velocities of every modal mass along its axes when the motion begins, m and m/s.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Body:
     liquid_height: float
     friction: float
     modes: tuple[ModalMass, ...]
+    swing: np.ndarray
 
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
@@ -133,4 +136,5 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
             )
             for mode in oscillators
         ),
+        swing=coordinates(cargo.filling.initial_swing if cargo.filling else None, oscillators),
     )

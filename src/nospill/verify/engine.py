@@ -136,6 +136,15 @@ class Stepper:
         for address, body in zip(self._free, bodies, strict=True):
             half = body.yaw / 2
             self.data.qpos[address : address + 7] = (*body.position, 0.0, np.cos(half), 0.0, 0.0, np.sin(half))
+        curvature = np.array([mode.curvature for body in bodies for mode in body.modes for _ in mode.axes])
+        displacement, velocity = np.hstack([np.zeros((2, 0)), *(body.swing for body in bodies)])
+        up = [i for i in range(model.njnt) if model.joint(i).name.startswith("up")]
+        for joints, places, rates in (
+            (across, displacement, velocity),
+            (up, curvature / 2 * displacement**2, curvature * displacement * velocity),
+        ):
+            self.data.qpos[model.jnt_qposadr[joints]] = places
+            self.data.qvel[model.jnt_dofadr[joints]] = rates
 
     def step(self) -> None:
         """One step from the instant `index` to the next."""

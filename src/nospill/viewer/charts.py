@@ -8,6 +8,7 @@ time goes on.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -27,7 +28,8 @@ _LANE, _SHADES = 19, 16
 """Height of a lane, px; steps of its colour."""
 _BESIDE = 11.0
 """px; names of limits that are nearer than this stand at opposite ends."""
-_LONGEST_NAME = 22
+_LONGEST_NAME, _NOTE = 22, 52
+"""Letters of a name in the key, and of a line below it."""
 _HATCH = (
     "<defs><pattern id='nospill-hatch' width='4' height='4' patternUnits='userSpaceOnUse' "
     "patternTransform='rotate(45)'><path d='M0 0v4' stroke='#000' stroke-width='1.6'/></pattern></defs>"
@@ -99,6 +101,13 @@ def _picture(panel: Panel | Lanes, length: float) -> str:
     else:
         body, below = _draw(panel, 0.0, length), float(_TITLE + _PANEL)
         key, rows = _key(panel, below + _AXIS + 4), len(_key_rows(panel))
+        notes = textwrap.wrap(panel.note, _NOTE)
+        key += "".join(
+            f"<text x='{_LEFT}' y='{below + _AXIS + 3 + _KEY * (rows + number)}' font-size='9' fill='#9A4300'>"
+            f"{escape(line)}</text>"
+            for number, line in enumerate(notes, 1)
+        )
+        rows += len(notes)
     height = round(below + _AXIS + 8 + _KEY * rows)
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {height}' {_FONT}>{body}"
@@ -115,8 +124,8 @@ def colour_key() -> str:
         for value, label in ((0.0, "0"), (0.5, "half"), (1.0, "at the limit"))
     )
     words = (
-        "Colour of the water: its height over its limit, the red ring. Colour at the foot: slip, tip, lift and twist "
-        "over their limits. Arrow: apparent gravity; where it is square to the tray, nothing pulls sideways."
+        "Colour of a liquid: its height over its limit, the red ring. Colour at the foot: slip, tip, lift and twist "
+        "over their limits. Hatched: at the limit. Arrow: apparent gravity; square to the tray, nothing pulls sideways."
     )
     return (
         f"<div class='nospill-key' style='max-width:{_WIDEST}px'>"

@@ -10,9 +10,10 @@ from nospill.core.files import atomic_text
 from nospill.film.timeline import Film
 from nospill.film.views import View
 from nospill.viewer.charts import Charts, colour_key
-from nospill.viewer.live import running_server, show_plans, title_of
+from nospill.viewer.live import running_server, show_plans
 from nospill.viewer.meshes import Visuals
 from nospill.viewer.playback import SPEEDS, START_SPEED
+from nospill.viewer.words import INTRODUCTION, STYLE, introduction, title_of
 
 HTML_RATE = 30.0
 """Pictures per second of the file."""
@@ -51,17 +52,18 @@ def save_html(
             for item in shown.views:
                 item.show(float(t))
         page = recording.as_html()
-    text = with_charts(page, [title_of(film) for film in films], shown.charts)
+    text = with_charts(page, films, shown.charts)
     atomic_text(path, text)
     return len(text.encode())
 
 
-def with_charts(page: str, titles: Sequence[str], charts: Charts) -> str:
-    """The page of viser with a column of charts beside the scene, and a cursor that follows its player's slider."""
-    head = f"<style>{_STYLE}</style><script>{CLOCK}</script></head>"
-    lines = "".join(f"<h1>{escape(title)}</h1>" for title in titles)
+def with_charts(page: str, films: Sequence[Film], charts: Charts) -> str:
+    """The page of viser with a column beside the scene: words, charts, a cursor that follows its player's slider."""
+    titles = [title_of(film) for film in films]
+    head = f"<style>{_STYLE}{STYLE}</style><script>{CLOCK}</script></head>"
     side = (
-        f"<aside id='nospill-side'>{lines}<p>Drag to turn, wheel to zoom, space bar to play or pause. {_speeds()}</p>"
+        f"<aside id='nospill-side'><div class='{INTRODUCTION}'>{introduction(films)}</div>"
+        f"<p>Drag to turn, wheel to zoom, space bar to play or pause. {_speeds()}</p>"
         f"{colour_key()}{charts.page}</aside><script>{_script(charts)}</script></body>"
     )
     page = page.replace("<title>Viser</title>", f"<title>{escape(' | '.join(titles))}</title>", 1)
@@ -94,8 +96,7 @@ _STYLE = (
     f"#root{{width:calc(100% - {_SIDE}px)!important}}"
     f"#nospill-side{{position:fixed;top:0;right:0;bottom:0;width:{_SIDE}px;box-sizing:border-box;padding:10px 12px;"
     "overflow-y:auto;background:#fff;border-left:1px solid #ddd;font-family:system-ui,sans-serif;color:#222}"
-    "#nospill-side h1{font-size:13px;line-height:1.35;margin:0 0 4px}"
-    "#nospill-side p{font-size:11px;color:#555;margin:0 0 8px}"
+    "#nospill-side>p{font-size:11px;color:#555;margin:0 0 8px}"
     "@media(max-width:760px){#root{width:100%!important;height:50%!important}"
     "#nospill-side{top:50%;left:0;width:100%;border-left:0;border-top:1px solid #ddd}}"
 )

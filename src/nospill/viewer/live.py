@@ -8,7 +8,6 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, replace
-from html import escape
 from typing import TYPE_CHECKING
 
 from nospill.film.timeline import Film
@@ -20,6 +19,7 @@ from nospill.viewer.names import letters_of
 from nospill.viewer.phone import PAGE, PHONE_STYLE
 from nospill.viewer.playback import Player
 from nospill.viewer.scene_view import PlanView, prepare
+from nospill.viewer.words import INTRODUCTION, STYLE, introduction
 
 if TYPE_CHECKING:
     import viser
@@ -38,14 +38,6 @@ class Shown:
     charts: Charts
     ground: viser.SceneNodeHandle
     named: bool = True
-
-
-def title_of(film: Film) -> str:
-    """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
-    scene = film.plan.scene
-    kind = "tilting" if scene.motion.tilt_free else "level"
-    verdict = film.judgement.certificate.word
-    return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 
 
 def short_titles(films: Sequence[Film]) -> list[str]:
@@ -145,10 +137,9 @@ def live_viewer(
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         server.gui.main_panel.dock_right()
         server.gui.set_panel_label("nospill")
-        lines = "<br>".join(escape(title_of(film)) for film in films)
         server.gui.add_html(
-            f"<div id='{PAGE}' style='padding:4px 8px;font-size:14px;line-height:1.4'>"
-            f"<style>{PHONE_STYLE}</style>{lines}</div>"
+            f"<div id='{PAGE}' class='{INTRODUCTION}' style='padding:4px 8px'>"
+            f"<style>{PHONE_STYLE}{STYLE}</style>{introduction(films)}</div>"
         )
         shown = show_plans(server, films, visuals=visuals, view=view)
         player = Player(

@@ -36,13 +36,14 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Lines over time with limits, all in the unit of the title; from `low` to `high`."""
+    """Lines over time with limits, all in the unit of the title; from `low` to `high`; `note` stands below."""
 
     title: str
     lines: tuple[Line, ...]
     limits: tuple[Limit, ...]
     low: float
     high: float
+    note: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ def _lanes(film: Film, before: str) -> list[tuple[int, Lanes]]:
         Lane(name, item.share, item.t[::_EVERY], item.use[::_EVERY], item.at_limit[::_EVERY])
         for name, item in zip(names, rows, strict=True)
     ]
-    return [(0, Lanes(f"{before}what holds it back (/// at limit)", tuple(lanes)))] if lanes else []
+    return [(0, Lanes(f"{before}what holds it back (hatched)", tuple(lanes)))] if lanes else []
 
 
 def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
@@ -85,12 +86,12 @@ def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
     panels: list[tuple[int, Panel]] = []
     titles = titles_of(film.plan.scene.cargo)
     if film.liquids:
-        limits = _height_limits(film)
+        limits, note = _height_limits(film)
         lines = [Line(titles[name], film.t, 1e3 * track.height) for name, track in film.liquids.items()]
         # A liquid that leaves its cup must not squeeze the others; 1.6 limits show that it did.
         reached = min(max(float(np.max(line.values)) for line in lines), 1.6 * limits[0].value)
         highest = max(limits[0].value, reached)
-        panels.append((1, Panel(f"{before}liquid height [mm]", tuple(lines), limits, 0.0, 1.15 * highest)))
+        panels.append((1, Panel(f"{before}liquid height [mm]", tuple(lines), limits, 0.0, 1.15 * highest, note)))
     uses = [Line(titles[name], film.t, use) for name, use in film.contact_use.items()]
     if uses:
         top = float(np.clip(1.1 * max(np.max(line.values) for line in uses), 1.15, 2.0))
@@ -105,18 +106,18 @@ def _panels(film: Film, before: str) -> list[tuple[int, Panel]]:
     return panels
 
 
-def _height_limits(film: Film) -> tuple[Limit, ...]:
-    """Limits of the heights, mm, the highest first, named by the objects they are of; some start at the end."""
+def _height_limits(film: Film) -> tuple[tuple[Limit, ...], str]:
+    """Limits of the heights, mm, the highest first, named by the objects they are of; those after the end in words."""
     titles = titles_of(film.plan.scene.cargo)
     heights = {titles[name]: track.limit for name, track in film.liquids.items()}
     rows = [row for row in film.judgement.certificate.rows if row.constraint == ResidualHeight.name]
     later = _grouped({titles.get(row.subject, row.label): row.limit for row in rows}, len(film.liquids))
-    # They are near each other: one text for all, beside the first.
-    names = [f"after the end {'; '.join(name for _, name in later)}", *[""] * len(later)]
-    return (
+    # The end has no room for names, and the limits there are near each other.
+    limits = (
         *(Limit(value, name) for value, name in _grouped(heights, len(film.liquids))),
-        *(Limit(value, name, film.end_time) for (value, _), name in zip(later, names, strict=False)),
+        *(Limit(value, "", film.end_time) for value, _ in later),
     )
+    return limits, f"limit after the end: {'; '.join(name for _, name in later)}" if later else ""
 
 
 def _grouped(limits: dict[str, float], all_of_them: int) -> list[tuple[float, str]]:

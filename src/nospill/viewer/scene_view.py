@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
-from nospill.film.geometry import Mesh, board, contact_collar, container_body
+from nospill.film.geometry import Mesh, board, contact_collar, container_body, creased
 from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.film.props import limit_ring
 from nospill.film.robot_model import DrawnChain, read_chain
@@ -41,6 +41,8 @@ LETTERS = 0.02
 _BELOW = np.array([0.0, 0.0, -0.001])
 """m; the ground lies a little below the robot's foot."""
 _ARROW = (70, 70, 70)
+_SKY, _SUN = 2.2, 1.6
+"""Intensities of the light from all sides and of that from above."""
 
 
 class TrayView:
@@ -89,7 +91,7 @@ class TrayView:
         scene.add_frame(root, show_axes=False, position=tuple(cargo.place), wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)))
         hollow = cargo.filling is not None or cargo.carried is not None
         look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
-        body = container_body(cargo.container, hollow=hollow)
+        body = creased(container_body(cargo.container, hollow=hollow))
         _add(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
         if not cargo.carrier:
             self._collars[cargo.name] = _add(
@@ -333,7 +335,12 @@ class PlanView:
 def prepare(scene: viser.SceneApi) -> viser.SceneNodeHandle:
     """Ground and light of an empty scene, of a server or of one client; the ground is returned."""
     scene.set_up_direction("+z")
-    scene.configure_default_lights(True, cast_shadow=True)
+    # viser's own lights turn pale colours white, its surroundings are slow to draw without a graphics card, and shadows
+    # fall on a tilted tray in stripes
+    scene.configure_default_lights(False)
+    scene.configure_environment_map(None)
+    scene.add_light_hemisphere("/lights/sky", intensity=_SKY)
+    scene.add_light_directional("/lights/sun", intensity=_SUN, position=(-2.0, 1.5, 5.0))
     return scene.add_grid(
         "/ground",
         width=12.0,
@@ -344,7 +351,6 @@ def prepare(scene: viser.SceneApi) -> viser.SceneNodeHandle:
         section_color=(200, 200, 200),
         plane_color=(250, 250, 250),
         plane_opacity=1.0,
-        shadow_opacity=0.18,
         position=tuple(_BELOW),
     )
 

@@ -74,6 +74,10 @@ class RowId(NamedTuple):
         return cls(constraint, subject)
 
 
+ALL = "all"
+"""Subject where a row is about more than one."""
+
+
 @dataclass(frozen=True, slots=True)
 class ObjectKey:
     """A limit in the entry of an object (or of the tray, where it stands for all objects).
