@@ -12,7 +12,7 @@ from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.verify.bodies import Body, bodies_of
 from nospill.verify.engine import STEP, build, mujoco, simulate
-from nospill.verify.report import Thresholds, VerifyReport, object_reports
+from nospill.verify.report import ObjectReport, Thresholds, VerifyReport, object_reports
 from nospill.verify.touching import touches
 from nospill.verify.tray_motion import PlayedJoints, TrayMotion, planned_joints, played, tray_motion
 
@@ -22,8 +22,9 @@ SETTLE = 0.3
 AFTER = 1.0
 """s at rest after the motion, in which the liquid goes on swinging."""
 
-_HALVINGS = 2
-"""Of the step, before an object counts as moved: what rattles on rigid contacts creeps less in shorter steps."""
+_SHORTEST = STEP / 4
+"""s; step of the simulation before an object counts as moved: what rattles on rigid contacts creeps less in short ones.
+"""
 
 _JOINT_FILE = "lab-csv"
 
@@ -64,13 +65,11 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
     engine = mujoco()
     used = thresholds or Thresholds()
     given = joints or planned_joints(plan.trajectory, plan.scene, source="trajectory")
-    for halved in range(_HALVINGS + 1):
-        step = STEP / 2**halved
-        scene = stage(given, plan.scene, step)
-        simulation = simulate(build(scene.bodies, step), scene.bodies, scene.motion)
-        objects = object_reports(simulation, scene.bodies, settled=scene.settled, thresholds=used)
-        if all(item.ok for item in objects):
-            break
+    step = STEP
+    scene, objects = _simulated(given, plan.scene, step, used)
+    while not all(item.ok for item in objects) and step > _SHORTEST:
+        step /= 2
+        scene, objects = _simulated(given, plan.scene, step, used)
     return VerifyReport(
         objects=objects,
         thresholds=used,
@@ -79,6 +78,14 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
         simulated=float(scene.motion.t[-1] - scene.motion.t[scene.settled]),
         touches=touches(plan.scene, scene.motion.t, given.motion(scene.motion.t, 0)),
     )
+
+
+def _simulated(
+    joints: PlayedJoints, scene: Scene, step: float, thresholds: Thresholds
+) -> tuple[Stage, tuple[ObjectReport, ...]]:
+    set_up = stage(joints, scene, step)
+    simulation = simulate(build(set_up.bodies, step), set_up.bodies, set_up.motion)
+    return set_up, object_reports(simulation, set_up.bodies, settled=set_up.settled, thresholds=thresholds)
 
 
 def verify_folder(folder: str | Path, *, thresholds: Thresholds | None = None) -> VerifyReport:
