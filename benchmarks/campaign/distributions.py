@@ -110,6 +110,15 @@ WITH_VESSELS = replace(
 """Those of the seeds from `FIRST_WITH_VESSELS` on."""
 
 
+FIRST_WITH_RACKS = 20_000
+"""Likewise, of racks of vials among the others."""
+
+WITH_RACKS = replace(DISTRIBUTIONS, kind=Choice(("cup", "box", "vessel", "rack"), (0.2, 0.1, 0.2, 0.5)))
+"""Those of the seeds from `FIRST_WITH_RACKS` on."""
+
+
 def distributions_of(seed: int) -> Distributions:
     """What the scenario of a seed is drawn from."""
-    return DISTRIBUTIONS if seed < FIRST_WITH_VESSELS else WITH_VESSELS
+    if seed < FIRST_WITH_VESSELS:
+        return DISTRIBUTIONS
+    return WITH_VESSELS if seed < FIRST_WITH_RACKS else WITH_RACKS

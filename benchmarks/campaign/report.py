@@ -9,10 +9,11 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.distributions import DISTRIBUTIONS
+from benchmarks.campaign.distributions import DISTRIBUTIONS, FIRST_WITH_VESSELS
 from nospill.laws.constraints import CONSTRAINTS
 
 BEGIN, END = "<!-- campaign: begin -->", "<!-- campaign: end -->"
+VESSELS_BEGIN, VESSELS_END = "<!-- vessels: begin -->", "<!-- vessels: end -->"
 DRAWN_BEGIN, DRAWN_END = "<!-- distributions: begin -->", "<!-- distributions: end -->"
 
 WORST = 10
@@ -33,9 +34,14 @@ Line = dict[str, Any]
 
 
 def write_page(lines: list[Line], page: Path) -> None:
-    """Put the tables and the distributions between the page's markers."""
+    """Put the tables and the distributions between the page's markers; seeds with vessels have tables of their own."""
     text = page.read_text(encoding="utf-8")
-    text = _between(text, BEGIN, END, "\n".join(section(lines)))
+    vessels = [line for line in lines if line["seed"] >= FIRST_WITH_VESSELS]
+    if vessels:
+        text = _between(text, VESSELS_BEGIN, VESSELS_END, "\n".join(section(vessels)))
+    if len(vessels) < len(lines) or not lines:
+        others = [line for line in lines if line["seed"] < FIRST_WITH_VESSELS]
+        text = _between(text, BEGIN, END, "\n".join(section(others)))
     drawn = ["| drawn | from |", "|---|---|", *(f"| {name} | {shown} |" for name, shown in DISTRIBUTIONS.rows())]
     page.write_text(_between(text, DRAWN_BEGIN, DRAWN_END, "\n".join(drawn)), encoding="utf-8")
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.campaign.distributions import Distributions, distributions_of
 from benchmarks.campaign.paths import reachable_base, unreachable_base
-from benchmarks.campaign.vessels import draw_vessel
+from benchmarks.campaign.vessels import RACK_EDGE, draw_rack, draw_vessel
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.scenario import scene_from_table
@@ -130,8 +130,11 @@ def _cargo(random: np.random.Generator, known: Distributions, size: Sequence[flo
         if any(np.linalg.norm(at - centre) < around + other + _MARGIN for centre, other in circles):
             continue
         circles.append((at, around))
-        cargo.append({"name": f"c{len(cargo) + 1}", "at": at.tolist(), **item})
-        if len(cargo) == wanted:
+        name, vials = f"c{len(circles)}", item.pop("vials", None)
+        cargo.append({"name": name, "at": at.tolist(), **item})
+        if vials is not None:
+            cargo.append({"name": f"v{len(circles)}", "at": [0.0, 0.0], "carrier": name, **vials})
+        if len(circles) == wanted:
             break
     if not cargo:
         raise ScenarioError("no object found room on its tray")
@@ -139,12 +142,16 @@ def _cargo(random: np.random.Generator, known: Distributions, size: Sequence[flo
 
 
 def _object(random: np.random.Generator, known: Distributions) -> tuple[dict[str, Any], float]:
-    """An entry without name and place, and the radius of the circle around it, m."""
+    """An entry without name and place, that of a rack with its vials, and the radius of the circle around it, m."""
     kind, height = known.kind.draw(random), known.height.draw(random)
-    if kind in ("vessel", "vials"):
-        item, around, container = draw_vessel(random, array=kind == "vials")
+    if kind in ("vessel", "vials", "rack"):
+        item, around, container = draw_vessel(random, array=kind != "vessel")
         level = container.level(item["liquid_volume"]) if "liquid_volume" in item else item["liquid_height"]
-        return item | _filling(random, known, container.height - level), around
+        item |= _filling(random, known, container.height - level)
+        if kind != "rack":
+            return item, around
+        rack = draw_rack(random, item, container) | {"mass": known.solid_mass.draw(random)}
+        return rack, around + 2 * RACK_EDGE
     if kind in ("cup", "bottle"):
         radius = known.radius.draw(random)
         item: dict[str, Any] = {"shape": "cylinder", "radius": radius, "height": height}

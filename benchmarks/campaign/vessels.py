@@ -1,4 +1,4 @@
-"""Random vessels of the campaign: every shape that is a body of revolution, and arrays of vials."""
+"""Random vessels of the campaign: every shape that is a body of revolution, arrays of vials, racks of them."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ _CONTACT_LINE = Choice((None, "free", "pinned"), (0.3, 0.4, 0.3))
 _BY_VOLUME = Choice((False, True), (0.7, 0.3))
 _SMALL = 0.015
 """m; vessels narrower than this may state their contact line."""
+
+RACK_EDGE = 0.004
+"""m; from the outer vials to the sides of their rack."""
 
 Sizes = dict[str, Any]
 
@@ -146,3 +149,16 @@ def draw_vessel(random: np.random.Generator, *, array: bool) -> tuple[Sizes, flo
     fill = {"liquid_volume": _digits(container.volume(level))} if _BY_VOLUME.draw(random) else {"liquid_height": level}
     line = _CONTACT_LINE.draw(random) if container.section(level).half_lengths[0] < _SMALL else None
     return sizes | fill | ({} if line is None else {"contact_line": line}), around, container
+
+
+def draw_rack(random: np.random.Generator, vials: Sizes, vial: Container) -> Sizes:
+    """A box around an array of vials that stand in it, which are its key "vials"."""
+    wide = 2 * float(np.max(vial.outside[:, 0] * vial.footprint.half_lengths[0]))
+    length, width = (
+        _digits(pitch * (count - 1) + wide + 2 * RACK_EDGE)
+        for count, pitch in zip(vials["array"]["count"], vials["array"]["pitch"], strict=True)
+    )
+    height, seat = (_digits(vial.height * random.uniform(*share)) for share in ((0.4, 1.0), (0.0, 0.2)))
+    yaw = f"{random.uniform(0.0, 180.0):.1f} deg"
+    sides = {"shape": "box", "length": length, "width": width, "height": height, "yaw": yaw}
+    return sides | {"vials": vials | {"seat_height": seat}}

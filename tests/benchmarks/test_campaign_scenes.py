@@ -10,8 +10,16 @@ import pytest
 
 from benchmarks.campaign import paths as campaign_paths
 from benchmarks.campaign import scenes as campaign_scenes
-from benchmarks.campaign.distributions import DISTRIBUTIONS, Choice, Distributions, Spread
+from benchmarks.campaign.distributions import (
+    DISTRIBUTIONS,
+    FIRST_WITH_RACKS,
+    FIRST_WITH_VESSELS,
+    Choice,
+    Distributions,
+    Spread,
+)
 from benchmarks.campaign.scenes import Case, draw_case
+from benchmarks.campaign.vessels import draw_vessel
 from nospill.core.paths import Path as TrayPath
 from nospill.robots.description.catalog import ROBOTS
 from nospill.robots.kinematics.forward import kinematics
@@ -94,3 +102,14 @@ def test_moving_the_path_is_moving_the_base(roll: float) -> None:
     original, seen = scene.path.at(s), moved.at(s)
     np.testing.assert_allclose(seen[:, :3] @ turn.T + [0.3, -0.2, 0.4], original[:, :3], atol=1e-12)
     np.testing.assert_allclose(seen[:, 3] + 0.7, original[:, 3], atol=1e-12)
+
+
+def test_seeds_draw_vessels_and_racks_from_their_first_on() -> None:
+    vessels, racks = (draw_case(seed).table["cargo"] for seed in (FIRST_WITH_VESSELS + 2, FIRST_WITH_RACKS + 4))
+    assert {item["shape"] for item in vessels} - {"cylinder", "box"}
+    assert any("carrier" in item for item in racks)
+    random = np.random.default_rng(0)
+    for number in range(60):
+        array = number % 2 == 1
+        sizes, around, container = draw_vessel(random, array=array)
+        assert around >= container.footprint.half_lengths[0] and ("array" in sizes) == array

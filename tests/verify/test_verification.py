@@ -24,7 +24,8 @@ from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
-from nospill.verify import Thresholds, folder_joints, verify, verify_folder, video
+from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
+from nospill.verify.engine import STEP, build
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +68,15 @@ def test_gentle_motion_moves_nothing_and_slippery_one_everything(smooth_plan: Pl
     assert "slides" in slippery.message
 
 
-def test_thresholds_decide_and_must_be_above_zero(smooth_plan: Plan) -> None:
+def test_thresholds_decide_after_shorter_steps_and_must_be_above_zero(
+    smooth_plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    steps: list[float] = []
+    monkeypatch.setattr(verification, "build", lambda bodies, step: (steps.append(step), build(bodies, step))[1])
     strict = verify(smooth_plan, thresholds=Thresholds(distance=1e-9))
-    assert not strict.ok
+    assert not strict.ok and steps == [STEP, STEP / 2, STEP / 4]
+    steps.clear()
+    assert verify(smooth_plan).ok and steps == [STEP]
     for wrong in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(ScenarioError, match="threshold of"):
             Thresholds(distance=wrong)

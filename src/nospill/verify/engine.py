@@ -28,7 +28,7 @@ from nospill.verify.inertial import carrying, inertial_forces, inertial_torques,
 from nospill.verify.tray_motion import TrayMotion
 
 STEP = 1e-3
-"""s; of the simulation."""
+"""s; of the simulation, where nothing asks for a shorter one."""
 
 CONTACT_RADIUS = 1e-3
 """m; of the spheres an object stands on."""
@@ -42,8 +42,8 @@ _POINT_INERTIA = 1e-10
 """kg m^2; of a modal mass, which is a point, for an engine that wants some."""
 
 _OPTIONS = (
-    f'<option timestep="{STEP}" integrator="implicitfast" solver="Newton" cone="elliptic" impratio="100" '
-    'noslip_iterations="0"><flag autoreset="disable"/></option>'
+    'integrator="implicitfast" solver="Newton" cone="elliptic" impratio="100" noslip_iterations="0"><flag '
+    'autoreset="disable"/></option>'
 )
 _TIED = 'solref="0.002 1" solimp="0.9999 0.9999 0.001 0.5 2"'
 _CONTACT = 'solref="0.005 1" solimp="0.99 0.999 0.0001 0.5 2" condim="3"'
@@ -80,12 +80,12 @@ def mujoco() -> Any:
         ) from error
 
 
-def build(bodies: tuple[Body, ...]) -> Any:
-    """The model: tray frame = world frame; the tray has no end."""
+def build(bodies: tuple[Body, ...], step: float = STEP) -> Any:
+    """The model: tray frame = world frame; the tray has no end. `step`: of the simulation, s."""
     engine = mujoco()
     parts = "".join(_body_text(index, body) for index, body in enumerate(bodies))
     text = (
-        f"<mujoco>{_OPTIONS}<worldbody>"
+        f'<mujoco><option timestep="{step}" {_OPTIONS}<worldbody>'
         f'<geom name="tray" type="plane" size="1 1 0.01" friction="0 0 0" {_CONTACT} '
         f'contype="1" conaffinity="0"/>{parts}</worldbody>'
         f"<equality>{_bowls(bodies)}</equality></mujoco>"
@@ -104,7 +104,7 @@ def build(bodies: tuple[Body, ...]) -> Any:
 
 
 def simulate(model: Any, bodies: tuple[Body, ...], motion: TrayMotion) -> Simulation:
-    """Let the objects go at the first instant and follow them along the tray's motion, steps of `STEP`.
+    """Let the objects go at the first instant and follow them along the tray's motion, in its steps.
 
     Raises:
         ModelError: the engine lost the solution.

@@ -21,7 +21,9 @@ import numpy as np
 
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
+from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
 
 ContactLine = Literal["", "free", "pinned"]
@@ -29,6 +31,8 @@ ContactLine = Literal["", "free", "pinned"]
 
 _MANY = 48
 """Modes with which the pinned line's frequencies are found; half of them tell how far the series has come."""
+_KNOWN = 20
+"""Modes of a vessel that is no prism that elements give at once."""
 _STEPS = 60
 _FASTEST = 2000.0
 """rad/s; modes that surface tension would make faster swing at this. No arm excites them: they stand where the apparent
@@ -63,8 +67,27 @@ def liquid_modes(
     free = with_tension(modes, liquid)
     if contact_line == "free":
         return replace(free, oscillators=tuple(map(_bounded, free.oscillators)))
-    many = with_tension(container.slosh_modes(liquid, level, max(_MANY, 4 * count), damping=0.0), liquid)
+    many = with_tension(_many(container, liquid, level, count), liquid)
     return replace(free, oscillators=tuple(_bounded(_pinned(item, many.oscillators)) for item in free.oscillators))
+
+
+def _many(container: Container, liquid: Liquid, level: float, count: int) -> SloshModes:
+    """So many modes that the pinned line's first `count` are found in them.
+
+    Of a vessel that is no prism the elements give the first ones; the higher ones live near the surface and are those
+    of a deep cylinder of its radius, but for a factor on the height at a leaning wall, which the last known ones tell.
+    """
+    wanted = max(_MANY, 4 * count)
+    if not isinstance(container, Vessel):
+        return container.slosh_modes(liquid, level, wanted, damping=0.0)
+    known = container.slosh_modes(liquid, level, max(_KNOWN, count), damping=0.0)
+    radius = container.section(level).radius
+    like = Cylinder(radius, 10 * radius).slosh_modes(liquid, 5 * radius, wanted, damping=0.0).oscillators
+    pairs = [pair for pair in zip(known.oscillators, like, strict=False) if pair[0].number > known.count // 2]
+    ratios = [own.surface_gain**2 / own.mass / (other.surface_gain**2 / other.mass) for own, other in pairs]
+    factor = math.sqrt(float(np.median(ratios)))
+    higher = (replace(item, surface_gain=factor * item.surface_gain) for item in like[known.count :])
+    return replace(known, oscillators=(*known.oscillators, *higher))
 
 
 def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
