@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import shutil
 import signal
 from collections.abc import Callable, Iterator, Mapping
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from nospill.judge.certificate import judge
 from nospill.motion.interpolation import JointSamples
@@ -57,9 +59,21 @@ def changed_scene() -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
-def example_plan() -> Callable[[str], Plan]:
-    """Plan an example, once for all tests."""
-    return cache(lambda name: plan(read_scenario(name)))
+def example_plan(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Callable[[str], Plan]:
+    """Plan an example, once for all tests, whichever process runs them."""
+    if worker_id == "master":
+        return cache(lambda name: plan(read_scenario(name)))
+    folder = tmp_path_factory.getbasetemp().parent  # of all processes of this run
+
+    @cache
+    def shared(name: str) -> Plan:
+        file = folder / f"{name}.pickle"
+        with FileLock(f"{file}.lock"):
+            if not file.exists():
+                file.write_bytes(pickle.dumps(plan(read_scenario(name))))
+        return pickle.loads(file.read_bytes())
+
+    return shared
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -99,3 +99,17 @@ class Distributions:
 
 DISTRIBUTIONS = Distributions()
 """Those of the campaign."""
+
+FIRST_WITH_VESSELS = 10_000
+"""The first seed whose objects are drawn with vessels: those before stay the scenarios that they were."""
+
+WITH_VESSELS = replace(
+    DISTRIBUTIONS,
+    kind=Choice(("cup", "box of liquid", "box", "bottle", "vessel", "vials"), (0.1, 0.05, 0.05, 0.1, 0.6, 0.1)),
+)
+"""Those of the seeds from `FIRST_WITH_VESSELS` on."""
+
+
+def distributions_of(seed: int) -> Distributions:
+    """What the scenario of a seed is drawn from."""
+    return DISTRIBUTIONS if seed < FIRST_WITH_VESSELS else WITH_VESSELS

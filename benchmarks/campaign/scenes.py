@@ -13,11 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.campaign.distributions import DISTRIBUTIONS, Distributions
+from benchmarks.campaign.distributions import Distributions, distributions_of
 from benchmarks.campaign.paths import reachable_base, unreachable_base
+from benchmarks.campaign.vessels import draw_vessel
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.scenario import scene_from_table
+from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scene.liquids import LIQUIDS
 
 STREAM = 20_260
@@ -44,13 +46,13 @@ class Case:
     structure: str
 
 
-def draw_case(seed: int, distributions: Distributions = DISTRIBUTIONS) -> Case:
+def draw_case(seed: int) -> Case:
     """The scenario of a seed: the same wherever the distributions and the catalogue of robots are the same.
 
     Raises:
         RuntimeError: nothing that the reader accepts came up in many attempts (the distributions are at fault).
     """
-    random = np.random.default_rng([STREAM, seed])
+    random, distributions = np.random.default_rng([STREAM, seed]), distributions_of(seed)
     unreachable = distributions.unreachable.draw(random)
     last = ""
     for _ in range(_ATTEMPTS):
@@ -139,6 +141,10 @@ def _cargo(random: np.random.Generator, known: Distributions, size: Sequence[flo
 def _object(random: np.random.Generator, known: Distributions) -> tuple[dict[str, Any], float]:
     """An entry without name and place, and the radius of the circle around it, m."""
     kind, height = known.kind.draw(random), known.height.draw(random)
+    if kind in ("vessel", "vials"):
+        item, around, container = draw_vessel(random, array=kind == "vials")
+        level = container.level(item["liquid_volume"]) if "liquid_volume" in item else item["liquid_height"]
+        return item | _filling(random, known, container.height - level), around
     if kind in ("cup", "bottle"):
         radius = known.radius.draw(random)
         item: dict[str, Any] = {"shape": "cylinder", "radius": radius, "height": height}
@@ -152,21 +158,26 @@ def _object(random: np.random.Generator, known: Distributions) -> tuple[dict[str
         centre = float(f"{height * known.centre_height.draw(random):.4g}")
         return item | {"mass": known.solid_mass.draw(random), "centre_of_mass_height": centre}, around
     liquid, level = known.liquid.draw(random), float(f"{height * known.fill.draw(random):.4g}")
-    limit = max(1e-3, 0.999 * (height - level) * known.slosh_share.draw(random))
-    filling = {
+    return item | _filling(random, known, height - level, liquid) | {"liquid_height": level}, around
+
+
+def _filling(random: np.random.Generator, known: Distributions, room: float, liquid: str = "") -> dict[str, Any]:
+    """Liquid, its limit and the vessel's own mass; `room`: to the rim, m."""
+    liquid = liquid or known.liquid.draw(random)
+    limit = max(1e-3, 0.999 * room * known.slosh_share.draw(random))
+    return {
         "liquid": dict(_OWN_LIQUID) if liquid == "own" else liquid,
-        "liquid_height": level,
         "max_slosh_height": float(f"{limit:.3g}"),
         "empty_mass": known.empty_mass.draw(random),
     }
-    return item | filling, around
 
 
 def _weight(item: dict[str, Any]) -> float:
-    """Mass of an entry, kg."""
+    """Mass of an entry, kg, of all its objects where it is an array."""
     if "mass" in item:
         return item["mass"]
-    area = math.pi * item["radius"] ** 2 if item["shape"] == "cylinder" else item["length"] * item["width"]
+    container = CARGO_TABLES[item["shape"]].model_validate({"name": "weighed", "at": [0.0, 0.0]} | item).container()
     liquid = item["liquid"]
     density = liquid["density"] if isinstance(liquid, dict) else LIQUIDS[liquid].density
-    return item["empty_mass"] + density * area * item["liquid_height"]
+    volume = item.get("liquid_volume") or container.volume(item["liquid_height"])
+    return (item["empty_mass"] + density * volume) * math.prod(item.get("array", {"count": [1]})["count"])

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from nospill.planning.planner import plan as plan
     from nospill.plans.loading import load_plan as load_plan
     from nospill.plans.plan import Plan as Plan
+    from nospill.plans.rows import starting_after as starting_after
     from nospill.scenario import load as load
     from nospill.scene.scene import Scene as Scene
     from nospill.simulation.simulate import simulate_slosh as simulate_slosh
@@ -41,6 +42,7 @@ _PLACES = {
     "plan": ("nospill.planning.planner", "plan"),
     "load": ("nospill.scenario", "load"),
     "Scene": ("nospill.scene.scene", "Scene"),
+    "starting_after": ("nospill.plans.rows", "starting_after"),
     "simulate_slosh": ("nospill.simulation.simulate", "simulate_slosh"),
     "Trajectory": ("nospill.motion.trajectory", "Trajectory"),
 }
@@ -64,6 +66,7 @@ __all__ = [
     "load_plan",
     "plan",
     "simulate_slosh",
+    "starting_after",
 ]
 
 

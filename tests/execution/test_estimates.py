@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.execution.estimates import Estimate, fitted
+from nospill.execution.estimates import Estimate, fitted, profile_ends
 
 T = np.linspace(0.0, 1.0, 200)
 
@@ -54,3 +54,29 @@ def test_what_no_residual_reads_is_not_told() -> None:
     assert not Estimate("lag", "a", "s", 0.0, float("inf"), 1.0).told
     assert Estimate("lag", "a", "s", 0.0, 0.4, 1.0).told
     assert Estimate("lag", "a", "s", 0.0, 0.4, 1.0).half_width == pytest.approx(0.784)
+
+
+def test_intervals_follow_the_profile_where_it_is_not_quadratic() -> None:
+    """Of v, where only its square is measured: the interval of the square is symmetric and known."""
+    generator = np.random.default_rng(2)
+    place = np.linspace(1.0, 2.0, 400)
+    seen = 0.3**2 * place + 0.8 * generator.standard_normal(400)
+
+    def residuals(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return values[0] ** 2 * place - seen, np.array(2.0 * values[0] * place)[:, None]
+
+    scale, lower, upper = np.array([0.1]), np.array([0.0]), np.array([3.0])
+    found = fitted(residuals, np.array([0.5]), scale, lower, upper, neighbours=0)
+    ends = profile_ends(residuals, found, 0, scale, lower, upper)
+    square = float(place @ seen / (place @ place))
+    half = 1.96 * np.sqrt(np.sum((square * place - seen) ** 2) / 399.0 / (place @ place))
+    assert ends == pytest.approx((np.sqrt(max(square - half, 0.0)), np.sqrt(square + half)), abs=0.01)
+
+
+def test_intervals_of_linear_laws_stay_symmetric() -> None:
+    generator = np.random.default_rng(3)
+    slopes = np.column_stack([np.ones(200), np.linspace(0.0, 1.0, 200)])
+    seen = slopes @ [1.0, 2.0] + 0.1 * generator.standard_normal(200)
+    bounds = np.array([-9.0, -9.0]), np.array([9.0, 9.0])
+    found = fitted(lambda v: (slopes @ v - seen, slopes), np.zeros(2), np.ones(2), *bounds, neighbours=0)
+    assert profile_ends(lambda v: (slopes @ v - seen, slopes), found, 1, np.ones(2), *bounds) is None

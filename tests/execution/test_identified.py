@@ -54,7 +54,7 @@ def found(plan: Plan, log: JointLog) -> Identified:
 
 def test_controllers_of_the_scenario_are_learnt_again(found: Identified) -> None:
     assert found.of_command
-    assert not found.misfits
+    assert not found.unexplained
     for fit, delay, lag in zip(found.joints, DELAY, LAG, strict=True):
         if fit.moves:
             assert fit.delay.value == pytest.approx(delay, abs=1e-3)
@@ -105,7 +105,7 @@ def test_what_no_lag_explains_is_said(plan: Plan, log: JointLog) -> None:
     assert log.command is not None
     hunting = log.position + 1e-3 * np.sin(40.0 * log.t)[:, None] * np.abs(np.gradient(log.position, axis=0)) * 500.0
     found = identified(replace(log, position=hunting), plan.scene)
-    assert found.misfits
+    assert found.unexplained
 
 
 def test_nothing_to_learn_from_is_refused(plan: Plan) -> None:

@@ -62,6 +62,34 @@ def test_delays_against_the_joint_that_begins_first(plan: SmoothMotion) -> None:
     assert told == pytest.approx([6e-3, 2e-3, 4e-3, 0.0, 8e-3], abs=1e-4)
 
 
+def test_a_lag_of_second_order_is_told_where_the_first_leaves_more_than_noise(plan: SmoothMotion) -> None:
+    """The arm is integrated by an outside solver, in steps of its own."""
+    from scipy.integrate import solve_ivp
+
+    command, length = planned_motion(plan.trajectory), float(plan.trajectory.t[-1])
+    period, ratio, delay, noise = 0.012, 0.6, 0.004, 2e-6
+    t = np.arange(0.0, length + 1.2, 0.002)
+    done = command(t - CLOCK)
+    first = done[0, 0]
+
+    def rate(at: float, state: np.ndarray) -> list[float]:
+        asked = float(command(np.array([at - CLOCK - delay]))[0, 0]) - first
+        return [state[1], (asked - state[0] - 2.0 * ratio * period * state[1]) / period**2]
+
+    done[:, 0] = first + solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, max_step=0.01, rtol=1e-7, atol=1e-9).y[0]
+    generator = np.random.default_rng(0)
+    log = JointLog("run", t, plan.scene.robot.joints, done + noise * generator.standard_normal(done.shape))
+    found = fit_joints(recorded_motion(log, plan.scene), command, (0.0, length))
+    own = found[0].second
+    assert found[0].misfit
+    assert not found[0].unexplained
+    assert own is not None
+    assert own.frequency.value == pytest.approx(1.0 / period, rel=0.05)
+    assert own.damping.value == pytest.approx(ratio, rel=0.05)
+    assert own.delay.value == pytest.approx(CLOCK + delay, abs=1e-3)
+    assert all(fit.second is None for fit in found[1:])
+
+
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say(plan: SmoothMotion) -> None:
     generator, inside, apart = np.random.default_rng(5), [], []

@@ -55,6 +55,7 @@ def cylinder(friction: float = 0.5, modes: tuple[ModalMass, ...] = ()) -> Body:
         liquid_height=0.0,
         friction=friction,
         modes=modes,
+        swing=np.zeros((2, sum(len(mode.axes) for mode in modes))),
     )
 
 

@@ -72,6 +72,7 @@ def block(inertia: np.ndarray) -> Body:
         liquid_height=0.0,
         friction=0.5,
         modes=(),
+        swing=np.zeros((2, 0)),
     )
 
 

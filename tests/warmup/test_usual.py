@@ -15,7 +15,7 @@ from nospill.laws.kinds import arm_kind, object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scene.cargo import with_modes
+from nospill.scene.carriers import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
 from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.warmup.usual import Part, usual_parts

@@ -14,12 +14,14 @@ from typing import Annotated
 import typer
 
 from nospill.cli.cache import cache
+from nospill.cli.checking import check
 from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
 from nospill.cli.identifying import identify
 from nospill.cli.listings import examples, robots, schema
-from nospill.cli.planning import check, plan, plot
+from nospill.cli.measuring import measure
+from nospill.cli.planning import plan, plot
 from nospill.cli.reporting import reported
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
@@ -44,6 +46,7 @@ COMMANDS: tuple[Callable[..., int], ...] = (
     compare,
     executed,
     identify,
+    measure,
     examples,
     robots,
     schema,

@@ -68,6 +68,8 @@ _SHOWN = {"s": (1e3, "ms", 3), "m": (1e3, "mm", 2), "1": (1.0, "", 5), "rad/s": 
 
 
 def _print(found: Identified) -> None:
+    from nospill.execution.identified import second_order_text
+
     estimates = [own for fit in found.liquids for own in fit.estimates]
     estimates += [own for fit in found.joints for own in (fit.delay, fit.lag)]
     if estimates:
@@ -75,7 +77,10 @@ def _print(found: Identified) -> None:
         for own in estimates:
             factor, unit, digits = _SHOWN[own.unit]
             value = f"{factor * own.value:.{digits}f}" if own.told else "-"
-            wide = f"± {factor * own.half_width:.{digits}f}" if own.told else "not identifiable from this motion"
+            wide = f"± {factor * own.half_width:.{digits}f}"
+            if own.ends is not None:
+                wide = " to ".join(f"{factor * end:.{digits}f}" for end in own.ends)
+            wide = wide if own.told else "not identifiable from this motion"
             rows.append((own.name, own.subject, value, unit, wide))
         print_table(("number", "of", "value", "unit", "95 %"), rows, right=("value",))
         print()
@@ -83,9 +88,11 @@ def _print(found: Identified) -> None:
         print_lines(f"{fit.subject}: {1e3 * fit.left:.2f} mm rms are left of the measured height")
     if found.joints and not found.of_command:
         print_lines("delays are against the joint that begins first: the clocks of plan and log are not the same")
-    for fit in found.misfits:
+    print_lines(*(text for text in map(second_order_text, found.joints) if text))
+    for fit in found.unexplained:
+        left = fit.left if fit.second is None else fit.second.left
         print_lines(
-            f"{fit.joint}: {1e3 * fit.left:.2g} mrad rms are left, more than noise: delay and lag are not all of it"
+            f"{fit.joint}: {1e3 * left:.2g} mrad rms are left, more than noise: delay and lag are not all of it"
         )
     for bound in found.frictions:
         word = "slid: its friction is below" if bound.slid else "stayed: its friction is above"

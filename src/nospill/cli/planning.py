@@ -1,27 +1,26 @@
-"""plan, check, plot: from a scenario to a plan folder, and what can be done with one."""
+"""plan, plot: from a scenario to a plan folder, and what can be done with one."""
 
 from __future__ import annotations
 
 import functools
 import json
 import time
-from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from nospill.cli.checking import print_certificate, print_warnings
 from nospill.cli.progress import FILES, LOADING, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line, only_stderr, print_json
+from nospill.cli.run_options import seconds
 from nospill.cli.sharing import write_plan_report
-from nospill.cli.tables import print_lines, print_table, print_verdict, say
+from nospill.cli.tables import print_lines, print_verdict, say
 from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.judge.verdict import Certificate
     from nospill.plans.plan import Plan
-    from nospill.plans.warnings.record import PlanWarning
 
 
 def plan(
@@ -51,10 +50,16 @@ def plan(
             show_default=False,
         ),
     ] = None,
+    after: Annotated[
+        Path | None,
+        typer.Option("--after", metavar="DIR", help="Begin with the swing that this plan leaves.", show_default=False),
+    ] = None,
+    wait: Annotated[str, typer.Option(metavar="TIME", help="Between that plan and this one.")] = "0 s",
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
+        from nospill.plans.loading import load_plan
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
         from nospill.scenario import read_scenario
 
@@ -67,6 +72,10 @@ def plan(
             say(f"{scene.robot.name}: {one_line(note)}")
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
+        if after is not None:
+            from nospill.plans.rows import starting_after
+
+            scene = starting_after(scene, load_plan(after), seconds(wait))
         progress.say(LOADING)
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan
@@ -110,8 +119,8 @@ def plan(
 def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
     certificate = outcome.certificate
-    _print_certificate(certificate, outcome.scene.robot.joints)
-    _print_warnings(outcome.warnings)
+    print_certificate(certificate, outcome.scene.robot.joints)
+    print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
     lines += [outcome.would_save] if outcome.would_save else []
@@ -122,43 +131,6 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     lines += [f"look: nospill view {output}"] if output is not None else []
     print_lines(*lines)
     print_verdict(f"{certificate.word}: {outcome.duration:.3f} s", certificate.ok)
-
-
-def check(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
-    everything: Annotated[
-        bool, typer.Option("--all", help="Print every row, the checks of the file included.")
-    ] = False,
-) -> int:
-    """Judge a plan folder again, from its trajectory and scenario alone, and compare its controller files with that.
-
-    Nothing is optimised or written.
-    """
-    from nospill.export.plan_files import compare_plan_files
-    from nospill.judge.other_speeds import uses_at
-    from nospill.judge.wording import describe
-    from nospill.plans.approach import judge_whole
-    from nospill.plans.loading import load_plan
-    from nospill.plans.warnings import plan_warnings
-    from nospill.plans.warnings.speeds import other_speeds
-
-    saved = load_plan(folder)
-    judgement = judge_whole(saved)
-    certificate = judgement.certificate
-    _print_certificate(certificate, saved.scene.robot.joints, everything=everything)
-    slower = other_speeds(uses_at(saved.trajectory, saved.scene))
-    _print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
-    compared = compare_plan_files(saved.trajectory, saved.scene, folder)
-    for name, difference in compared.items():
-        print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
-    changed = [f"{folder / name} {difference}" for name, difference in compared.items() if difference]
-    if not certificate.ok:
-        say(f"Not certified: {describe(certificate.worst)}.")
-    elif changed:
-        say(f"{changed[0]}; plan again before it goes to a robot.")
-    good = certificate.ok and not changed
-    print_verdict(certificate.word + (", but another file was changed" if changed else ""), good)
-    return 0 if good else 1
 
 
 def plot(
@@ -214,40 +186,3 @@ def _write_figures(found: Plan, progress: ProgressLine, folder: Path, *, pdf: bo
 
 def _only_figures(names: set[str]) -> bool:
     return all(name.endswith((".png", ".pdf")) for name in names)
-
-
-def _print_certificate(certificate: Certificate, joints: Sequence[str], *, everything: bool = False) -> None:
-    """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows."""
-    from nospill.core.short_names import short_names
-    from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
-
-    rows = certificate.rows if everything else certificate.listed_rows()
-    short = dict(zip(joints, short_names(joints), strict=True))
-    varied = any(row.variant for row in rows)
-    failing = {index for index, row in enumerate(rows) if not row.ok}
-    columns = ["constraint", "of", "use", *(["FAILS"] if failing else []), "value", "limit", "at"]
-    lines = []
-    for row in rows:
-        text = row_text(row)
-        mark = [] if not failing else ["" if row.ok else "FAILS"]
-        cells = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
-        lines.append([*cells, f"{row.at_s:.3f} s", *([row.variant] if varied else [])])
-    columns += ["with"] if varied else []
-    drop = [*(["with"] if varied else []), "at", "value", "limit"]
-    print_verdict(verdict_line(certificate), certificate.ok)
-    print()
-    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
-    if not everything:
-        print(integrity_line(certificate))
-    note = full_model_note(certificate)
-    if note:
-        print_lines(f"warning: {note}")
-    print()
-
-
-def _print_warnings(warnings: Sequence[PlanWarning]) -> None:
-    """Print a line for each kind of warning, where the verdict stands."""
-    from nospill.plans.warnings.record import warning_lines
-
-    for line in warning_lines(warnings):
-        print_lines(f"warning: {line}")

@@ -1,4 +1,4 @@
-"""What `executed` and `identify` are given of a run: its log, and what it is judged by."""
+"""What several commands are given: times, and of a run its log and what it is judged by."""
 
 from __future__ import annotations
 
@@ -91,3 +91,14 @@ def assigned(option: str, given: Sequence[str], example: str) -> dict[str, str]:
             raise ScenarioError(f"{option} {entry}: one NAME={example} for each name is needed")
         found[name] = value
     return found
+
+
+def seconds(text: str) -> float:
+    """A time as an option gives it, s.
+
+    Raises:
+        ScenarioError: it is no time.
+    """
+    from nospill.core.units import quantity
+
+    return quantity(text, "time")

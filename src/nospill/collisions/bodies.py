@@ -93,7 +93,7 @@ def _carried(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
         found.append(_capsule(PlacedCapsule(HOLDER, last, ends, HOLDER_RADIUS)))
     for item in cargo:
         turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
-        place = position + rotation @ np.array([*item.position, 0.0])
+        place = position + rotation @ item.place
         found.append(Body(item.name, last, cargo_shape(item), place, turn, on_path=True))
     return found
 

@@ -98,7 +98,8 @@ def _limits_table(scene: Scene) -> dict[str, Any]:
 
 def lighter_load(scene: Scene, constraint: str, subject: str) -> list[Relaxation]:
     """A lighter heaviest solid, where there is a solid."""
-    solids = [index for index, cargo in enumerate(scene.cargo) if cargo.filling is None]
+    pairs = enumerate(scene.cargo)
+    solids = [index for index, cargo in pairs if cargo.filling is None and cargo.carried is None and not cargo.carrier]
     if not solids:
         return []
     heaviest = max(solids, key=lambda index: scene.cargo[index].total.mass)

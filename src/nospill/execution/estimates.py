@@ -14,6 +14,11 @@ import numpy as np
 
 WIDE = 1.96
 """Standard deviations to either side of an interval of 95 %."""
+_QUADRATIC = 0.25
+_DOUBLINGS = 6
+
+Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""Values (p,) -> residuals (m,) and their derivatives (m, p)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +32,7 @@ class Estimate:
         value: the best one.
         deviation: its standard deviation.
         least_told: the half width of an interval above which the motion tells too little.
+        ends: of the interval of 95 % where it is not symmetric, from the profile of the likelihood.
     """
 
     name: str
@@ -35,11 +41,18 @@ class Estimate:
     value: float
     deviation: float
     least_told: float
+    ends: tuple[float, float] | None = None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Of 95 %."""
+        return self.ends or (self.value - WIDE * self.deviation, self.value + WIDE * self.deviation)
 
     @property
     def half_width(self) -> float:
-        """Of the interval of 95 %."""
-        return WIDE * self.deviation
+        """Of the interval of 95 %; of its longer half."""
+        low, high = self.interval
+        return max(self.value - low, high - self.value)
 
     @property
     def told(self) -> bool:
@@ -49,15 +62,23 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """The best numbers of a law for a record: values (p,), covariance (p, p), rms of what is left."""
+    """The best numbers of a law for a record.
+
+    Attributes:
+        values: (p,).
+        covariance: (p, p).
+        left: root mean square of what is left.
+        alone: (p,) standard deviations if residuals were independent.
+    """
 
     values: np.ndarray
     covariance: np.ndarray
     left: float
+    alone: np.ndarray
 
 
 def fitted(
-    residuals: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    residuals: Residuals,
     start: np.ndarray,
     scale: np.ndarray,
     lower: np.ndarray,
@@ -98,17 +119,74 @@ def fitted(
         max_nfev=40,
     )
     left, slopes = both(found.x)
-    return Fit(found.x, _covariance(left, slopes, neighbours), float(np.sqrt(np.mean(left**2))))
+    covariance, alone = _covariance(left, slopes, neighbours)
+    return Fit(found.x, covariance, float(np.sqrt(np.mean(left**2))), alone)
 
 
-def _covariance(left: np.ndarray, slopes: np.ndarray, neighbours: int) -> np.ndarray:
-    """Of the values; infinite where the record says nothing of one of them."""
+def profile_ends(
+    residuals: Residuals, found: Fit, place: int, scale: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> tuple[float, float] | None:
+    """Ends of the interval of 95 % of a value from the profile of the likelihood; None where it is quadratic.
+
+    The value is held, the others fitted again; the interval ends where the sum of squares has grown by the square of
+    `WIDE` times the variance. Quadratic is a profile that has grown by that, within a quarter, at the ends of the
+    symmetric interval. A bound of the value ends the interval too.
+
+    Args:
+        residuals: as of `fitted`.
+        found: the fit.
+        place: of the value.
+        scale: as of `fitted`.
+        lower: likewise.
+        upper: likewise.
+    """
+    least = np.sum(residuals(found.values)[0] ** 2)
+    count = round(least / found.left**2)
+    deviation = float(np.sqrt(found.covariance[place, place]))
+    variance = least / max(count - len(found.values), 1) * (deviation / found.alone[place]) ** 2
+    free = np.arange(len(found.values)) != place
+
+    def growth(value: float) -> float:
+        def of_others(others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            left, slopes = residuals(np.insert(others, place, value))
+            return left, slopes[:, free]
+
+        again = fitted(of_others, found.values[free], scale[free], lower[free], upper[free], neighbours=0)
+        return float(again.left**2 * count - least) / variance / WIDE**2
+
+    middle, bounds = float(found.values[place]), (float(lower[place]), float(upper[place]))
+    usual = [float(np.clip(middle + sign * WIDE * deviation, *bounds)) for sign in (-1.0, 1.0)]
+    if all(end not in bounds and abs(growth(end) - 1.0) < _QUADRATIC for end in usual):
+        return None
+    low, high = (_end(growth, middle, end, bound) for end, bound in zip(usual, bounds, strict=True))
+    return low, high
+
+
+def _end(growth: Callable[[float], float], middle: float, usual: float, bound: float) -> float:
+    """Where the growth is 1, to a hundredth of the way; the bound where it stays below."""
+    far = usual
+    for _ in range(_DOUBLINGS):
+        if far == bound or growth(far) >= 1.0:
+            break
+        doubled = middle + 2.0 * (far - middle)
+        far = bound if abs(doubled - middle) > abs(bound - middle) else doubled
+    if growth(far) < 1.0:
+        return bound
+    near = middle
+    while abs(far - near) > 0.01 * abs(far - middle):
+        halfway = 0.5 * (near + far)
+        near, far = (halfway, far) if growth(halfway) < 1.0 else (near, halfway)
+    return 0.5 * (near + far)
+
+
+def _covariance(left: np.ndarray, slopes: np.ndarray, neighbours: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the values, infinite where the record says nothing of one of them; deviations of independent residuals."""
     count, size = slopes.shape
     scale = np.linalg.norm(slopes, axis=0)
     if not np.all(scale > 0.0):
         covariance = np.zeros((size, size))
         np.fill_diagonal(covariance, np.inf)
-        return covariance
+        return covariance, np.full(size, np.inf)
     unit = slopes / scale
     inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-14, hermitian=True)
     alone = float(left @ left) / max(count - size, 1) * inverse
@@ -119,4 +197,4 @@ def _covariance(left: np.ndarray, slopes: np.ndarray, neighbours: int) -> np.nda
         middle += (1.0 - apart / (neighbours + 1)) * (shared + shared.T)
     together = inverse @ middle @ inverse
     wider = np.sqrt(np.maximum(np.diag(together) / np.diag(alone), 1.0)) if np.any(left) else np.ones(size)
-    return alone * np.outer(wider, wider) / np.outer(scale, scale)
+    return alone * np.outer(wider, wider) / np.outer(scale, scale), np.sqrt(np.diag(alone)) / scale

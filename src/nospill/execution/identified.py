@@ -25,8 +25,6 @@ from nospill.simulation.motion_file import Heights
 
 _BESIDE = 0.02
 """s; of rest that is judged before the motion, and ten times as much after it."""
-_MISFIT = 3.0
-"""What is left above so many times the noise is no noise: the law is not the whole story."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +69,9 @@ class Identified:
         return [own for own in [*(own for fit in self.liquids for own in fit.estimates), *of_joints] if not own.told]
 
     @property
-    def misfits(self) -> list[JointFit]:
-        """Joints that do what no first-order lag does."""
-        noise = self.recorded.smooth.noise
-        return [
-            fit
-            for fit, own in zip(self.joints, noise, strict=False)
-            if fit.moves and fit.left > _MISFIT * max(own, 1e-9)
-        ]
+    def unexplained(self) -> list[JointFit]:
+        """Joints that do what no delay and lag does."""
+        return [fit for fit in self.joints if fit.unexplained]
 
 
 def identified(
@@ -171,6 +164,7 @@ def scenario_text(found: Identified) -> str:
         lines += ["", "[controller]"]
         if len(told) < len(found.joints):
             lines.append("# zero stands where this motion does not tell")
+        lines += [f"# {own}; the scenario's law is of first order" for own in map(second_order_text, told) if own]
         for key in ("delay", "lag"):
             values = [max(getattr(fit, key).value, 0.0) if fit in told else 0.0 for fit in found.joints]
             listed = ", ".join(f'"{round(1e3 * value, 2):g} ms"' for value in values)
@@ -181,18 +175,32 @@ def scenario_text(found: Identified) -> str:
     return "\n".join(lines) + "\n"
 
 
+def second_order_text(fit: JointFit) -> str:
+    """What a lag of second order makes of a joint, in a line; empty where one of first order does."""
+    own = fit.second
+    if own is None:
+        return ""
+    numbers = ", ".join(
+        f"{what} {_interval(value, factor, unit)}"
+        for what, value, factor, unit in (
+            ("natural frequency", own.frequency, 1.0, "rad/s"),
+            ("damping ratio", own.damping, 1.0, ""),
+            ("delay", own.delay, 1e3, "ms"),
+        )
+    )
+    return (
+        f"{fit.joint} follows with second order: {numbers}; {1e3 * own.left:.2g} mrad rms are left, "
+        f"{1e3 * fit.left:.2g} with first order"
+    )
+
+
 def _tolerance(found: Identified) -> list[str]:
     """Ranges that hold what is stated and what was learnt of every cup."""
     lines = []
-    rises = [abs(own.value - fit.stated[0]) + own.half_width for fit in found.liquids if (own := fit.of("fill")).told]
+    rises = [abs(end - fit.stated[0]) for fit in found.liquids if (own := fit.of("fill")).told for end in own.interval]
     if rises:
         lines.append(f'liquid_height = "{np.ceil(1e4 * max(rises)) / 10:.1f} mm"')
-    factors = [
-        (own.value + sign * own.half_width) / fit.stated[1]
-        for fit in found.liquids
-        if (own := fit.of("damping")).told
-        for sign in (-1.0, 1.0)
-    ]
+    factors = [end / fit.stated[1] for fit in found.liquids if (own := fit.of("damping")).told for end in own.interval]
     if factors:
         low, high = max(min(1.0, *factors), 0.01), max(1.0, *factors)
         lines.append(f"damping = [{np.floor(100 * low) / 100:.2f}, {np.ceil(100 * high) / 100:.2f}]")
@@ -202,6 +210,9 @@ def _tolerance(found: Identified) -> list[str]:
 def _interval(own: Estimate, factor: float, unit: str) -> str:
     if not own.told:
         return "not identifiable from this motion"
+    if own.ends is not None:
+        low, high = own.ends
+        return f"{factor * own.value:.4g} {unit}".rstrip() + f" ({factor * low:.4g} to {factor * high:.4g})"
     return f"{factor * own.value:.4g} +- {factor * own.half_width:.2g} {unit}".rstrip()
 
 
@@ -210,7 +221,8 @@ def identified_table(found: Identified) -> dict[str, Any]:
 
     def plain(own: Estimate) -> dict[str, Any]:
         wide = own.half_width if np.isfinite(own.half_width) else None
-        return {"value": own.value, "half_width": wide, "unit": own.unit, "told": own.told}
+        ends = {} if own.ends is None else {"interval": list(own.ends)}
+        return {"value": own.value, "half_width": wide, "unit": own.unit, "told": own.told} | ends
 
     return {
         "log": found.recorded.log.origin,
@@ -219,7 +231,20 @@ def identified_table(found: Identified) -> dict[str, Any]:
             fit.subject: {own.name: plain(own) for own in fit.estimates} | {"left_m": fit.left} for fit in found.liquids
         },
         "joints": {
-            fit.joint: {"delay": plain(fit.delay), "lag": plain(fit.lag), "left_rad": fit.left} for fit in found.joints
+            fit.joint: {"delay": plain(fit.delay), "lag": plain(fit.lag), "left_rad": fit.left}
+            | (
+                {}
+                if (own := fit.second) is None
+                else {
+                    "second_order": {
+                        "delay": plain(own.delay),
+                        "frequency": plain(own.frequency),
+                        "damping": plain(own.damping),
+                        "left_rad": own.left,
+                    }
+                }
+            )
+            for fit in found.joints
         },
         "delays_are_behind_command": found.of_command,
         "friction": [{"subject": own.subject, "friction": own.friction, "slid": own.slid} for own in found.frictions],

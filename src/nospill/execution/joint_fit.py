@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.execution.estimates import Estimate, fitted
 from nospill.execution.motion import RecordedMotion
+from nospill.execution.second_order import SecondOrder, fit_second_order
 from nospill.execution.tracking import delays
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion
@@ -26,6 +28,10 @@ _LEAST_TRAVEL = 0.01
 _AFTER = 0.3
 """s; of rest after the motion, in which a lag dies."""
 _NEIGHBOURS = 25
+MISFIT = 3.0
+"""What is left above so many times the noise is no noise: the law is not the whole story."""
+_LEAST_NOISE = 1e-9
+"""rad."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +44,8 @@ class JointFit:
         lag: s.
         left: root mean square of what is left, rad.
         moves: whether it moves enough to tell anything.
+        noise: of its record, rad.
+        second: what a lag of second order makes of it, where one of first order leaves more than noise.
     """
 
     joint: str
@@ -45,6 +53,19 @@ class JointFit:
     lag: Estimate
     left: float
     moves: bool
+    noise: float
+    second: SecondOrder | None = None
+
+    @property
+    def misfit(self) -> bool:
+        """Whether the lag of first order leaves more than noise."""
+        return self.moves and self.left > MISFIT * max(self.noise, _LEAST_NOISE)
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether neither lag explains what it does."""
+        left = self.left if self.second is None else self.second.left
+        return self.moves and left > MISFIT * max(self.noise, _LEAST_NOISE)
 
 
 def fit_joints(recorded: RecordedMotion, command: JointMotion, span: tuple[float, float]) -> tuple[JointFit, ...]:
@@ -69,8 +90,23 @@ def fit_joints(recorded: RecordedMotion, command: JointMotion, span: tuple[float
     for joint, name in enumerate(log.joints):
         moves = float(np.ptp(position[:, joint])) > _LEAST_TRAVEL
         own = float(whole[joint] if moves else together)
-        fits.append(_fit(name, joint, t[picked], position[picked, joint], command, span, own, clock, moves=moves))
+        seen = t[picked], position[picked, joint]
+        noise = float(recorded.smooth.noise[joint])
+        first = _fit(name, joint, *seen, command, span, own, clock, noise, moves=moves)
+        fits.append(_with_second(first, *seen, lambda at, j=joint: command(at)[:, j], span) if first.misfit else first)
     return tuple(fits)
+
+
+def _with_second(
+    first: JointFit,
+    t: np.ndarray,
+    position: np.ndarray,
+    command: Callable[[np.ndarray], np.ndarray],
+    span: tuple[float, float],
+) -> JointFit:
+    """A fit with that of second order, where this leaves less than half of what the first does."""
+    second = fit_second_order(first.joint, t, position, command, span, delay=first.delay.value, lag=first.lag.value)
+    return replace(first, second=second) if second.left < 0.5 * first.left else first
 
 
 def against_the_first(fits: tuple[JointFit, ...]) -> tuple[JointFit, ...]:
@@ -79,9 +115,11 @@ def against_the_first(fits: tuple[JointFit, ...]) -> tuple[JointFit, ...]:
     least = min(known, default=0.0)
 
     def shifted(own: JointFit) -> JointFit:
-        delay = own.delay
-        moved = Estimate(delay.name, delay.subject, delay.unit, delay.value - least, delay.deviation, delay.least_told)
-        return JointFit(own.joint, moved, own.lag, own.left, own.moves)
+        moved = replace(own.delay, value=own.delay.value - least)
+        second = own.second
+        if second is not None:
+            second = replace(second, delay=replace(second.delay, value=second.delay.value - least))
+        return replace(own, delay=moved, second=second)
 
     return tuple(map(shifted, fits))
 
@@ -95,6 +133,7 @@ def _fit(
     span: tuple[float, float],
     delay: float,
     clock: float,
+    noise: float,
     *,
     moves: bool,
 ) -> JointFit:
@@ -114,7 +153,7 @@ def _fit(
 
     if not moves:
         never = (Estimate(what, name, "s", 0.0, np.inf, _TOLD[what]) for what in ("delay", "lag"))
-        return JointFit(name, *never, left=float(np.std(position)), moves=False)
+        return JointFit(name, *never, left=float(np.std(position)), moves=False, noise=noise)
     found = fitted(
         residuals,
         np.array([delay - _FIRST_LAG, _FIRST_LAG]),
@@ -128,7 +167,7 @@ def _fit(
         Estimate(what, name, "s", float(value), float(own), _TOLD[what])
         for what, value, own in zip(("delay", "lag"), found.values, deviation, strict=True)
     )
-    return JointFit(name, late, lag, found.left, moves=True)
+    return JointFit(name, late, lag, found.left, moves=True, noise=noise)
 
 
 def _first_motion(command: JointMotion, grid: np.ndarray) -> float:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.errors import ModelError
-from nospill.execution.estimates import Estimate, Fit, fitted
+from nospill.execution.estimates import Estimate, Fit, Residuals, fitted, profile_ends
 from nospill.judge.replay import liquid_step, tray_from_joints
 from nospill.judge.traces import object_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
@@ -113,7 +112,11 @@ def fit_liquid(
         untold = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.told]
         untold = [place for place in untold if free[place]]
         if not untold:
-            return LiquidFit(subject, estimates, (fill, first.damping), found.left)
+            ends = _profiles(_of_free(residuals, start, free), found, lower, upper, free)
+            stated_now = fill, first.damping
+            return LiquidFit(
+                subject, tuple(_with_ends(own, ends, stated_now) for own in estimates), stated_now, found.left
+            )
         free[untold[0]] = False
 
 
@@ -123,14 +126,8 @@ _STATED = ("fill", "damping")
 _SCALE = np.array([1e-2, 1e-3, 0.3, 1e-3])
 
 
-def _with_held(
-    residuals: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-    start: np.ndarray,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    free: np.ndarray,
-) -> Fit:
-    """The fit of the free values, the others as at the start, with infinite variance."""
+def _of_free(residuals: Residuals, start: np.ndarray, free: np.ndarray) -> Residuals:
+    """The residuals by the free values, the others as at the start."""
 
     def of_free(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         whole = start.copy()
@@ -138,11 +135,41 @@ def _with_held(
         left, slopes = residuals(whole)
         return left, slopes[:, free]
 
-    found = fitted(of_free, start[free], _SCALE[free], lower[free], upper[free], neighbours=_NEIGHBOURS)
-    values, covariance = start.copy(), np.diag(np.full(len(start), np.inf))
-    values[free] = found.values
+    return of_free
+
+
+def _with_held(residuals: Residuals, start: np.ndarray, lower: np.ndarray, upper: np.ndarray, free: np.ndarray) -> Fit:
+    """The fit of the free values, the others as at the start, with infinite variance."""
+    own = _of_free(residuals, start, free)
+    found = fitted(own, start[free], _SCALE[free], lower[free], upper[free], neighbours=_NEIGHBOURS)
+    values, covariance, alone = start.copy(), np.diag(np.full(len(start), np.inf)), np.full(len(start), np.inf)
+    values[free], alone[free] = found.values, found.alone
     covariance[np.ix_(free, free)] = found.covariance
-    return Fit(values, covariance, found.left)
+    return Fit(values, covariance, found.left, alone)
+
+
+def _profiles(
+    residuals: Residuals, found: Fit, lower: np.ndarray, upper: np.ndarray, free: np.ndarray
+) -> dict[str, tuple[float, float]]:
+    """Ends of the intervals of what the scenario states, where the likelihood is not quadratic."""
+    own = Fit(found.values[free], found.covariance[np.ix_(free, free)], found.left, found.alone[free])
+    ends = {}
+    for name in _STATED:
+        if free[_PLACES[name]]:
+            place = int(np.sum(free[: _PLACES[name]]))
+            ends[name] = profile_ends(residuals, own, place, _SCALE[free], lower[free], upper[free])
+    return {name: found for name, found in ends.items() if found is not None}
+
+
+def _with_ends(own: Estimate, ends: dict[str, tuple[float, float]], stated: tuple[float, float]) -> Estimate:
+    """An estimate with the ends of its interval, from those of the values that are fitted."""
+    if own.name not in ends:
+        return own
+    low, high = ends[own.name]
+    fill, damping = stated
+    if own.name == "fill":
+        return replace(own, ends=(fill + low, fill + high))
+    return replace(own, ends=(damping * float(np.exp(low)), damping * float(np.exp(high))))
 
 
 def _estimates(

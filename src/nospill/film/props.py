@@ -87,8 +87,7 @@ def standing(cargo: Cargo, count: int) -> Placed:
     """An object that stays where the scene has it, over so many pictures."""
     sine, cosine = np.sin(cargo.yaw), np.cos(cargo.yaw)
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    place = np.array([*cargo.position, 0.0])
-    return Placed(np.broadcast_to(place, (count, 3)), np.broadcast_to(turn, (count, 3, 3)))
+    return Placed(np.broadcast_to(cargo.place, (count, 3)), np.broadcast_to(turn, (count, 3, 3)))
 
 
 class Stagehand:
@@ -128,11 +127,23 @@ class Stagehand:
         position, rotation = film.tray_position[index], film.tray_rotation[index]
         found.append(Body(moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:
-            own = self._placed.get(cargo.name) or standing(cargo, len(film.t))
+            own = self._where(cargo)
             foot, turned = position + rotation @ own.position[index], rotation @ own.rotation[index]
             for mesh, colour, kind in self._object(cargo, index):
                 found.append(Body(moved(mesh, foot, turned), colour, kind, cargo.name))
         return found
+
+    def _where(self, cargo: Cargo) -> Placed:
+        """Where an object stands at every picture: what a carrier holds goes along with it."""
+        count = len(self.film.t)
+        carrier = self._placed.get(cargo.carrier)
+        if carrier is None:
+            return self._placed.get(cargo.name) or standing(cargo, count)
+        own = standing(cargo, count)
+        rest = standing(next(item for item in self.film.plan.scene.cargo if item.name == cargo.carrier), count)
+        turn = carrier.rotation @ np.swapaxes(rest.rotation, 1, 2)
+        arm = (turn @ (own.position - rest.position)[:, :, None])[:, :, 0]
+        return Placed(carrier.position + arm, turn @ own.rotation)
 
     def _arm(self, index: int) -> list[Body]:
         colour = np.array(ARM, dtype=float)
@@ -148,8 +159,13 @@ class Stagehand:
 
     def _object(self, cargo: Cargo, index: int) -> list[tuple[Mesh, np.ndarray, Kind]]:
         """Meshes of an object in its container frame."""
-        contact = use_colours(self.film.contact_use[cargo.name][index : index + 1])[0].astype(float)
-        found = [(contact_collar(cargo.container), contact, Kind.OPAQUE)]
+        found: list[tuple[Mesh, np.ndarray, Kind]] = []
+        if not cargo.carrier:
+            contact = use_colours(self.film.contact_use[cargo.name][index : index + 1])[0].astype(float)
+            found.append((contact_collar(cargo.container), contact, Kind.OPAQUE))
+        if cargo.carried is not None:
+            found.append((_glass(cargo), np.array(SOLID, dtype=float), Kind.GLASS))
+            return found
         if cargo.filling is None:
             found.append((container_body(cargo.container, hollow=False), np.array(SOLID, dtype=float), Kind.OPAQUE))
             return found

@@ -56,7 +56,7 @@ class Film:
         tray_rotation: (m, 3, 3), tray to base.
         specific_force: (m, 3), tray axes, m/s^2: against the apparent gravity.
         liquids: per object with liquid.
-        contact_use: per object, (m,): the largest use of any limit of its contact (slip, tip, lift, twist).
+        contact_use: per object on the tray itself, (m,): the largest use of any limit of its contact (slip, tip, ...).
     """
 
     plan: Plan
@@ -167,7 +167,7 @@ def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
 def _contact_use(judgement: Judgement, scene: Scene, picked: np.ndarray) -> dict[str, np.ndarray]:
     """The largest use over every constraint of the object's contact."""
     wanted = {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
-    found = {cargo.name: np.zeros(len(picked)) for cargo in scene.cargo}
+    found = {cargo.name: np.zeros(len(picked)) for cargo in scene.standing}
     for trace in judgement.traces:
         if trace.constraint in wanted and trace.subject in found:
             found[trace.subject] = np.maximum(found[trace.subject], trace.use[picked])

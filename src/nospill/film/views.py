@@ -147,7 +147,7 @@ def load_outline(film: Film, view: View) -> np.ndarray:
         outline = widest_outline(cargo.container)
         turned = outline @ np.array([[np.cos(cargo.yaw), np.sin(cargo.yaw)], [-np.sin(cargo.yaw), np.cos(cargo.yaw)]])
         foot = turned + cargo.position
-        corners.append(np.column_stack([foot, np.full(len(foot), cargo.container.height)]))
+        corners.append(np.column_stack([foot, np.full(len(foot), cargo.seat + cargo.container.height)]))
     points = np.concatenate(corners)
     picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
     ride = carriage(film, view)
@@ -185,7 +185,7 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
         boxes = []
         for item in load:
             reach = float(np.max(np.linalg.norm(widest_outline(item.container), axis=1)))
-            middle = np.array([*item.position, item.container.height / 2])
+            middle = np.array([*item.position, item.seat + item.container.height / 2])
             tall = item.container.height / 2 * up[2] + reach * back[2]
             boxes.append((middle @ right, middle @ up, reach, tall))
         area = sum(4 * wide * tall for *_, wide, tall in boxes)

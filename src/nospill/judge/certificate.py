@@ -61,9 +61,9 @@ def certify(
     """Judge an exported trajectory.
 
     The joints are played again on a dense grid, the tray's pose and motion recomputed from them, the liquids
-    re-integrated from rest; every constraint of the scene is evaluated at every instant, distances to obstacles between
-    them too. Where numbers of the objects
-    may be off, each constraint of theirs is evaluated at every corner too, and the worst row is the one that counts.
+    re-integrated from their initial swing; every constraint of the scene is evaluated at every instant, distances to
+    obstacles between them too. Where numbers of the objects may be off, each constraint of theirs is evaluated at every
+    corner too, and the worst row is the one that counts.
 
     Args:
         trajectory: the record.

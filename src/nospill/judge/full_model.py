@@ -13,7 +13,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
-from nospill.scene.cargo import with_modes
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import FULL_MODES, Scene
 
 

@@ -44,7 +44,7 @@ def worst_load_traces(scene: Scene, played: Replay) -> tuple[Trace, ...]:
     per_number = np.stack([arm.torques(*motion, unit, gravity=scene.gravity) - bare for unit in _unit_loads()], axis=-1)
     highest = bare + per_number @ _numbers(flange_load(scene, ()))
     lowest = highest.copy()
-    for cargo in scene.cargo:
+    for cargo in (item for item in scene.cargo if not item.carrier):
         torques = per_number @ np.array([_numbers(object_load(item, scene.tray)) for item in extremes(cargo, scene)]).T
         highest += np.max(torques, axis=-1)
         lowest += np.min(torques, axis=-1)
@@ -63,7 +63,7 @@ def extremes(cargo: Cargo, scene: Scene) -> list[Cargo]:
     if tolerance is None:
         return [cargo]
     signs = (-1.0, 1.0)
-    rise = tolerance.liquid_height if cargo.filling else 0.0
+    rise = tolerance.liquid_height if cargo.oscillators else 0.0
     masses = [sign * tolerance.mass * cargo.empty.mass for sign in signs] if tolerance.mass else [0.0]
     levels = [sign * rise for sign in signs] if rise else [0.0]
     side = tolerance.position

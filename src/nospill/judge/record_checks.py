@@ -12,7 +12,8 @@ from nospill.judge.verdict import Row, limit_row
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
 from nospill.motion.trajectory import Trajectory
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 
 POSITION_TOLERANCE = 1e-4
@@ -71,7 +72,7 @@ def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> Non
             f"trajectory: its joints {', '.join(trajectory.joints)} are not those of the robot "
             f"({', '.join(scene.robot.joints)})"
         )
-    wanted = {cargo.name: recorded_coordinates(cargo, scene) for cargo in scene.cargo if cargo.oscillators}
+    wanted = {cargo.name: recorded_coordinates(cargo, scene) for cargo in scene.cargo if cargo.filling}
     found = {name: track.displacement.shape[1] for name, track in trajectory.slosh.items()}
     if found != wanted:
         ours, theirs = (

@@ -19,7 +19,7 @@ from nospill.laws import codegen
 from nospill.laws.kinds import arm_kind, numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
@@ -79,7 +79,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    arm, liquids = arm_motion(arm_kind(structure)), _liquids(scene)
+    arm, liquids, initial = arm_motion(arm_kind(structure)), _liquids(scene), initial_coordinates(scene)
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -94,7 +94,7 @@ def replay(
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
-        return _integrate(liquids, body[:, ::every], float(grid[2 * every] - grid[0]))
+        return _integrate(liquids, initial, body[:, ::every], float(grid[2 * every] - grid[0]))
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -234,14 +234,15 @@ def liquid_step(kind: Structure) -> Any:
     return codegen.functions("step", kind, build)[0]["step"]
 
 
-def _integrate(liquids: tuple[_Liquids, ...], body: np.ndarray, length: float) -> np.ndarray:
-    """All liquids from rest along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
+def _integrate(liquids: tuple[_Liquids, ...], initial: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
+    """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities, from `initial`."""
     count, steps = sum(own.displacements.size for own in liquids), (body.shape[1] - 1) // 2
     states = np.empty((2 * count, steps + 1))
     for own in liquids:
         found = integrate(
             own.step,
-            np.zeros(own.step.size1_in(0)),
+            # of each liquid its displacements, then its velocities
+            np.swapaxes(initial[:, own.displacements], 0, 1).ravel(),
             inputs=body,
             lengths=np.full(steps, length),
             parameters=own.parameters,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from nospill.judge.certificate import constraint_traces
 from nospill.judge.record_checks import recorded_coordinates
 from nospill.judge.replay import Replay, replay
@@ -29,7 +31,7 @@ def liquid_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[str, str]
     """
     played = replay(trajectory, scene)
     traces = constraint_traces(trajectory, scene, played, points=(EvaluationPoint.OBJECT,))
-    tracks = judged_tracks(trajectory, scene, played, traces)
+    tracks = _tracks(trajectory, scene, played, traces)
     return {names[name]: track for name, track in tracks.items() if name in names}
 
 
@@ -44,12 +46,20 @@ def judged_tracks(
         played: its replay, with its holds or without.
         traces: of the replay, those of the slosh height among them.
     """
+    filled = {cargo.name for cargo in scene.cargo if cargo.filling}
+    return {name: track for name, track in _tracks(trajectory, scene, played, traces).items() if name in filled}
+
+
+def _tracks(trajectory: Trajectory, scene: Scene, played: Replay, traces: Iterable[Trace]) -> dict[str, SloshTrack]:
+    """The same and of every carrier the modal masses that push it, without heights."""
     every, first = round(played.rate / trajectory.rate), round((trajectory.t[0] - played.t[0]) * played.rate)
     picked = slice(first, first + every * (len(trajectory.t) - 1) + 1, every)
     heights = {trace.subject: trace.value[picked] for trace in traces if trace.constraint == SloshHeight.name}
     return {
         cargo.name: SloshTrack(
-            played.slosh_displacement[picked, own], played.slosh_velocity[picked, own], heights[cargo.name]
+            played.slosh_displacement[picked, own],
+            played.slosh_velocity[picked, own],
+            heights.get(cargo.name, np.zeros(len(trajectory.t))),
         )
         for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
         if cargo.oscillators

@@ -21,12 +21,13 @@ _DIGITS = 12
 
 
 def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
-    """The objects of a scene but those in the convex hull of others just like them, tolerances included."""
+    """The objects of a scene but those in the convex hull of others just like them, tolerances and swing included."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, cargo in enumerate(scene.cargo):
         numbers = replace(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity), position=np.zeros(3))
         key = tuple(float(f"{value:.{_DIGITS}g}") for value in flatten(numbers))
-        groups.setdefault((*key, len(numbers.oscillators), cargo.tolerance), []).append(index)
+        swing = cargo.filling.initial_swing if cargo.filling else None
+        groups.setdefault((*key, len(numbers.oscillators), cargo.tolerance, swing), []).append(index)
     outer: set[int] = set()
     for members in groups.values():
         places = np.array([scene.cargo[index].position for index in members])

@@ -66,7 +66,7 @@ class Freedom(NamedTuple):
 class OscillatorNumbers:
     """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat.
 
-    The tension is (1,) where the object's structure is tense, else there is none.
+    The tension is (1,) where the object's structure is tense, else there is none; the place (2,) where it is spread.
     """
 
     frequency: Number
@@ -77,6 +77,7 @@ class OscillatorNumbers:
     damping: Number
     surface_gain: Number
     tension: Number = 0.0
+    place: Number = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +99,7 @@ class ObjectNumbers:
         grip_radius: likewise.
         liquid_height: of the surface at rest above the bottom, m, zero for a solid.
         liquid_depth: m, zero for a solid.
-        max_slosh_height: m, zero for a solid.
+        max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
         static_correction: (2,) m, see `slosh.height`.
         oscillators: the modal masses.
     """
@@ -168,6 +169,8 @@ class ObjectStructure:
         flat: per oscillator, whether its mass moves on a plane, so that its law is linear.
         shallow: whether its surface may rise by more than its liquid is deep.
         tense: whether surface tension pulls at its surface.
+        spread: whether its oscillators are those of liquids that it carries, off its middle.
+        carried: whether it stands in a carrier, and no law of contact is its own.
     """
 
     footprint: type[Footprint]
@@ -175,6 +178,13 @@ class ObjectStructure:
     flat: tuple[bool, ...]
     shallow: bool = False
     tense: bool = False
+    spread: bool = False
+    carried: bool = False
+
+    @property
+    def liquid(self) -> bool:
+        """Whether it has a surface of its own."""
+        return bool(self.oscillators) and not self.spread
 
     @property
     def coordinates(self) -> int:
@@ -381,6 +391,7 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         damping=scalar,
         surface_gain=scalar,
         tension=np.zeros(int(item.tense)),
+        place=np.zeros(2 * int(item.spread)),
     )
     return ObjectNumbers(
         position=np.zeros(3),

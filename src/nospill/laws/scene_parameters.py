@@ -12,7 +12,7 @@ import numpy as np
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
 from nospill.robots.description.urdf_tree import rotation_of
-from nospill.robots.kinematics.dynamics import Load, load_of
+from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
@@ -49,6 +49,8 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         flat=tuple(mode.curvature == 0.0 for mode in cargo.oscillators),
         shallow=cargo.filling is not None and cargo.filling.shallow,
         tense=_tense(cargo),
+        spread=cargo.carried is not None and bool(cargo.oscillators),
+        carried=bool(cargo.carrier),
     )
 
 
@@ -64,6 +66,11 @@ def joint_limits(robot: Robot) -> tuple[str, ...]:
 def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
     torque = robot.max_torque if robot.inertias_known else None
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
+
+
+def initial_coordinates(scene: Scene) -> np.ndarray:
+    """Displacements (m) and velocities (m/s) of all slosh coordinates when the motion begins, shape (2, k)."""
+    return np.hstack([np.zeros((2, 0)), *(cargo.initial_coordinates for cargo in scene.cargo)])
 
 
 def numbers_of(scene: Scene, payload: Sequence[Cargo] | None = None) -> SceneNumbers:
@@ -133,7 +140,7 @@ def flange_load(scene: Scene, payload: Sequence[Cargo] | None = None) -> Load:
     plate = tray.mass / 12.0 * np.diag([y * y, x * x, x * x + y * y])
     load = load_of(tray.mass, np.asarray(tray.tool.position), plate, rotation=turn)
     for cargo in scene.cargo if payload is None else payload:
-        load += object_load(cargo, tray)
+        load += NO_LOAD if cargo.carrier else object_load(cargo, tray)
     return load
 
 
@@ -141,7 +148,7 @@ def object_load(cargo: Cargo, tray: Tray) -> Load:
     """What one object on the tray is for the flange, its liquid at rest, flange axes."""
     turn = tray.tool.rotation
     own = turn @ rotation_of((0.0, 0.0, cargo.yaw))
-    centre = tray.tool.position + turn @ np.append(cargo.position, 0.0) + own @ cargo.total.centre
+    centre = tray.tool.position + turn @ cargo.place + own @ cargo.total.centre
     return load_of(cargo.total.mass, centre, cargo.total.inertia, rotation=own)
 
 
@@ -150,7 +157,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
     footprint, filling = cargo.container.footprint, cargo.filling
     mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, fidelity)
     return ObjectNumbers(
-        position=np.append(cargo.position, 0.0),
+        position=cargo.place,
         yaw=cargo.yaw,
         mass=mass,
         first_moment=first_moment,
@@ -164,7 +171,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         grip_radius=footprint.grip_radius,
         liquid_height=filling.liquid_height if filling else 0.0,
         liquid_depth=filling.depth if filling else 0.0,
-        max_slosh_height=filling.max_slosh_height if filling else 0.0,
+        max_slosh_height=_slosh_height(cargo),
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
         oscillators=tuple(
             OscillatorNumbers(
@@ -176,10 +183,17 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
                 damping=mode.damping,
                 surface_gain=mode.surface_gain,
                 tension=np.full(int(_tense(cargo)), mode.tension),
+                place=np.zeros(0) if cargo.carried is None else np.array(mode.place),
             )
             for mode in cargo.oscillators
         ),
     )
+
+
+def _slosh_height(cargo: Cargo) -> float:
+    if cargo.carried is not None:
+        return cargo.carried.slosh_height
+    return cargo.filling.max_slosh_height if cargo.filling else 0.0
 
 
 def _rigid_part(cargo: Cargo, fidelity: Fidelity) -> tuple[float, np.ndarray, np.ndarray, float]:
@@ -189,6 +203,10 @@ def _rigid_part(cargo: Cargo, fidelity: Fidelity) -> tuple[float, np.ndarray, np
         # The published object is a point mass at its centre of mass with an inertia against yaw.
         point = total.mass * parallel_axis(total.centre)
         return total.mass, total.mass * total.centre, point, float(total.inertia[2, 2])
+    if cargo.carried is not None:
+        empty, liquids = cargo.empty, cargo.carried
+        first_moment = empty.mass * empty.centre + liquids.first_moment
+        return empty.mass + liquids.mass, first_moment, _about_bottom(empty) + liquids.inertia, 0.0
     if not cargo.filling:
         return total.mass, total.mass * total.centre, _about_bottom(total), 0.0
     empty, modes = cargo.empty, cargo.filling.modes

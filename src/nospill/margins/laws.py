@@ -108,12 +108,12 @@ def object_margins(
     made = _function(structure, motion.body.shape[1], _BATCH)
     names = tuple(constraint.name for constraint in made.constraints)
     points = tuple(constraint.evaluated_at for constraint in made.constraints)
-    body = ca.DM(motion.body)
+    body, initial = ca.DM(motion.body), ca.DM(scene.cargo[index].initial_coordinates.ravel())
     for first in range(0, len(numbers), _BATCH):
         batch = numbers[first : first + _BATCH]
         columns = np.column_stack([np.concatenate([shared, [motion.step], flatten(item)]) for item in batch])
         padded = np.pad(columns, ((0, 0), (0, _BATCH - len(batch))), mode="edge")
-        found = np.array(made.call(ca.DM(padded), body).full())[:, : len(batch)].T
+        found = np.array(made.call(ca.DM(padded), initial, body).full())[:, : len(batch)].T
         figures, states = np.split(found, [2 * len(names)], axis=1)
         margin, limit = figures[:, 0::2].copy(), figures[:, 1::2]
         _play_on(structure, batch, names, states, margin, limit)
@@ -128,7 +128,7 @@ class _Made:
 
 @lru_cache(maxsize=16)
 def _function(structure: Structure, steps: int, batch: int) -> _Made:
-    """(numbers of the samples, motion) -> margin and limit of every constraint, one by one, and the final state."""
+    """(numbers of samples, initial slosh coordinates, motion) -> margin and limit of every constraint, final state."""
     count, size = coordinate_count(structure), 3 + object_parameter_count(structure.objects[0])
     p = SX.sym("p", size)
     numbers = _scene_numbers(structure, p)
@@ -158,10 +158,10 @@ def _function(structure: Structure, steps: int, batch: int) -> _Made:
     final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
     finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final, state))], {"cse": True})
 
-    given, motion = ca.MX.sym("p", size), ca.MX.sym("motion", 27, steps)
-    start = ca.vertcat(given, ca.MX.zeros(2 * count), _NEVER * ca.MX.ones(2 * len(during)))
-    one = ca.Function("one", [given, motion], [finish(advance.fold(steps)(start, motion))])
-    call = over_columns(one, batch, [1], threads=thread_count())
+    given, initial, motion = ca.MX.sym("p", size), ca.MX.sym("initial", 2 * count), ca.MX.sym("motion", 27, steps)
+    start = ca.vertcat(given, initial, _NEVER * ca.MX.ones(2 * len(during)))
+    one = ca.Function("one", [given, initial, motion], [finish(advance.fold(steps)(start, motion))])
+    call = over_columns(one, batch, [1, 2], threads=thread_count())
     return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
 
 

@@ -75,7 +75,7 @@ def carried(scene: Scene) -> str:
     litres = 1e3 * sum(
         item.container.volume(item.filling.liquid_height) for item in scene.cargo if item.filling is not None
     )
-    mass = sum(item.total.mass for item in scene.cargo)
+    mass = sum(item.total.mass for item in scene.standing)
     liquid = f"{litres:.2g} l, " if litres > 0.0 else ""
     return f"{liquid}{mass:.2g} kg"
 

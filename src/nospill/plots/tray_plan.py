@@ -36,14 +36,21 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
         axes.add_patch(Polygon(outline, facecolor=fill, edgecolor=edge, linestyle=dashes, linewidth=1.2))
         widest = 1e3 * footprint_outline(cargo, part=float(np.max(cargo.container.outside[:, 0])))
         axes.add_patch(Polygon(widest, fill=False, edgecolor=edge, linestyle=dashes, linewidth=0.7))
+        if cargo.carrier:
+            continue
         middle = 1e3 * cargo.position
         room = float(np.ptp(outline[:, 0])) / sides[0] * width
+        across = "center" if cargo.carried is None else "top"
         lines = [plain(cargo.name, max(int(room / 0.075), 5))]
-        if cargo.filling:
+        if cargo.carried is not None:
+            # what stands in it takes its middle
+            middle = np.array([middle[0], np.min(outline[:, 1])])
+            lines = [f"{lines[0]}, {len(cargo.carried.content)} in it"]
+        elif cargo.filling:
             lines.append(f"{1e3 * cargo.filling.liquid_height:.3g} of {1e3 * cargo.container.height:.3g}")
         else:
             lines.append(f"{1e3 * cargo.container.height:.3g} high")
-        axes.text(middle[0], middle[1], "\n".join(lines), size=SMALL, ha="center", va="center")
+        axes.text(middle[0], middle[1], "\n".join(lines), size=SMALL, ha="center", va=across)
     axes.annotate(
         "", (0.3 * half[0], 0), (0, 0), arrowprops={"arrowstyle": "-|>", "color": ORANGE, "linewidth": 1.6}, zorder=1.5
     )

@@ -194,7 +194,7 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
     height = f"{1e3 * item.container.height:.4g} high"
     size = " x ".join(f"{1e3 * side:.4g}" for side in footprint.sides) + f" across, {height}"
     turned = f", {np.degrees(item.yaw):.3g} deg" if item.yaw else ""
-    contents = "solid"
+    contents = "solid" if item.carried is None else f"{len(item.carried.content)} in it, with their mass"
     if item.filling is not None:
         contents = f"{item.filling.liquid.name}, {1e3 * item.filling.liquid_height:.4g} deep"
     return (
@@ -202,7 +202,9 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
         size,
         ", ".join(f"{1e3 * value:.4g}" for value in item.position).replace("-", "−") + turned,
         f"{item.total.mass:.3f}",
-        f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
+        f"stands in {item.carrier}"
+        if item.carrier
+        else f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
         contents,
         _height(certificate, SloshHeight.name, item.name),
         _height(certificate, ResidualHeight.name, item.name),

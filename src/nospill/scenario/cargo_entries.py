@@ -34,8 +34,11 @@ from nospill.scene.containers.base import Container
 from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.scene import FULL_MODES
 
 _PLACE = Measured(dimension="length", at_least=-10.0, at_most=10.0)
+_SWING = Measured(dimension="length", at_least=-1.0, at_most=1.0)
+_SWING_RATE = Measured(dimension="speed", at_least=-100.0, at_most=100.0)
 
 
 class LiquidTable(Table):
@@ -60,6 +63,24 @@ def _liquid_kind(value: object) -> str:
     return "table" if isinstance(value, dict | LiquidTable) else "name"
 
 
+class SwingTable(Table):
+    """`[cargo.initial_swing]`: how the liquid swings when the motion begins; without it, it is at rest."""
+
+    displacement: Annotated[
+        list[Annotated[tuple[float, ...], Vector(entry=_SWING, axes=("x", "y"))]],
+        Field(
+            description="of the modal masses along x and y of the object, [x, y] mode by mode from the slowest; "
+            "modes that are not given are at rest",
+            min_length=1,
+            max_length=FULL_MODES,
+        ),
+    ]
+    velocity: Annotated[
+        list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]],
+        Field(description="their velocities, of the same modes", min_length=1, max_length=FULL_MODES),
+    ]
+
+
 LiquidValue = Annotated[
     Annotated[str, Field(strict=True), Tag("name")] | Annotated[LiquidTable, Tag("table")],
     Discriminator(_liquid_kind),
@@ -79,6 +100,18 @@ class CargoTable(Table):
     array: Annotated[
         ArrayTable | None,
         Field(description="rows and columns of equal objects about at: name-1-1, name-1-2, ..."),
+    ] = None
+    carrier: Annotated[
+        Name | None,
+        Field(
+            description="name of the solid in which the object stands and with which it moves, such as a rack; "
+            "at and yaw then count from the middle of that one"
+        ),
+    ] = None
+    seat_height: Annotated[
+        float | None,
+        Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
+        Field(description="height of the object's bottom above the tray, where it stands in a carrier; 0 if not given"),
     ] = None
     shape: Any  # each class below narrows it to its own literal
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
@@ -115,7 +148,14 @@ class CargoTable(Table):
             "tension into the frequency, which is left out when not given"
         ),
     ] = None
-    mass: Annotated[Mass | None, Field(description="total mass as it stands on the tray, liquid included")] = None
+    initial_swing: Annotated[
+        SwingTable | None,
+        Field(description="the table [cargo.initial_swing]: swing of the liquid when the motion begins"),
+    ] = None
+    mass: Annotated[
+        Mass | None,
+        Field(description="total mass as it stands on the tray, liquid included, but not what stands in it"),
+    ] = None
     empty_mass: Annotated[
         float | None,
         Measured(dimension="mass", at_least=0.0, at_most=1000.0),

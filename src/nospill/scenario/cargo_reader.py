@@ -11,14 +11,16 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
-from nospill.scenario.cargo_entries import CargoTable, LiquidTable
+from nospill.scenario.cargo_entries import CargoTable, LiquidTable, SwingTable
 from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
+from nospill.scene.swing import Swing, coordinates
 
 FREEBOARD_RESERVE = 0.1
 """Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
@@ -97,6 +99,7 @@ def _check_keys(entry: CargoTable) -> None:
                 "freeboard_reserve",
                 "damping",
                 "contact_line",
+                "initial_swing",
                 "empty_mass",
             )
             if getattr(entry, key) is not None
@@ -108,6 +111,11 @@ def _check_keys(entry: CargoTable) -> None:
         if entry.centre_of_mass is not None and entry.centre_of_mass_height is not None:
             raise ScenarioError("centre_of_mass and centre_of_mass_height are both given; keep one of them")
         return
+    if entry.carrier and entry.initial_swing is not None:
+        raise ScenarioError(
+            f"initial_swing is given to what stands in {as_written(entry.carrier)}; a carrier feels its liquids from "
+            "rest only: wait until they are at rest, or place them on the tray"
+        )
     if entry.liquid_height is None and entry.liquid_volume is None:
         raise ScenarioError(
             'liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm", or liquid_volume'
@@ -166,14 +174,15 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
     limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+        stands = _wetting(container, liquid, level) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the "
-            f"liquid to the rim: the cup is too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
+            "is too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
     floor = float(container.inside[0, 1])
-    return Filling(
+    filling = Filling(
         liquid=liquid,
         liquid_height=level,
         max_slosh_height=limit,
@@ -182,6 +191,36 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         floor=floor,
         contact_line=line,
     )
+    return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing)
+
+
+def _swinging(filling: Filling, container: Container, table: SwingTable) -> Filling:
+    """The liquid with its initial swing, which must be inside its limit."""
+    if len(table.displacement) != len(table.velocity):
+        raise ScenarioError(
+            f"initial_swing: displacement has {len(table.displacement)} modes and velocity {len(table.velocity)}; "
+            "give both of the same modes"
+        )
+    displacement, velocity = ([(x, y) for x, y in rows] for rows in (table.displacement, table.velocity))
+    swing = Swing(tuple(displacement), tuple(velocity))
+    modes = filling.modes.oscillators
+    gains = [mode.surface_gain for mode in modes for _ in mode.directions]
+    axes = [axis for mode in modes for axis in mode.directions]
+    raised = np.array(gains) * coordinates(swing, modes)[0]
+    height = np.array([sum(part for part, axis in zip(raised, axes, strict=True) if axis == own) for own in ("x", "y")])
+    crest = max(float(np.linalg.norm(vector)) for vector in container.footprint.crest_vectors(height))
+    if crest > filling.max_slosh_height:
+        raise ScenarioError(
+            f"initial_swing: the surface stands {_mm(crest)} high when the motion begins, above max_slosh_height "
+            f"{_mm(filling.max_slosh_height)}; wait longer before the motion or raise the limit"
+        )
+    return dataclasses.replace(filling, initial_swing=swing)
+
+
+def _wetting(container: Container, liquid: Liquid, level: float) -> str:
+    """Where the surface at rest stands in a vessel whose wall it wets, in words."""
+    rise, drop = meniscus_in(container, liquid, level)
+    return f" (flat at {_mm(level)}; wetting the wall, {_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
 
 
 def _level(entry: CargoTable, container: Container) -> float:

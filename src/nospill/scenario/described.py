@@ -100,6 +100,7 @@ def difference(first: Any, second: Any, place: str = "") -> str | None:
     """The first attribute in which two records differ by more than rounding, as "cargo.c1.friction"; None if none."""
     if dataclasses.is_dataclass(first) and type(first) is type(second):
         left_out = _COMPARED_ELSEWHERE | (_IN_WORDS if isinstance(first, Robot) else frozenset())
+        left_out |= _of_carriers(first) if isinstance(first, Cargo) else frozenset()
         pairs = [(f.name, getattr(first, f.name), getattr(second, f.name)) for f in dataclasses.fields(first)]
         pairs = [pair for pair in pairs if pair[0] not in left_out]
     elif isinstance(first, tuple) and isinstance(second, tuple):
@@ -114,6 +115,12 @@ def difference(first: Any, second: Any, place: str = "") -> str | None:
         if found is not None:
             return found
     return None
+
+
+def _of_carriers(item: Cargo) -> frozenset[str]:
+    """What an object has from its carrier, or a carrier from what stands in it."""
+    friction = {"friction", "friction_reserve", "footprint_reserve"} if item.carrier else set()
+    return frozenset(friction | ({"total", "empty", "carried"} if item.carried is not None else set()))
 
 
 def _same(first: Any, second: Any) -> bool:
@@ -211,9 +218,9 @@ def _approach(rules: ApproachRules, original: ApproachRules | None) -> dict[str,
 
 def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of one object; of a new one all that its numbers say."""
-    values = {"name": item.name, **_changed(item, original, _PLACEMENT)}
+    values = {"name": item.name, **({} if item.carrier else _changed(item, original, _PLACEMENT))}
     values |= {"label": item.label} if item.label != (original.label if original else "") else {}
-    place = _changed(item, original, {"position": "length"})
+    place = {} if item.carrier else _changed(item, original, {"position": "length"})
     values |= {"at": place["position"]} if place else {}
     container = item.container
     if original is None or container != original.container:
@@ -221,6 +228,8 @@ def _entry(item: Cargo, original: Cargo | None, entry: Mapping[str, Any]) -> dic
         values |= {"shape": item.shape} | {name: _written(getattr(container, name), "length") for name in sizes}
     values |= {} if item.filling is None else _filling(item.filling, original.filling if original else None)
     kept = dict(entry)
+    if item.carried is not None:
+        return kept | values
     if item.filling is None and original is not None and original.filling is not None:
         kept = {key: kept[key] for key in kept if key not in ("liquid", "damping", *_LIQUID)}
     if original is None or difference(item.total, original.total):
@@ -278,6 +287,12 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         for item in (filling, original)
     )
     values |= {} if _same(damping, before) else {"damping": damping}
+    swing = filling.initial_swing
+    if swing != (original.initial_swing if original else None):
+        parts = {"displacement": "length", "velocity": "speed"}
+        values["initial_swing"] = swing and {
+            name: [_written(np.array(row), unit) for row in getattr(swing, name)] for name, unit in parts.items()
+        }
     line = filling.contact_line
     return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
 

@@ -21,6 +21,7 @@ EXAMPLES: dict[str, str] = {
     "mixed-tray": "two cups filled differently, a box of water and a bottle on a tray that tilts",
     "coffee-to-go": "three tapered cups of coffee, filled by volume, on a UR5e that tilts its tray",
     "soup-and-wine": "a bowl of soup on its ring and two glasses of wine on their feet, on a tray that tilts",
+    "vial-rack": "24 vials in a rack on a KUKA KR 6, which tilts its tray; the rack feels every liquid",
     "cups-around-a-column": "two cups of water on a UR10e that tilts, to the other side of a column, on any way",
     "cups-past-a-column": "two cups of water on a UR10e, past a column and above a table: distances are judged",
 }

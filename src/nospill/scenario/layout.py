@@ -22,7 +22,7 @@ _TOUCHING = 1e-9
 def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
     """Every object that is not wholly on the tray, then every pair that overlaps, as place and sentence."""
     faults: list[Fault] = []
-    for item in cargo:
+    for item in (item for item in cargo if not item.carrier):
         out = overhang(item, tray)
         if out > _TOUCHING:
             sides = " x ".join(format_quantity(side, "length") for side in tray.size)
@@ -68,8 +68,15 @@ def overlap(first: Cargo, second: Cargo) -> float:
 
 
 def _deepest(first: Cargo, second: Cargo) -> tuple[float, float]:
-    """The largest overlap over all heights, m, and the lowest height, m, at which it is found."""
-    heights, shares = _sections(first.container, second.container)
+    """The largest overlap over all heights above the tray, m, and the lowest, m, at which it is found.
+
+    An object never overlaps its own carrier, which has room for it.
+    """
+    if first.name == second.carrier or second.name == first.carrier:
+        return -np.inf, 0.0
+    heights, shares = _sections(first.container, second.container, (first.seat, second.seat))
+    if not len(heights):
+        return -np.inf, 0.0
     depth = np.array([_overlap(first, second, own, other) for own, other in shares])
     at = int(np.argmax(depth))
     return float(depth[at]), float(heights[at])
@@ -82,17 +89,19 @@ def _overlap(first: Cargo, second: Cargo, own: float, other: float) -> float:
 
 
 @lru_cache(maxsize=4096)
-def _sections(first: Container, second: Container) -> tuple[np.ndarray, np.ndarray]:
-    """Heights (n,), m, at which two outsides may come nearest, and how large they are there, (n, 2).
+def _sections(first: Container, second: Container, seats: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Heights (n,), m, at which two outsides may come nearest, and how large they are there, (n, 2); none: one above.
+
+    `seats`: heights of their bottoms, m.
 
     Between the corners of both outsides everything is linear. Two sections are left out where at some height both are
     at least as large.
     """
-    outsides = (first.outside, second.outside)
-    top = min(outside[-1, 1] for outside in outsides)
+    outsides = [np.add(item.outside, (0.0, seat)) for item, seat in zip((first, second), seats, strict=True)]
+    top, bottom = min(outside[-1, 1] for outside in outsides), max(seats)
     corners = np.unique(np.concatenate([outside[:, 1] for outside in outsides]))
-    heights = np.minimum(corners[corners <= top], top)
-    shares = np.array([[_share(outside, height) for outside in outsides] for height in heights])
+    heights = np.minimum(corners[(corners >= bottom) & (corners <= top)], top)
+    shares = np.array([[_share(outside, height) for outside in outsides] for height in heights]).reshape(-1, 2)
     kept, widest = [], -1.0
     for index in np.lexsort((heights, -shares[:, 1], -shares[:, 0])):
         if shares[index, 1] > widest:

@@ -25,6 +25,7 @@ from nospill.robots.tool import Tool
 from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
+from nospill.scenario.carrier_reader import check_carrier, loaded, seated
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
@@ -218,10 +219,11 @@ def _standalone_obstacles(scenario: Scenario, folder: FilePath, label: str) -> l
 
 
 def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
-    cargo: list[Cargo] = []
+    cargo: dict[str, Cargo] = {}
     faults: list[Fault] = []
     reason: Reason | None = None
     owners: dict[str, int] = {}
+    entries = {entry.name: entry for entry in scenario.cargo}
     for index, entry in enumerate(scenario.cargo):
         place = cargo_place(index, {"name": entry.name})
         if entry.name in owners:
@@ -230,19 +232,32 @@ def _cargo(scenario: Scenario, label: str) -> tuple[Cargo, ...]:
             faults.append((f"cargo {index + 1}", text))
         owners.setdefault(entry.name, index)
         try:
-            item = read_object(entry, scenario)
+            check_carrier(entry, entries)
+            cargo[entry.name] = read_object(entry, scenario)
         except (ScenarioError, ModelError) as error:
             reason = reason if faults else error.reason
             faults.append((place, str(error)))
-        else:
-            cargo.append(item)
     if faults:
         raise report(label, faults, reason)
-    return tuple(cargo)
+    return _in_carriers(scenario, cargo, label)
+
+
+def _in_carriers(scenario: Scenario, cargo: dict[str, Cargo], label: str) -> tuple[Cargo, ...]:
+    """The objects, those in carriers at their places, and the carriers with them."""
+    content: dict[str, list[Cargo]] = {}
+    for index, entry in enumerate(scenario.cargo):
+        if entry.carrier is not None:
+            with _at(label, cargo_place(index, {"name": entry.name})):
+                cargo[entry.name] = seated(cargo[entry.name], entry, cargo[entry.carrier])
+            content.setdefault(entry.carrier, []).append(cargo[entry.name])
+    for name, items in content.items():
+        with _at(label, f"cargo {as_written(name)}"):
+            cargo[name] = loaded(cargo[name], items)
+    return tuple(cargo.values())
 
 
 def _check_payload(robot: Robot, tray: Tray, cargo: tuple[Cargo, ...], scenario: Scenario, label: str) -> None:
-    load = sum(greatest_mass(item, fidelity=scenario.fidelity) for item in cargo)
+    load = sum(greatest_mass(item, fidelity=scenario.fidelity) for item in cargo if not item.carrier)
     at_most = "at most " if any(item.tolerance for item in cargo) else ""
     if robot.payload is not None and tray.mass + load > robot.payload * (1.0 + 1e-9):  # rounding of the sum
         raise report(
@@ -269,6 +284,13 @@ def _check_motion(scenario: Scenario) -> None:
         raise ScenarioError(
             f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
             f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
+        )
+    swinging = next((entry.name for entry in scenario.cargo if entry.initial_swing is not None), None)
+    before = "hold_before" if scenario.motion.hold_before > 0.0 else "[approach]" if scenario.approach else ""
+    if swinging is not None and before:
+        raise ScenarioError(
+            f"{before} comes before the motion, at whose beginning {as_written(swinging)} has its initial_swing; leave "
+            "one of them out, and give the swing that is left after the wait"
         )
 
 

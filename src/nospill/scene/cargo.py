@@ -10,8 +10,9 @@ import numpy as np
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.modes import Oscillator, SloshModes
-from nospill.scene.containers.tension import ContactLine, liquid_modes
+from nospill.scene.containers.tension import ContactLine
 from nospill.scene.liquids import Liquid
+from nospill.scene.swing import Swing, coordinates
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,7 @@ class Filling:
         floor: height of the lowest point of the inside above the container's bottom, m.
         freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
         contact_line: how the surface meets the wall; empty where surface tension is left out.
+        initial_swing: of the liquid when the motion begins; None where it is at rest then.
     """
 
     liquid: Liquid
@@ -35,6 +37,7 @@ class Filling:
     freeboard_reserve: float = 0.1
     floor: float = 0.0
     contact_line: ContactLine = ""
+    initial_swing: Swing | None = None
 
     @property
     def depth(self) -> float:
@@ -69,8 +72,29 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True)
+class Carried:
+    """What stands in a carrier, as the carrier feels it, about its bottom centre, in its axes.
+
+    Attributes:
+        content: the objects, at their places on the tray, with the modes that are counted here.
+        mass: of the parts of the liquids that move with it, kg; may be negative, see `SloshModes.fixed_mass`.
+        first_moment: (3,) of the same, kg m.
+        inertia: (3, 3) of the same, kg m^2.
+        oscillators: modal masses that stand for those of all liquids.
+        slosh_height: the least `max_slosh_height` of the liquids, m; 0 without any.
+    """
+
+    content: tuple[Cargo, ...]
+    mass: float
+    first_moment: np.ndarray
+    inertia: np.ndarray
+    oscillators: tuple[Oscillator, ...]
+    slosh_height: float
+
+
+@dataclass(frozen=True, slots=True)
 class Cargo:
-    """A named object on the tray, loose, standing on its bottom.
+    """A named object on the tray, loose, standing on its bottom, or in another object that does.
 
     Attributes:
         name: unique on its tray.
@@ -86,6 +110,9 @@ class Cargo:
         filling: the liquid, or None for a solid object.
         tolerance: how far these numbers may be off, or None where all are certain.
         label: what people call it, of any letters; empty where that is the name.
+        carrier: name of the object in which it stands, whose friction it has; empty where it stands on the tray.
+        seat: height of its bottom above the tray, m.
+        carried: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
     """
 
     name: str
@@ -101,6 +128,14 @@ class Cargo:
     filling: Filling | None
     tolerance: Tolerance | None = None
     label: str = ""
+    carrier: str = ""
+    seat: float = 0.0
+    carried: Carried | None = None
+
+    @property
+    def place(self) -> np.ndarray:
+        """Bottom centre in the tray frame, (3,), m."""
+        return np.append(self.position, self.seat)
 
     @property
     def title(self) -> str:
@@ -114,25 +149,15 @@ class Cargo:
 
     @property
     def oscillators(self) -> tuple[Oscillator, ...]:
-        """Modal masses of the liquid; none of a solid."""
+        """Modal masses of the liquid, or of the liquids that it carries; none of another solid."""
+        if self.carried is not None:
+            return self.carried.oscillators
         return self.filling.modes.oscillators if self.filling else ()
 
-
-def with_modes(cargo: Cargo, count: int) -> Cargo:
-    """The object with this many modes of its liquid in each direction, the slowest damped as before; a solid as is."""
-    filling = cargo.filling
-    if filling is None or filling.modes.count == count:
-        return cargo
-    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
-    modes = liquid_modes(
-        cargo.container,
-        filling.liquid,
-        filling.liquid_height,
-        count,
-        damping=slowest.damping,
-        contact_line=filling.contact_line,
-    )
-    return replace(cargo, filling=replace(filling, modes=modes))
+    @property
+    def initial_coordinates(self) -> np.ndarray:
+        """Displacements (m) and velocities (m/s) of its slosh coordinates when the motion begins, shape (2, k)."""
+        return coordinates(self.filling.initial_swing if self.filling else None, self.oscillators)
 
 
 def titles_of(cargo: Sequence[Cargo]) -> dict[str, str]:

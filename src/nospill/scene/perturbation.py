@@ -8,6 +8,7 @@ import numpy as np
 
 from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
+from nospill.scene.carriers import with_content
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.tension import liquid_modes
@@ -77,12 +78,36 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         friction=cargo.friction * (1.0 + by.friction),
         tolerance=None,
     )
+    if cargo.carried is not None:
+        certain = cargo.tolerance is None
+        content = tuple(_in_carrier(item, by, certain=certain, fidelity=fidelity) for item in cargo.carried.content)
+        return with_content(changed, content, empty)
     if cargo.filling is None:
         return changed
     filling = _refilled(cargo, cargo.filling, by)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
+
+
+def _in_carrier(item: Cargo, by: Perturbation, *, certain: bool, fidelity: Fidelity) -> Cargo:
+    """What stands in a carrier with a liquid that is off with all the others.
+
+    As far as its own tolerance allows, unless the carrier is `certain` and the perturbation is of no tolerance.
+    """
+    allowed = item.tolerance
+    if item.filling is None or (allowed is None and not certain):
+        return item
+    if allowed is None:
+        own = Perturbation(liquid_height=by.liquid_height, damping=by.damping, pinned=by.pinned)
+        return perturbed(item, own, fidelity=fidelity)
+    low, high = allowed.damping
+    own = Perturbation(
+        liquid_height=float(np.clip(by.liquid_height, -allowed.liquid_height, allowed.liquid_height)),
+        damping=float(np.clip(by.damping, low, high)),
+        pinned=by.pinned and allowed.pinned,
+    )
+    return perturbed(item, own, fidelity=fidelity)
 
 
 def _heavier(body: MassProperties, added: float, container: Container) -> MassProperties:

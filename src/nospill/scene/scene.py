@@ -9,7 +9,8 @@ import numpy as np
 
 from nospill.core.paths import Path
 from nospill.robots.robot import Robot
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import Tray
@@ -163,6 +164,11 @@ class Scene:
     start_near: np.ndarray | None = None
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
+
+    @property
+    def standing(self) -> tuple[Cargo, ...]:
+        """The objects that stand on the tray itself, and not in another one."""
+        return tuple(item for item in self.cargo if not item.carrier)
 
     @property
     def planned_modes(self) -> int:

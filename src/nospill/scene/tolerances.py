@@ -69,7 +69,7 @@ def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
     tolerance = cargo.tolerance
     if tolerance is None:
         return cargo
-    rise = sign * tolerance.liquid_height if cargo.filling else 0.0
+    rise = sign * tolerance.liquid_height if cargo.oscillators else 0.0
     by = Perturbation(liquid_height=rise, mass=sign * tolerance.mass * cargo.empty.mass)
     return perturbed(cargo, by, fidelity=fidelity)
 

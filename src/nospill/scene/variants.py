@@ -87,10 +87,11 @@ def variants(cargo: Cargo, *, fidelity: Fidelity) -> tuple[Variant, ...]:
 
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
     levels, between, factors, masses = (0.0,), (), (1.0,), (0.0,)
-    if cargo.filling is not None:
+    owner = _with_liquid(cargo)
+    if owner is not None and owner.filling is not None:
         rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
-        levels, between = ((-rise, 0.0, rise), _levels_between(cargo, cargo.filling, rise)) if rise else (levels, ())
-        factors = _factors(*tolerance.damping, cargo.filling.modes.oscillators[0].damping)
+        levels, between = ((-rise, 0.0, rise), _levels_between(owner, owner.filling, rise)) if rise else (levels, ())
+        factors = _factors(*tolerance.damping, owner.filling.modes.oscillators[0].damping)
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
@@ -99,6 +100,12 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
         yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned)
     for level, factor, pinned in product(between, factors, lines):
         yield Perturbation(-tolerance.friction, level, factor, pinned=pinned)
+
+
+def _with_liquid(cargo: Cargo) -> Cargo | None:
+    """The object, or of a carrier the first with liquid that stands in it; None of another solid."""
+    candidates = (cargo,) if cargo.carried is None else cargo.carried.content
+    return next((item for item in candidates if item.filling is not None), None)
 
 
 def _factors(low: float, high: float, ratio: float) -> tuple[float, ...]:

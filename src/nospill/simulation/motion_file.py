@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -105,12 +106,12 @@ def read_motion(path: str | os.PathLike[str]) -> Motion:
 
 
 def read_heights(path: str | os.PathLike[str]) -> Heights:
-    """Read heights from a CSV with the columns t_s, height_mm.
+    """Read heights from a CSV with the columns t_s, height_mm; more may follow.
 
     Raises:
         ScenarioError: the file cannot be read, has other columns or wrong values, or its clock does not run forward.
     """
-    table = _read_table(path, HEIGHT_COLUMNS)
+    table = _read_table(path, HEIGHT_COLUMNS, more=True)
     return checked_heights(table[:, 0], 1e-3 * table[:, 1], label=os.fsdecode(path), first_line=2)
 
 
@@ -163,8 +164,8 @@ def _line(first_line: int, index: int | np.integer) -> str:
     return f"line {first_line + int(index)}" if first_line else f"sample {int(index)}"
 
 
-def _read_table(path: str | os.PathLike[str], columns: tuple[str, ...]) -> np.ndarray:
-    """The numbers of a CSV with exactly these columns, shape (m, len(columns))."""
+def _read_table(path: str | os.PathLike[str], columns: tuple[str, ...], *, more: bool = False) -> np.ndarray:
+    """The numbers of a CSV with exactly these columns, or with more behind them, shape (m, len(columns))."""
     label = os.fsdecode(path)
     wanted = ",".join(columns)
     try:
@@ -174,17 +175,17 @@ def _read_table(path: str | os.PathLike[str], columns: tuple[str, ...]) -> np.nd
     rows = csv.reader(text.splitlines())
     try:
         header = [name.strip() for name in next(rows, [])]
-        if tuple(header) != columns:
+        if tuple(header[: len(columns)] if more else header) != columns:
             shown = ",".join(header)[:120] or "nothing"
             raise ScenarioError(f"{label}: line 1: the columns are {shown}; they must be {wanted}")
-        return np.array([_numbers(row, columns, f"{label}: line {rows.line_num}") for row in rows if row]).reshape(
-            -1, len(columns)
-        )
+        return np.array([_numbers(row, header, f"{label}: line {rows.line_num}") for row in rows if row]).reshape(
+            -1, len(header)
+        )[:, : len(columns)]
     except csv.Error as error:
         raise ScenarioError(f"{label}: line {rows.line_num}: is not CSV: {error}") from None
 
 
-def _numbers(row: list[str], columns: tuple[str, ...], place: str) -> list[float]:
+def _numbers(row: list[str], columns: Sequence[str], place: str) -> list[float]:
     if len(row) != len(columns):
         raise ScenarioError(f"{place}: {len(row)} values where {len(columns)} are needed ({','.join(columns)})")
     values = []

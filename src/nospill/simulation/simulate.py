@@ -24,7 +24,8 @@ from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step
 from nospill.laws.slosh.motion import modal_accelerations
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import with_modes
 from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup
@@ -87,7 +88,7 @@ def simulate_slosh(
 ) -> SloshSimulation:
     """Height of the liquid in a container along any motion.
 
-    The liquid starts level and at rest.
+    The liquid starts level and at rest, one of a scene with the initial swing that the scene states.
 
     Args:
         container: an object of a scene, the keys of a cargo entry (as in `[[cargo]]`, name and place may be left out),
@@ -137,7 +138,8 @@ def _simulated(
         grid = _divided(motion.t, per_sample * refinement)
         body = body_rows(spline, grid, gravity)
         check_pressed(grid, body, filling.liquid_height)
-        start = np.concatenate([_level(structure, filling.modes, world_up(motion)), np.zeros(count)])
+        displaced, moving = cargo.initial_coordinates
+        start = np.concatenate([_level(structure, filling.modes, world_up(motion)) + displaced, moving])
         return integrate(step, start, inputs=body, lengths=np.diff(grid[::2]), parameters=np.zeros(0))
 
     integral = refined(solve, displacements=count)

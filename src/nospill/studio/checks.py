@@ -18,6 +18,7 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.robots.tool import Tool
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
+from nospill.scenario.carrier_reader import check_carrier, seated
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import cargo_place, faults_of
 from nospill.scenario.model import Scenario
@@ -113,15 +114,23 @@ def _of_entry(key: Key, text: str, value: object) -> Key:
 def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
     """The first fault of every object on its own, and every pair that overlaps; the reader stops at the first."""
     cargo: list[Cargo] = []
+    known: dict[str, Cargo] = {}
     faults: list[Fault] = []
-    for index, entry in enumerate(scenario.cargo):
+    entries = {entry.name: entry for entry in scenario.cargo}
+    # carriers first: where the others stand depends on them
+    order = sorted(enumerate(scenario.cargo), key=lambda pair: pair[1].carrier is not None)
+    for index, entry in order:
         try:
+            check_carrier(entry, entries)
             item = read_object(entry, scenario)
+            if entry.carrier in known:
+                item = seated(item, entry, known[entry.carrier])
         except (ScenarioError, ModelError) as error:
             where = cargo_place(index, table["cargo"][index])
             faults.append(Fault(_cargo_key(index, str(error), table), str(error), where))
         else:
             cargo.append(item)
+            known.setdefault(entry.name, item)
     tray = Tray(
         size=np.array(scenario.tray.size),
         tool=Tool(np.array(scenario.tray.offset), scenario.tray.yaw_on_flange),

@@ -210,6 +210,7 @@ def object_fields(draft: Draft, index: int) -> list[Field]:
         field_of(at("name"), "text", hint="letters, digits, - and _"),
         field_of(at("label"), "text", hint="what is read beside the object: beer 0.3 l"),
         field_of(at("shape"), "choice", tuple(CONTAINERS)),
+        *([field_of(at("carrier"), "text", hint="the solid in which it stands")] if entry.get("carrier") else []),
         Field(at("at", 0), "At x", hint="of the bottom's centre from the tray's centre, for example 45 mm"),
         Field(at("at", 1), "At y", hint="of the bottom's centre from the tray's centre, for example -70 mm"),
         *([] if shape == "cylinder" else [field_of(at("yaw"), hint="turn about the tray's normal, 30 deg")]),

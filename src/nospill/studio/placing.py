@@ -82,7 +82,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
     """Every object whose place and sides can be read, whatever else is wrong with it."""
     size = tray_size(table)
     tray = None if size is None else Tray(np.array(size), Tool())
-    bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
+    bodies = _bodies(table)
     names = [label_of(entry, index) for index, entry in enumerate(table["cargo"])]
     met: dict[int, list[str]] = {index: [] for index in bodies}
     for first, second in combinations(bodies, 2):
@@ -91,7 +91,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
             met[second].append(names[first])
     found = []
     for index, body in bodies.items():
-        out = overhang(body, tray) if tray is not None else 0.0
+        out = overhang(body, tray) if tray is not None and not body.carrier else 0.0
         radius = body.container.footprint.rounding
         found.append(
             Placed(
@@ -112,7 +112,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
 def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[float, float]:
     """The place on the grid nearest to the tray's centre where one more object fits, m; the centre if there is none."""
     size, body = tray_size(table), _body({**entry, "at": [0.0, 0.0]})
-    others = [other for item in table["cargo"] if (other := _body(item)) is not None]
+    others = list(_bodies(table).values())
     if size is None or body is None:
         return 0.0, 0.0
     tray = Tray(np.array(size), Tool())
@@ -127,6 +127,42 @@ def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[floa
         if overhang(there, tray) <= 0.0 and all(overlap(there, other) <= 0.0 for other in others):
             return place
     return 0.0, 0.0
+
+
+def at_of_entry(table: Mapping[str, Any], index: int, place: tuple[float, float]) -> tuple[float, float]:
+    """What `at` of an entry has to say for a place on the tray, m: it counts from the middle of a carrier."""
+    carrier = _carrier(table, table["cargo"][index])
+    if carrier is None:
+        return place
+    away = _turn(-carrier.yaw) @ (np.array(place) - carrier.position)
+    return float(away[0]), float(away[1])
+
+
+def _bodies(table: Mapping[str, Any]) -> dict[int, Cargo]:
+    """The bodies of all entries that can be read, by their index, those in carriers at their places on the tray."""
+    found = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
+    for index, body in found.items():
+        entry = table["cargo"][index]
+        carrier = _carrier(table, entry)
+        if carrier is not None:
+            place = carrier.position + _turn(carrier.yaw) @ body.position
+            seat = quantity(entry["seat_height"], "length") if _readable(entry.get("seat_height")) else 0.0
+            yaw = carrier.yaw + body.yaw
+            found[index] = replace(body, position=place, yaw=yaw, carrier=carrier.name, seat=seat)
+        # whose carrier is meant is told by its name
+        found[index] = replace(found[index], name=str(entry.get("name", index)))
+    return found
+
+
+def _carrier(table: Mapping[str, Any], entry: Mapping[str, Any]) -> Cargo | None:
+    """The body in which an entry stands, under its name; None where it stands on the tray."""
+    named = [item for item in table["cargo"] if item.get("name") == entry.get("carrier") and item is not entry]
+    body = _body(named[0]) if entry.get("carrier") is not None and named else None
+    return None if body is None else replace(body, name=str(entry["carrier"]))
+
+
+def _turn(angle: float) -> np.ndarray:
+    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 
 def _body(entry: Mapping[str, Any]) -> Cargo | None:

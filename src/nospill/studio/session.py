@@ -23,7 +23,7 @@ from nospill.studio.pages import (
     headline,
     warning_list,
 )
-from nospill.studio.placing import GRID, free_place, place_objects, snapped, tray_size
+from nospill.studio.placing import GRID, at_of_entry, free_place, place_objects, snapped, tray_size
 from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
 from nospill.studio.tray_plan import draw_plan, read_drag
 
@@ -158,7 +158,7 @@ class Session:
         self.draft.selected, self._reports = report.index, report.count
         if report.at is not None:
             x, y = snapped(*report.at, grid=GRID if self._snapping else None)
-            self.draft.move(report.index, x, y, ended=report.ended)
+            self.draft.move(report.index, *at_of_entry(self.draft.table, report.index, (x, y)), ended=report.ended)
         self._refresh()
 
     def _snap(self, wanted: bool) -> None:
@@ -175,7 +175,8 @@ class Session:
         return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(self.draft.cargo))
 
     def _add_object(self, entry: Mapping[str, Any]) -> None:
-        """Add an object where there is room for it."""
+        """Add an object where there is room for it, on the tray itself."""
+        entry = {key: value for key, value in entry.items() if key not in ("carrier", "seat_height")}
         x, y = free_place(self.draft.table, entry)
         self.draft.add({**entry, "at": [millimetres(x), millimetres(y)]})
 

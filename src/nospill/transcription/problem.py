@@ -13,7 +13,7 @@ import numpy as np
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import Number, SceneNumbers, Structure
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -221,7 +221,7 @@ def _bounds(
     for row in ends[2:]:
         row[0] = 1.0
     for row in ends[:2]:
-        row[layout.displacement] = row[layout.velocity] = 0.0
+        row[layout.displacement], row[layout.velocity] = initial_coordinates(scene)
     # Flat modes come to rest as nearly as the judge demands: exactly so, each would cost two controls at the end.
     slow = np.array(
         [

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.laws.like_objects import outer_objects
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object

@@ -6,9 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.core.arrays import parallel_axis
 from nospill.laws.scene_parameters import object_numbers
-from nospill.scene.cargo import Cargo, with_modes
+from nospill.scene.cargo import Cargo
+from nospill.scene.carriers import single_oscillators, with_modes
 from nospill.scene.scene import Scene
+from nospill.scene.swing import coordinates
 
 RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
@@ -35,6 +38,7 @@ class ModalMass:
         curvature: of the bowl, omega^2/g, 1/m; with gravity in it, the mass swings at omega.
         damping: 2 zeta omega m, N s/m.
         spring: of surface tension, N/m.
+        place: of the bowl's lowest point beside the middle of the object, m.
     """
 
     mass: float
@@ -43,6 +47,7 @@ class ModalMass:
     curvature: float
     damping: float
     spring: float = 0.0
+    place: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +65,7 @@ class Body:
         liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
         modes: of the liquid.
+        swing: (2, j) displacements and velocities of every modal mass along its axes when the motion begins, m and m/s.
     """
 
     name: str
@@ -73,29 +79,32 @@ class Body:
     liquid_height: float
     friction: float
     modes: tuple[ModalMass, ...]
+    swing: np.ndarray
 
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
-    """Every object of a scene with its liquid moving, whatever the fidelity it was planned with.
+    """Every object that stands on the tray itself with its liquid moving, whatever the fidelity it was planned with.
 
     A liquid has the modes that the scenario states, one unless it says otherwise; the others weigh a hundredth of it.
+    In a carrier every single liquid moves, with `CARRIED_MODES` at most.
     """
     full = replace(scene, fidelity="full")
-    return tuple(_body(with_modes(cargo, scene.slosh_modes), full) for cargo in scene.cargo)
+    return tuple(_body(with_modes(cargo, scene.slosh_modes), full) for cargo in scene.cargo if not cargo.carrier)
 
 
 def _body(cargo: Cargo, scene: Scene) -> Body:
     numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
     total = float(numbers.weight / scene.gravity)
     axes = {"x": 0, "y": 1}
-    oscillators = cargo.oscillators
+    oscillators = single_oscillators(cargo)
     swinging = sum(mode.mass for mode in oscillators)
     stays = max(0.0, 1.0 - (1.0 - _LEAST_RIGID_FRACTION) * total / swinging) if swinging else 0.0
     mass, first = float(numbers.mass) + stays * swinging, np.array(numbers.first_moment, dtype=float)
     about_bottom = np.array(numbers.inertia, dtype=float)
     for mode in oscillators:
-        first[2] += stays * mode.mass * mode.height
-        about_bottom += stays * mode.mass * mode.height**2 * np.diag([1.0, 1.0, 0.0])
+        place = np.array([*mode.place, mode.height])
+        first += stays * mode.mass * place
+        about_bottom += stays * mode.mass * parallel_axis(place)
     centre = first / mass
     shift = float(centre @ centre) * np.eye(3) - np.outer(centre, centre)
     outline = cargo.container.outline
@@ -123,7 +132,9 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
                 curvature=mode.stiffness,
                 damping=2.0 * mode.damping * mode.frequency * (1.0 - stays) * mode.mass,
                 spring=mode.tension * (1.0 - stays) * mode.mass,
+                place=mode.place,
             )
             for mode in oscillators
         ),
+        swing=coordinates(cargo.filling.initial_swing if cargo.filling else None, oscillators),
     )

@@ -136,6 +136,15 @@ class Stepper:
         for address, body in zip(self._free, bodies, strict=True):
             half = body.yaw / 2
             self.data.qpos[address : address + 7] = (*body.position, 0.0, np.cos(half), 0.0, 0.0, np.sin(half))
+        curvature = np.array([mode.curvature for body in bodies for mode in body.modes for _ in mode.axes])
+        displacement, velocity = np.hstack([np.zeros((2, 0)), *(body.swing for body in bodies)])
+        up = [i for i in range(model.njnt) if model.joint(i).name.startswith("up")]
+        for joints, places, rates in (
+            (across, displacement, velocity),
+            (up, curvature / 2 * displacement**2, curvature * displacement * velocity),
+        ):
+            self.data.qpos[model.jnt_qposadr[joints]] = places
+            self.data.qvel[model.jnt_dofadr[joints]] = rates
 
     def step(self) -> None:
         """One step from the instant `index` to the next."""
@@ -199,9 +208,10 @@ def _mode_text(label: str, mode: ModalMass) -> str:
     text = ""
     for depth, axis in reversed(list(enumerate(mode.axes))):
         last, first = depth == len(mode.axes) - 1, depth == 0
+        foot = (*mode.place, mode.height) if first else (0.0, 0.0, 0.0)
         share = 1.0 - _LINK_FRACTION * (len(mode.axes) - 1) if last else _LINK_FRACTION
         text = (
-            f'<body simple="false" pos="0 0 {mode.height if first else 0.0:.17g}">'
+            f'<body simple="false" pos="{" ".join(f"{value:.17g}" for value in foot)}">'
             f'<inertial pos="0 0 0" mass="{share * mode.mass:.17g}" '
             f'diaginertia="{_POINT_INERTIA} {_POINT_INERTIA} {_POINT_INERTIA}"/>'
             f'<joint name="across{label}-{axis}" type="slide" axis="{_AXES[axis]}" damping="{mode.damping:.17g}" '

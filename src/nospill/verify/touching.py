@@ -119,7 +119,7 @@ def _load(scene: Scene, flange: np.ndarray, axes: np.ndarray, assets: list[str])
     )
     objects = "".join(
         f'<geom name="{item.name}:0" {_MOVES} type="mesh" mesh="cargo-{item.name}" '
-        f"{_pose(np.array([*item.position, 0.0]), Rotation.from_euler('z', item.yaw).as_matrix())}/>"
+        f"{_pose(item.place, Rotation.from_euler('z', item.yaw).as_matrix())}/>"
         for item in scene.cargo
     )
     assets += [_outside(item) for item in scene.cargo]

@@ -73,6 +73,7 @@ class TrayView:
         _add(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
         for item in cargo:
             self._add_object(scene, item, f"{root}/{item.name}")
+        for item in (item for item in cargo if not item.carrier):
             self._tops.append(np.array([*item.position, item.container.height + ABOVE_RIM]))
             self._labels.append(
                 scene.add_label(
@@ -87,17 +88,16 @@ class TrayView:
 
     def _add_object(self, scene: viser.SceneApi, cargo: Cargo, root: str) -> None:
         half = cargo.yaw / 2
-        scene.add_frame(
-            root, show_axes=False, position=(*cargo.position, 0.0), wxyz=(np.cos(half), 0.0, 0.0, np.sin(half))
-        )
-        hollow = cargo.filling is not None
+        scene.add_frame(root, show_axes=False, position=tuple(cargo.place), wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)))
+        hollow = cargo.filling is not None or cargo.carried is not None
         look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
         body = creased(container_body(cargo.container, hollow=hollow))
         _add(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
-        self._collars[cargo.name] = _add(
-            scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
-        )
-        if hollow:
+        if not cargo.carrier:
+            self._collars[cargo.name] = _add(
+                scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
+            )
+        if cargo.filling is not None:
             surface = liquid_surface(cargo)
             self.surfaces[cargo.name] = surface
             self._liquids[cargo.name] = _add(

@@ -15,7 +15,7 @@ from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.description.catalog import ROBOTS
 from nospill.scenario import scene_from_table
-from nospill.scene.cargo import with_modes
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import EndCondition, Scene
 from nospill.transcription.export_samples import crest_function, tray_function
 from nospill.transcription.object_block import end_block, object_block

@@ -29,17 +29,17 @@ lengths = st.floats(-0.02, 0.02)
 
 
 def numbers_of(mode: Oscillator) -> tuple[OscillatorNumbers, tuple[int, ...]]:
-    names = [field.name for field in dataclasses.fields(OscillatorNumbers)]
-    return OscillatorNumbers(*[getattr(mode, name) for name in names]), tuple(AXES[axis] for axis in mode.directions)
+    return OscillatorNumbers(*[getattr(mode, name) for name in FIELDS]), tuple(AXES[axis] for axis in mode.directions)
 
 
-FIELDS = len(dataclasses.fields(OscillatorNumbers))
+FIELDS = [field.name for field in dataclasses.fields(OscillatorNumbers) if field.name != "place"]
+"""What is a number; the place is that of the container's axis."""
 
 
 def law(directions: tuple[int, ...], *, damp_against_spin: bool) -> ca.Function:
     """(oscillator, omega, alpha, specific force, q, q') -> q''."""
     size = len(directions)
-    leaves, q, qd = ca.SX.sym("o", FIELDS), ca.SX.sym("q", size), ca.SX.sym("qd", size)
+    leaves, q, qd = ca.SX.sym("o", len(FIELDS)), ca.SX.sym("q", size), ca.SX.sym("qd", size)
     motion = [ca.SX.sym(name, 3) for name in ("omega", "alpha", "force")]
     acceleration = modal_acceleration(
         OscillatorNumbers(*ca.vertsplit(leaves)),
@@ -57,7 +57,7 @@ SPINNING = law((0, 1), damp_against_spin=True)
 
 
 def acceleration(function: ca.Function, oscillator: OscillatorNumbers, *arguments) -> np.ndarray:
-    return function(ca.DM(list(dataclasses.astuple(oscillator))), *arguments).full().ravel()
+    return function(ca.DM([getattr(oscillator, name) for name in FIELDS]), *arguments).full().ravel()
 
 
 def random_oscillator(random: np.random.Generator) -> OscillatorNumbers:

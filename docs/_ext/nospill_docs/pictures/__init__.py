@@ -19,7 +19,7 @@ from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence
 from nospill_docs.gallery import planned_example
-from nospill_docs.pictures import forces, judged, liquids, maps, runs, stills, studies, vessels, ways
+from nospill_docs.pictures import films, forces, judged, liquids, maps, runs, stills, studies, vessels, ways
 from nospill_docs.pictures.paper import look, write
 from nospill_docs.places import Places, copy_if_changed
 from nospill_docs.transcripts import planned_session
@@ -72,6 +72,7 @@ PICTURES: dict[str, Picture] = {
     "corners": Picture(studies.corners, ("matrix-liquid-tilt", "matrix-liquid-tilt-robust")),
     "measured-peaks": Picture(studies.measured_peaks),
     "late-arm": Picture(runs.run_of_a_late_arm, ("matrix-liquid-tilt",)),
+    "film-of-a-cup": Picture(films.film_of_a_cup, pixels=True),
     "campaign": Picture(studies.campaign),
     "planning-times": Picture(studies.planning_times),
     "commands": Picture(maps.commands),

@@ -39,7 +39,7 @@ class ApparentGravity(Constraint):
         gravity = sample.numbers.gravity
         budgets = []
         for item in sample.objects:
-            if item.structure.oscillators:
+            if item.structure.liquid:
                 surface = item.motion.at(ca.vertcat(0, 0, item.numbers.liquid_height)).specific_force
                 budgets.append((Range(surface[2] / gravity, SX(LEAST_APPARENT_GRAVITY), None, SX(1)),))
         return tuple(budgets)

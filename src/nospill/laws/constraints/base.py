@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.laws.sample import Sample
+from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
 
@@ -250,6 +250,11 @@ def liquid_names(scene: Scene) -> tuple[str, ...]:
     return tuple(cargo.name for cargo in scene.cargo if cargo.filling)
 
 
-def object_names(scene: Scene) -> tuple[str, ...]:
-    """Names of all cargo."""
-    return tuple(cargo.name for cargo in scene.cargo)
+def standing_names(scene: Scene) -> tuple[str, ...]:
+    """Names of the cargo that stands on the tray itself."""
+    return tuple(cargo.name for cargo in scene.cargo if not cargo.carrier)
+
+
+def standing(sample: Sample) -> tuple[ObjectSample, ...]:
+    """The objects of a sample that stand on the tray itself."""
+    return tuple(item for item in sample.objects if not item.structure.carried)

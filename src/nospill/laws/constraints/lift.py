@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, object_names
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, standing, standing_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -20,11 +20,11 @@ class Lift(Constraint):
     least_size = 1.0
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return object_names(scene)
+        """Every object that stands on the tray itself."""
+        return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """N/(m g) >= 0 per object."""
         return tuple(
-            (Range(item.wrench.force[2] / item.numbers.weight, SX(0), None, SX(1)),) for item in sample.objects
+            (Range(item.wrench.force[2] / item.numbers.weight, SX(0), None, SX(1)),) for item in standing(sample)
         )

@@ -46,7 +46,7 @@ class ResidualHeight(Constraint):
         """One range per object."""
         budgets = []
         for item in sample.objects:
-            if not item.structure.oscillators:
+            if not item.structure.liquid:
                 continue
             limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
             law = height_bound if item.structure.modes == 1 else height_norm
@@ -116,7 +116,7 @@ class EndDisplacement(Constraint):
         if sample.structure.end == "residual":
             return ()
         still = sample.structure.end == "still"
-        return tuple(_still_ranges(item, still) for item in sample.objects if item.structure.oscillators)
+        return tuple(_still_ranges(item, still) for item in sample.objects if item.structure.liquid)
 
 
 def _still_ranges(item: ObjectSample, still: bool) -> tuple[Budget, ...]:

@@ -5,7 +5,16 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
+from nospill.laws.constraints.base import (
+    Budget,
+    Cone,
+    Constraint,
+    EvaluationPoint,
+    ObjectKey,
+    Role,
+    standing,
+    standing_names,
+)
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -44,13 +53,13 @@ class Slip(Constraint):
     limit_key = ObjectKey("friction")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return object_names(scene)
+        """Every object that stands on the tray itself."""
+        return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One friction cone per object."""
         cones = []
-        for item in sample.objects:
+        for item in standing(sample):
             demand = item.wrench.force[:2]
             if sample.structure.fidelity == "full":
                 demand = ca.vertcat(demand, _turning(item))

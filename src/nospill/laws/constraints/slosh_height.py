@@ -34,5 +34,5 @@ class SloshHeight(Constraint):
                 for demand in item.structure.footprint.crest_vectors(item.surface)
             )
             for item in sample.objects
-            if item.structure.oscillators
+            if item.structure.liquid
         )

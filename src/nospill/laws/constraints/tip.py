@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import casadi as ca
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
+from nospill.laws.constraints.base import (
+    Budget,
+    Cone,
+    Constraint,
+    EvaluationPoint,
+    ObjectKey,
+    Role,
+    standing,
+    standing_names,
+)
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
 
@@ -30,12 +39,12 @@ class Tip(Constraint):
     limit_key = ObjectKey("centre_of_mass")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return object_names(scene)
+        """Every object that stands on the tray itself."""
+        return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone for a disc, one band per side for a rectangle."""
-        return tuple(_budgets(item) for item in sample.objects)
+        return tuple(_budgets(item) for item in standing(sample))
 
 
 def _budgets(item: ObjectSample) -> tuple[Budget, ...]:

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, object_names
+from nospill.laws.constraints.base import (
+    Budget,
+    Cone,
+    Constraint,
+    EvaluationPoint,
+    ObjectKey,
+    Role,
+    standing,
+    standing_names,
+)
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -22,13 +31,13 @@ class Twist(Constraint):
     limit_key = ObjectKey("friction")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return object_names(scene)
+        """Every object that stands on the tray itself."""
+        return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One band per object."""
         bands = []
-        for item in sample.objects:
+        for item in standing(sample):
             lever = item.numbers.planned_friction * item.numbers.twist_radius
             bands.append((Cone(item.wrench.moment[2], lever * item.wrench.force[2], lever * item.numbers.weight),))
         return tuple(bands)

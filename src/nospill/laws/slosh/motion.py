@@ -49,7 +49,14 @@ def horizontal(directions: tuple[int, ...], coordinates: SX) -> SX:
 def modal_place(oscillator: OscillatorNumbers, directions: tuple[int, ...], state: OscillatorState) -> SX:
     """rho, place of the modal mass in the container frame, shape (3, 1), m."""
     q = state.displacement
-    return ca.vertcat(horizontal(directions, q), oscillator.height + oscillator.curvature / 2 * ca.dot(q, q))
+    side, rise = horizontal(directions, q), oscillator.curvature / 2 * ca.dot(q, q)
+    return ca.vertcat(side + _axis(oscillator), oscillator.height + rise)
+
+
+def _axis(oscillator: OscillatorNumbers) -> SX:
+    """Where the axis stands about which the mass swings, (2, 1), m: in the middle, but for what a carrier feels."""
+    place = SX(oscillator.place)
+    return place if place.numel() == 2 else SX.zeros(2)
 
 
 def apparent_acceleration(
@@ -94,7 +101,7 @@ def motion_residual(
     if damp_against_spin and len(directions) == 2:
         slip_rate = qd + motion.angular_velocity[2] * ca.vertcat(-q[1], q[0])
     damping = 2 * oscillator.damping * oscillator.frequency
-    place_of_rest = ca.vertcat(0, 0, oscillator.height)
+    place_of_rest = ca.vertcat(_axis(oscillator), oscillator.height)
     axial = motion.at(place_of_rest).specific_force[2]
     spring = curvature * q * apparent[2] + (oscillator.stiffness - curvature) * axial * q
     tension = SX(oscillator.tension)

@@ -44,7 +44,9 @@ def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
     for cargo in scene.cargo:
         cosine, sine = np.cos(cargo.yaw), np.sin(cargo.yaw)
         outline = cargo.position + cargo.container.outline @ np.array([[cosine, sine], [-sine, cosine]])
-        ends = [np.column_stack([outline, np.full(len(outline), z)]) for z in (0.0, cargo.container.height)]
+        ends = [
+            np.column_stack([outline, np.full(len(outline), cargo.seat + z)]) for z in (0.0, cargo.container.height)
+        ]
         corners[cargo.name] = np.vstack(ends)
     for name, points in corners.items():
         lowest = rise + np.min(points @ lean.T, axis=0)

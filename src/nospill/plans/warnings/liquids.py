@@ -11,8 +11,9 @@ from nospill.core.units import format_quantity
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
-from nospill.scene.containers.tension import liquid_modes, wetting_rise
+from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.liquids import Liquid
 
 LINEAR_CREST = 1.0 / 3.0
@@ -92,11 +93,14 @@ def meniscus(facts: Facts) -> Iterator[PlanWarning]:
     """Where the vessel is small, the liquid that stands higher at the wall may reach the rim."""
     for cargo, filling in _fillings(facts):
         room = cargo.container.height - filling.liquid_height - filling.max_slosh_height
-        rise = wetting_rise(filling.liquid)
-        if filling.contact_line and rise > room:
+        if not filling.contact_line:
+            continue
+        rise, drop = meniscus_in(cargo.container, filling.liquid, filling.liquid_height)
+        if rise > room:
             text = (
-                f"a liquid that wets the wall stands up to {_mm(rise)} higher there at rest, and max_slosh_height "
-                f"leaves {_mm(max(room, 0.0))} to the rim; liquid_height is that of a flat surface."
+                f"a liquid that wets the wall stands up to {_mm(rise)} higher there at rest and {_mm(drop)} lower on "
+                f"the axis, and max_slosh_height leaves {_mm(max(room, 0.0))} to the rim; liquid_height is that of a "
+                "flat surface."
             )
             yield PlanWarning("meniscus", cargo.name, text, rise, room)
 

@@ -28,6 +28,7 @@ class Oscillator:
         wave_number: k_n, 1/m.
         number: n, 1 for the slowest mode along its directions.
         tension: part of omega_n^2 that comes from surface tension and not from gravity, 1/s^2; 0 where it is left out.
+        place: (x, y) of the axis that it swings about, m; off the middle where a carrier feels the liquids in it.
     """
 
     frequency: float
@@ -39,6 +40,7 @@ class Oscillator:
     wave_number: float
     number: int
     tension: float = 0.0
+    place: tuple[float, float] = (0.0, 0.0)
 
     @property
     def stiffness(self) -> float:

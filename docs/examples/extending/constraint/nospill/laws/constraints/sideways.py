@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Role, object_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Role, standing, standing_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -21,10 +21,10 @@ class Sideways(Constraint):
     description = "Apparent acceleration of an object along the tray."
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return object_names(scene)
+        """Every object that stands on the tray itself."""
+        return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone an object; its capacity is constant, so the size of the capacity is the capacity."""
         limit = SX(LIMIT)
-        return tuple((Cone(item.motion.specific_force[:2], limit, limit),) for item in sample.objects)
+        return tuple((Cone(item.motion.specific_force[:2], limit, limit),) for item in standing(sample))

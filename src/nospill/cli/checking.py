@@ -1,0 +1,111 @@
+"""check: judge plan folders again; and how every command prints a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.run_options import seconds
+from nospill.cli.tables import print_lines, print_table, print_verdict, say
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.judge.verdict import Certificate
+    from nospill.plans.plan import Plan
+    from nospill.plans.warnings.record import PlanWarning
+
+
+def check(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Plan folders; several are motions in a row.")
+    ],
+    everything: Annotated[
+        bool, typer.Option("--all", help="Print every row, the checks of the file included.")
+    ] = False,
+    wait: Annotated[str, typer.Option(metavar="TIME", help="Between one motion and the next.")] = "0 s",
+) -> int:
+    """Judge a plan folder again, from its trajectory and scenario alone, and compare its controller files with that.
+
+    Of several, each begins with the swing that the one before it and the wait leave. Nothing is optimised or written.
+    """
+    from nospill.plans.loading import load_plan
+
+    good, before = True, None
+    for folder in folders:
+        saved = load_plan(folder)
+        if before is not None:
+            from nospill.plans.rows import starting_after
+
+            saved = replace(saved, scene=starting_after(saved.scene, before, seconds(wait)))
+        if len(folders) > 1:
+            print_lines(f"{folder}:" if before is None else f"{folder}, {wait} after the one before:")
+        good &= _check(saved, folder, everything=everything)
+        before = saved
+    return 0 if good else 1
+
+
+def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
+    """Judge a plan, print what is found, and return whether all is well."""
+    from nospill.export.plan_files import compare_plan_files
+    from nospill.judge.other_speeds import uses_at
+    from nospill.judge.wording import describe
+    from nospill.plans.approach import judge_whole
+    from nospill.plans.warnings import plan_warnings
+    from nospill.plans.warnings.speeds import other_speeds
+
+    judgement = judge_whole(saved)
+    certificate = judgement.certificate
+    print_certificate(certificate, saved.scene.robot.joints, everything=everything)
+    slower = other_speeds(uses_at(saved.trajectory, saved.scene))
+    print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
+    compared = compare_plan_files(saved.trajectory, saved.scene, folder)
+    for name, difference in compared.items():
+        print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
+    changed = [f"{folder / name} {difference}" for name, difference in compared.items() if difference]
+    if not certificate.ok:
+        say(f"Not certified: {describe(certificate.worst)}.")
+    elif changed:
+        say(f"{changed[0]}; plan again before it goes to a robot.")
+    good = certificate.ok and not changed
+    print_verdict(certificate.word + (", but another file was changed" if changed else ""), good)
+    return good
+
+
+def print_certificate(certificate: Certificate, joints: Sequence[str], *, everything: bool = False) -> None:
+    """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows."""
+    from nospill.core.short_names import short_names
+    from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
+
+    rows = certificate.rows if everything else certificate.listed_rows()
+    short = dict(zip(joints, short_names(joints), strict=True))
+    varied = any(row.variant for row in rows)
+    failing = {index for index, row in enumerate(rows) if not row.ok}
+    columns = ["constraint", "of", "use", *(["FAILS"] if failing else []), "value", "limit", "at"]
+    lines = []
+    for row in rows:
+        text = row_text(row)
+        mark = [] if not failing else ["" if row.ok else "FAILS"]
+        cells = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
+        lines.append([*cells, f"{row.at_s:.3f} s", *([row.variant] if varied else [])])
+    columns += ["with"] if varied else []
+    drop = [*(["with"] if varied else []), "at", "value", "limit"]
+    print_verdict(verdict_line(certificate), certificate.ok)
+    print()
+    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
+    if not everything:
+        print(integrity_line(certificate))
+    note = full_model_note(certificate)
+    if note:
+        print_lines(f"warning: {note}")
+    print()
+
+
+def print_warnings(warnings: Sequence[PlanWarning]) -> None:
+    """Print a line for each kind of warning, where the verdict stands."""
+    from nospill.plans.warnings.record import warning_lines
+
+    for line in warning_lines(warnings):
+        print_lines(f"warning: {line}")

@@ -1,0 +1,1 @@
+"""Heights of liquids from films of transparent vessels; the only package that imports OpenCV."""

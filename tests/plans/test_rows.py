@@ -1,0 +1,88 @@
+"""Motions in a row: what one leaves is what the next begins with, and what is planned so keeps its limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from nospill.cli import app
+from nospill.errors import ScenarioError
+from nospill.judge.certificate import certify, judge_motion
+from nospill.judge.full_model import full_scene
+from nospill.laws.scene_parameters import structure_of
+from nospill.laws.slosh.residual import free_states
+from nospill.planning.planner import plan
+from nospill.plans.plan import Plan
+from nospill.plans.rows import starting_after, swing_after
+from nospill.scenario import read_scenario, scene_from_table
+from nospill.scene.scene import Scene
+from nospill.scene.swing import coordinates
+
+A, B = ["0.75 m", "-0.35 m", "1.0 m"], ["0.75 m", "0.35 m", "1.0 m"]
+
+
+def line(start: list[str], end: list[str], **changes: object) -> Scene:
+    """A cup whose surface may rise 8 mm, carried along a line, and that may swing on by 30 % of it."""
+    source: dict[str, Any] = read_scenario("pp-two-cups").source
+    cup = {**source["cargo"][0], "max_slosh_height": "8 mm", **changes}
+    motion = {"tilt": "fixed", "residual_fraction": 0.3}
+    table = {"path": {"type": "line", "start": start, "end": end}, "cargo": [cup], "motion": motion}
+    return scene_from_table({**source, **table}, name="row")
+
+
+def test_what_is_left_is_the_state_at_the_end_and_dies_down(gentle_plan) -> None:
+    before: Plan = gentle_plan("matrix-liquid-soft-end", 1)
+    judgement = judge_motion(before.trajectory, full_scene(before.scene))
+    scene, played = full_scene(before.scene), judgement.replay
+    (cup,) = scene.cargo
+    own = structure_of(scene).slosh_slices[0]
+    end = np.array([played.slosh_displacement[-1, own], played.slosh_velocity[-1, own]])
+    at_once = coordinates(swing_after(before, 0.0)["c1"], cup.oscillators)
+    np.testing.assert_allclose(at_once, end, atol=1e-12)
+    modes = [(mode.frequency, mode.damping) for mode in cup.oscillators for _ in mode.directions]
+    frequency, damping = np.array(modes).T
+    q, _ = free_states(frequency, damping, end[0], end[1], np.array([0.4]))
+    np.testing.assert_allclose(coordinates(swing_after(before, 0.4)["c1"], cup.oscillators)[0], q[0], atol=3e-5)
+    slowest, later = cup.oscillators[0], coordinates(swing_after(before, 4.0)["c1"], cup.oscillators)
+    size = [np.hypot(np.linalg.norm(q[:2]), np.linalg.norm(qd[:2]) / slowest.frequency) for q, qd in (end, later)]
+    assert size[1] / size[0] == pytest.approx(math.exp(-slowest.damping * slowest.frequency * 4.0), rel=0.05)
+
+
+def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
+    before: Plan = gentle_plan("matrix-liquid-soft-end", 1)
+    end = before.scene.path.at([1.0])[0]
+    path = {"type": "line", "start": end[:3].tolist(), "end": [0.6, 0.0, 1.2], "yaw": [float(end[3])] * 2}
+    after = scene_from_table({**before.scene.source, "path": path}, name="after")
+    found = starting_after(after, before)
+    assert found.cargo[0].filling is not None and found.cargo[0].filling.initial_swing == swing_after(before, 0.0)["c1"]
+    with pytest.raises(ScenarioError, match=r"mm and .* deg from where"):
+        starting_after(before.scene, before)
+    for wait in (-0.1, math.nan, math.inf):
+        with pytest.raises(ScenarioError, match="at least 0 s"):
+            swing_after(before, wait)
+    cup = after.cargo[0]
+    with pytest.raises(ScenarioError, match='cargo "c1" has another shape, liquid, fill or yaw'):
+        starting_after(replace(after, cargo=(replace(cup, yaw=0.3), *after.cargo[1:])), before)
+    other = starting_after(replace(after, cargo=(replace(cup, name="other"),)), before)
+    assert other.cargo[0].filling is not None and other.cargo[0].filling.initial_swing is None
+
+
+@pytest.mark.slow
+def test_out_wait_and_back(tmp_path) -> None:
+    out, back = plan(line(A, B)), plan(line(B, A))
+    assert out.certificate.ok and back.certificate.ok
+    scene = starting_after(line(B, A), out, 0.2)
+    assert not certify(back.trajectory, scene).ok  # each alone is certified, in a row they are not
+    found = plan(scene)
+    assert found.certificate.ok
+    assert found.trajectory.slosh["left"].displacement[0] == pytest.approx(scene.cargo[0].initial_coordinates[0, :2])
+    for part, name in ((out, "out"), (back, "back"), (found, "found")):
+        part.save(tmp_path / name)
+    for name, code in (("found", 0), ("back", 1)):
+        command = ["check", str(tmp_path / "out"), str(tmp_path / name), "--wait", "0.2 s"]
+        assert CliRunner().invoke(app, command).exit_code == code

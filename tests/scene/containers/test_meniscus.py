@@ -1,0 +1,55 @@
+"""Meniscus of a liquid that wets its vessel: limits of small and large vessels, weight of what is lifted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from nospill.scene.containers.meniscus import meniscus
+from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.containers.tension import wetting_rise
+from nospill.scene.liquids import LIQUIDS
+
+WATER = LIQUIDS["water"]
+LENGTH = math.sqrt(WATER.surface_tension / (WATER.density * STANDARD_GRAVITY))
+
+
+def test_in_a_hair_tube_it_is_a_hemisphere() -> None:
+    radius = 1e-4
+    found = meniscus(WATER, radius)
+    assert found.rise == pytest.approx(2 / 3 * radius, rel=1e-3)
+    assert found.drop == pytest.approx(radius / 3, rel=1e-3)
+
+
+def test_far_from_everything_it_is_that_of_a_plane_wall() -> None:
+    found = meniscus(WATER, 1.0)
+    assert found.rise == pytest.approx(wetting_rise(WATER), rel=0.01) and found.drop == pytest.approx(0.0, abs=2e-5)
+
+
+@pytest.mark.parametrize("radius", [0.004, 0.008, 0.012])
+def test_against_a_collocation_of_the_whole_surface(radius: float) -> None:
+    """By arc length s from the axis to the wall, the surface's length and its height there unknown."""
+
+    def rates(s: np.ndarray, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        r, u, psi = y
+        turn = np.where(r > 1e-12, u / LENGTH**2 - np.sin(psi) / np.maximum(r, 1e-12), u / LENGTH**2 / 2)
+        return p[0] * np.vstack([np.cos(psi), np.sin(psi), turn])
+
+    def ends(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return np.array([a[0], a[2], b[0] - radius, b[2] - math.pi / 2])
+
+    s = np.linspace(0.0, 1.0, 60)
+    guess = np.vstack([radius * s, LENGTH * np.exp(5 * (s - 1)) + 1e-4, math.pi / 2 * s**3])
+    solved = solve_bvp(rates, ends, s, guess, p=[1.3 * radius], tol=1e-6, max_nodes=20000)
+    assert solved.status == 0
+    found, mean = meniscus(WATER, radius), 2 * LENGTH**2 / radius
+    assert found.rise == pytest.approx(solved.y[1, -1] - mean, rel=1e-3)
+    assert found.drop == pytest.approx(mean - solved.y[1, 0], rel=1e-3)
+
+
+def test_without_surface_tension_it_is_flat() -> None:
+    assert meniscus(replace(WATER, surface_tension=0.0), 0.01) == (0.0, 0.0)
