@@ -18,7 +18,7 @@ from tests.waiting import run_python, wait_until
 # fmt: off
 COMMANDS = (
     "plan", "slow", "check", "verify", "margins", "plot", "view", "film", "studio", "report", "export", "simulate",
-    "compare", "executed", "identify", "examples", "robots", "schema", "cache",
+    "compare", "executed", "identify", "measure", "examples", "robots", "schema", "cache",
 )
 # fmt: on
 
