@@ -59,7 +59,10 @@ def smooth_record(scene: Scene, path: JointPath, intervals: int, start: Start) -
     model = scene.with_one_mode()
     record = export_samples(model, smooth_start(model, path, intervals, start))
     names = {(cargo.name, ""): cargo.name for cargo in scene.cargo}
-    return replace(record, slosh=variant_tracks(record, scene, names))
+    tracks = variant_tracks(record, scene, names)
+    # what a carrier feels of its liquids is no liquid of its own
+    dry = {item.name for item in scene.cargo if item.filling is None}
+    return replace(record, slosh={name: track for name, track in tracks.items() if name not in dry})
 
 
 def measured_data(name: str = "") -> Path:

@@ -15,6 +15,8 @@ from nospill.film.timeline import Film, make_film
 from nospill.judge.verdict import Trace
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
+from nospill.scene.containers import Cylinder
+from nospill.scene.containers.tension import ContactLine, liquid_modes
 from tests.builders import VESSELS
 
 FILMS = ("tilting_film", "level_film", "mixed_film")
@@ -194,3 +196,15 @@ def test_liquid_of_a_vessel_fills_it_and_follows_its_wall(shape: str) -> None:
         assert vertices[:, 2].min() >= surface.floor - 1e-12 > vessel.meridian.bottom - 1e-12
         rise = surface.rise(np.array([q, 0.0, 0.0, 0.0]))[surface.edge]
         assert np.max(rise) == pytest.approx(modes.oscillators[0].surface_gain * abs(q), rel=1e-6)
+
+
+@pytest.mark.parametrize("line", ["", "free", "pinned"])
+def test_leaning_liquid_with_surface_tension_rises_as_the_judge_has_it(line: ContactLine) -> None:
+    first = read_scenario("pp-two-cups").cargo[0]
+    assert first.filling is not None
+    vial = Cylinder(0.008, 0.05)
+    modes = liquid_modes(vial, first.filling.liquid, 0.03, 2, contact_line=line)
+    filling = dataclasses.replace(first.filling, liquid_height=0.03, modes=modes, max_slosh_height=0.005)
+    surface = liquid_surface(dataclasses.replace(first, container=vial, filling=filling))
+    assert surface.wall[:, -2:] == pytest.approx(-np.diag(modes.static_correction))
+    assert modes.static_correction[0] > 0.0

@@ -51,7 +51,8 @@ def view(
         size = save_html(films, html, visuals=_visuals(urdf, films), view=seen)
         print(f"written to {html} ({size / 1e6:.1f} MB)")
         if size > LARGEST_FILE:
-            say(f"{html} is larger than {LARGEST_FILE / 1e6:.0f} MB because of the meshes; leave --urdf out")
+            smaller = "leave --urdf out" if urdf is not None else "send it as a file, not by mail"
+            say(f"{html} is larger than {LARGEST_FILE / 1e6:.0f} MB; {smaller}")
         return 0
     from nospill.viewer.live import LIVE_RATE, live_viewer
 

@@ -154,7 +154,7 @@ def _faces(count: int, bands_below: int) -> np.ndarray:
 def _basis(cargo: Cargo, section: Footprint, points: np.ndarray) -> np.ndarray:
     """Rise of the surface at points (u, 2) per slosh coordinate and per lean, (u, k + 2)."""
     assert cargo.filling is not None
-    # surface tension holds the surface back; without it the leaning plane is one to one
+    # a surface that surface tension holds leans less than a plane does; this is its rise at the wall, linear inside
     columns, leans = [], points * (cargo.filling.modes.quasi_static_gain / section.half_lengths)
     for mode in cargo.filling.modes.oscillators:
         for direction in mode.directions:

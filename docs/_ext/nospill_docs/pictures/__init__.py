@@ -81,6 +81,7 @@ PICTURES: dict[str, Picture] = {
     "scenario": Picture(maps.scenario, (TWO_CUPS,)),
     "moments": Picture(stills.strip, (TWO_CUPS,), pixels=True),
     "views": Picture(stills.views, ("matrix-liquid-tilt",), pixels=True),
+    "around-a-column": Picture(stills.around_a_column, ("cups-around-a-column",), pixels=True),
     "robots": Picture(stills.robots, pixels=True),
 }
 """Name of the file in `_generated/pictures` -> what it is."""

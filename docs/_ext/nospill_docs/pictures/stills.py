@@ -65,6 +65,15 @@ def views(plan: Plan) -> Figure:
     return _grid(pictures, [VIEW_NAMES[view] for view in View], columns=2)
 
 
+def around_a_column(plan: Plan) -> Figure:
+    """A motion on a free way round an obstacle, three moments of it with the whole arm and its path."""
+    film = film_of(plan)
+    parts = (0.1, 0.5, 0.9)
+    return _grid(
+        moments(film, View.ARM, parts, (500, 460)), [f"{part * film.end_time:.2f} s" for part in parts], columns=3
+    )
+
+
 class _Arms:
     """All arms of the catalogue in a row, each at home; stands in for a `Stagehand`."""
 
