@@ -18,6 +18,8 @@ def row(constraint: str, limit: float, margin: float, unit: str = "1") -> Row:
         (row("slip", 1.0, 1.6e-3), False),
         (row("residual height", 1e-3, 3e-7, "m"), True),  # 0.2e-6 of integration and a share of the limit
         (row("residual height", 1e-3, 5e-7, "m"), False),
+        (row("joint acceleration", 10.0, 1.4e-2, "rad/s^2"), True),
+        (row("joint acceleration", 10.0, 1.6e-2, "rad/s^2"), False),
         (row("joint speed", 3.0, 1e-9), False),  # nothing between the instants
         (row("joint speed", 3.0, -1e-9), True),
         (row("lift", 0.0, 1e-9), False),

@@ -17,6 +17,7 @@ class JointAcceleration(Constraint):
     in_words = "acceleration of {subject}"
     description = "Joint acceleration inside the robot's limits, where they are set."
     backoff = 8e-3
+    judge_resolution = 1.5e-3
     limit_key = JointKey("acceleration", "max_acceleration", "angular_acceleration")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
