@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # for annotations only: at run time these would load numpy an
     from nospill.judge.verdict import Certificate
     from nospill.plans.plan import Plan
     from nospill.plans.warnings.record import PlanWarning
+    from nospill.scene.scene import Scene
 
 
 def check(
@@ -58,7 +59,7 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
 
     judgement = judge_whole(saved)
     certificate = judgement.certificate
-    print_certificate(certificate, saved.scene.robot.joints, everything=everything)
+    print_certificate(certificate, saved.scene, everything=everything)
     slower = other_speeds(uses_at(saved.trajectory, saved.scene))
     print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
@@ -74,12 +75,14 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     return good
 
 
-def print_certificate(certificate: Certificate, joints: Sequence[str], *, everything: bool = False) -> None:
-    """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows."""
+def print_certificate(certificate: Certificate, scene: Scene, *, everything: bool = False) -> None:
+    """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows, and the rims."""
     from nospill.core.short_names import short_names
+    from nospill.judge.rims import rim_distances, rim_line
     from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
 
     rows = certificate.rows if everything else certificate.listed_rows()
+    joints = scene.robot.joints
     short = dict(zip(joints, short_names(joints), strict=True))
     varied = any(row.variant for row in rows)
     failing = {index for index, row in enumerate(rows) if not row.ok}
@@ -97,6 +100,9 @@ def print_certificate(certificate: Certificate, joints: Sequence[str], *, everyt
     print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
     if not everything:
         print(integrity_line(certificate))
+    rims = rim_line(rim_distances(scene, certificate.rows))
+    if rims:
+        print_lines(rims)
     note = full_model_note(certificate)
     if note:
         print_lines(f"warning: {note}")

@@ -119,7 +119,7 @@ def plan(
 def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
     certificate = outcome.certificate
-    print_certificate(certificate, outcome.scene.robot.joints)
+    print_certificate(certificate, outcome.scene)
     print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
     lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []

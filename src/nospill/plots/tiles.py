@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nospill.core.short_names import short_names
+from nospill.judge.rims import rim_distances
 from nospill.judge.verdict import Row
 from nospill.judge.wording import reserve, row_text
 from nospill.laws.constraints import BY_NAME
@@ -100,19 +101,12 @@ def _sooner(evidence: Evidence) -> list[Tile]:
 
 def _rim(evidence: Evidence) -> list[Tile]:
     """How far below its rim the liquid stays that comes nearest to it, with its tolerances; rounded down."""
-    rows = evidence.judgement.certificate.rows
-    heights = {row.subject: row.worst_value for row in rows if row.constraint == SloshHeight.name}
-    left = {}
-    for cargo in evidence.plan.scene.cargo:
-        if cargo.filling is not None and cargo.name in heights:
-            more = cargo.tolerance.liquid_height if cargo.tolerance is not None else 0.0
-            highest = cargo.filling.liquid_height + more + heights[cargo.name]
-            left[cargo.name] = 1e3 * (cargo.container.height - highest)
-    if not left:
+    distances = rim_distances(evidence.plan.scene, evidence.judgement.certificate.rows)
+    if not distances:
         return []
-    nearest = min(left, key=left.__getitem__)
-    text = f"{left[nearest] // 0.1 / 10:.1f} mm".replace("-", "−")
-    return [Tile(text, f"left to the rim of {nearest}", left[nearest] >= 0.0)]
+    nearest = distances[0]
+    text = f"{nearest.left:.1f} mm".replace("-", "−")
+    return [Tile(text, f"left to the rim of {nearest.subject}", nearest.left >= 0.0)]
 
 
 def _fullest(rows: tuple[Row, ...], constraint: str) -> Row | None:

@@ -9,6 +9,7 @@ import numpy as np
 from nospill.approach import Segment
 from nospill.core.short_names import short_names
 from nospill.core.units import superscript
+from nospill.judge.rims import RimDistance, rim_distances
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
@@ -57,13 +58,25 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
 
 def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
     """Every object: size, place, mass, friction, contents and how high its liquid came."""
-    columns = ("object", "size", "at x, y", "mass", "friction", "contents", SloshHeight.name, ResidualHeight.name)
+    columns = (
+        "object",
+        "size",
+        "at x, y",
+        "mass",
+        "friction",
+        "contents",
+        SloshHeight.name,
+        "to the rim",
+        ResidualHeight.name,
+    )
+    rims = {item.subject: item for item in rim_distances(scene, certificate.rows)}
     return TextTable(
         "On the tray",
         columns,
-        tuple(_cargo(item, certificate) for item in scene.cargo),
+        tuple(_cargo(item, certificate, rims.get(item.name)) for item in scene.cargo),
         note="Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use. "
-        "Heights: of the surface over its level at rest, of what is allowed.",
+        "Heights: of the surface over its level at rest, of what is allowed; to the rim: from the edge of the plane of "
+        "this height where it meets the wall, upright.",
     )
 
 
@@ -189,7 +202,7 @@ def _jerks(scene: Scene) -> str:
     return ", ".join(found)
 
 
-def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
+def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tuple[str, ...]:
     footprint = item.container.footprint
     height = f"{1e3 * item.container.height:.4g} high"
     size = " x ".join(f"{1e3 * side:.4g}" for side in footprint.sides) + f" across, {height}"
@@ -207,6 +220,7 @@ def _cargo(item: Cargo, certificate: Certificate) -> tuple[str, ...]:
         else f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
         contents,
         _height(certificate, SloshHeight.name, item.name),
+        "" if rim is None else f"{rim.left:.1f}".replace("-", "−"),
         _height(certificate, ResidualHeight.name, item.name),
     )
 

@@ -17,8 +17,11 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings
-from nospill.plans.warnings.record import PlanWarning, warning_lines
+from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
+from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
+from nospill.scenario import read_scenario
 from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.containers.vessels import Profile
 
 NAME = "mixed-tray"
 """Its first object is a cup of 35 mm radius and 99.1 mm height, 49 mm of water, limit 15 mm; the third is a box."""
@@ -52,7 +55,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 15
+    assert len(WARNINGS) == 16
     assert found(quiet) == {}
 
 
@@ -79,6 +82,35 @@ def test_a_limit_too_near_the_rim(found, changes: dict[str, Any], left: float | 
         assert warning.value == pytest.approx(left) and warning.limit == pytest.approx(5.01e-3)
         relaxed = {"cargo.0.max_slosh_height": 0.0455, "cargo.0.freeboard_reserve": "5 %"}
         assert ("distance to the rim", "cup") not in found(relaxed)
+
+
+@pytest.mark.parametrize(("crest", "warned"), [(0.008, False), (0.0088, True)])
+def test_an_edge_off_the_crest_on_a_sloping_wall(judgement: Judgement, crest: float, warned: bool) -> None:
+    """In a cone of 45 degrees from 17 % of the radius on."""
+    warnings = list(sloping_wall(in_a_cone(judgement, crest)))
+    assert len(warnings) == warned
+    assert all(item.limit == 0.1 and item.value == pytest.approx(0.106, abs=1e-3) for item in warnings)
+
+
+@pytest.mark.parametrize(("rim", "over"), [(0.1, False), (0.09, True)])
+def test_a_limit_over_the_rim_of_a_sloping_wall(judgement: Judgement, rim: float, over: bool) -> None:
+    """A crest of 27 mm has its edge at 91.5 mm."""
+    warnings = list(distance_to_the_rim(in_a_cone(judgement, 0.008, 0.027, rim)))
+    assert len(warnings) == over
+    assert all(item.limit == 0.0 and -2e-3 < item.value < -0.5e-3 for item in warnings if item.value is not None)
+
+
+def in_a_cone(judgement: Judgement, crest: float, allowed: float = 0.02, rim: float = 0.1) -> Facts:
+    """The first cup as a cone of 45 degrees filled to 50 mm, with another crest."""
+    cargo, *_ = read_scenario(NAME).cargo
+    assert cargo.filling is not None
+    filling = replace(cargo.filling, liquid_height=0.05, max_slosh_height=allowed)
+    cone = replace(cargo, container=Profile(profile=((0.0, 0.0), (rim, rim)), base_radius=0.03), filling=filling)
+    row = next(row for row in judgement.certificate.rows if row.constraint == "slosh height")
+    rows = (replace(row, subject=cone.name, worst_value=crest),)
+    certificate = replace(judgement.certificate, rows=rows)
+    scene = replace(read_scenario(NAME), cargo=(cone,))
+    return Facts(scene, replace(judgement, certificate=certificate), {})
 
 
 def test_surface_tension_is_warned_of_from_two_per_cent_of_the_frequency(found) -> None:

@@ -17,6 +17,7 @@ from nospill.plans.warnings.liquids import (
     density,
     distance_to_the_rim,
     meniscus,
+    sloping_wall,
     surface_tension,
     surface_tension_value,
     viscosity,
@@ -28,6 +29,7 @@ from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
     crest,
+    sloping_wall,
     distance_to_the_rim,
     surface_tension,
     contact_line,

@@ -11,6 +11,7 @@ from nospill.core.units import format_quantity
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.containers.leaning import edge_of_plane
 from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
 from nospill.scene.containers.tension import liquid_modes
@@ -18,6 +19,10 @@ from nospill.scene.liquids import Liquid
 
 LINEAR_CREST = 1.0 / 3.0
 """Part of the radius, or of half the side of a box, up to which a linear surface is believed (docs/slosh-model.md)."""
+
+SLOPE_ERROR = 0.1
+"""Part of the crest by which the edge of a plane surface on a sloping wall may differ from it: the model keeps the
+surface at its radius at rest."""
 
 FREQUENCY_SHIFT = 0.02
 """Rise of the first frequency by surface tension beyond which leaving it out is warned of: over a motion of 2 s a mode
@@ -34,6 +39,7 @@ USUAL_SURFACE_TENSION = (0.008, 0.1)
 """N/m; from fluorinated liquids to brines. 0 leaves the surface tension out and is no figure of a liquid."""
 
 _ROUNDING = 1e-9
+"""Of the freeboard, and m."""
 
 
 def _fillings(facts: Facts) -> Iterator[tuple[Cargo, Filling]]:
@@ -46,12 +52,9 @@ def _mm(length: float) -> str:
 
 def crest(facts: Facts) -> Iterator[PlanWarning]:
     """The liquid rises beyond what a linear surface is believed for."""
-    heights = {
-        row.subject: row.worst_value for row in facts.judgement.certificate.rows if row.constraint == SloshHeight.name
-    }
-    for cargo, filling in _fillings(facts):
+    for cargo, filling, value in _crests(facts):
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
-        limit, value = LINEAR_CREST * side, heights.get(cargo.name, 0.0)
+        limit = LINEAR_CREST * side
         if value > limit:
             text = (
                 f"the crest rises {_mm(value)}, more than a third of the radius or half side ({_mm(limit)}), up to "
@@ -60,17 +63,48 @@ def crest(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("crest", cargo.name, text, value, limit)
 
 
-def distance_to_the_rim(facts: Facts) -> Iterator[PlanWarning]:
-    """The limit leaves less of the freeboard than the reserve."""
+def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:
+    """The wall leans so much that a surface as steep as the crest has its edge elsewhere."""
+    for cargo, filling, value in _crests(facts):
+        rises = edge_of_plane(cargo.container, filling.liquid_height, value).height - filling.liquid_height
+        if abs(rises - value) > SLOPE_ERROR * value:
+            text = (
+                f"with a wall that slopes or a bottom that falls dry, a surface with a crest of {_mm(value)} meets the "
+                f"wall {_mm(rises)} above the level at rest; the linear slosh model is believed where both agree to "
+                f"{100 * SLOPE_ERROR:.3g} %; a smaller max_slosh_height keeps to it."
+            )
+            yield PlanWarning("sloping wall", cargo.name, text, abs(rises / value - 1.0), SLOPE_ERROR)
+
+
+def _crests(facts: Facts) -> Iterator[tuple[Cargo, Filling, float]]:
+    """Every liquid that rises, with its certified crest, m."""
+    heights = {
+        row.subject: row.worst_value for row in facts.judgement.certificate.rows if row.constraint == SloshHeight.name
+    }
     for cargo, filling in _fillings(facts):
-        freeboard = cargo.container.height - filling.liquid_height
-        left, wanted = freeboard - filling.max_slosh_height, filling.freeboard_reserve * freeboard
+        height = heights.get(cargo.name, 0.0)
+        if 0.0 < height < math.inf:
+            yield cargo, filling, height
+
+
+def distance_to_the_rim(facts: Facts) -> Iterator[PlanWarning]:
+    """The limit leaves less of the freeboard than the reserve, or nothing where the surface meets a sloping wall."""
+    for cargo, filling in _fillings(facts):
+        freeboard, allowed = cargo.container.height - filling.liquid_height, filling.max_slosh_height
+        left, wanted = freeboard - allowed, filling.freeboard_reserve * freeboard
+        over = -edge_of_plane(cargo.container, filling.liquid_height, allowed).below_rim
         if left < wanted - _ROUNDING * freeboard:
             text = (
                 f"max_slosh_height leaves {_mm(max(left, 0.0))} to the rim, less than the freeboard reserve of "
                 f"{100 * filling.freeboard_reserve:.3g} % ({_mm(wanted)})."
             )
             yield PlanWarning("distance to the rim", cargo.name, text, left, wanted)
+        elif over > _ROUNDING:
+            text = (
+                f"a surface with a crest of max_slosh_height, {_mm(allowed)}, goes {_mm(over)} over the rim, as the "
+                "wall slopes; state a smaller one."
+            )
+            yield PlanWarning("distance to the rim", cargo.name, text, -over, 0.0)
 
 
 def contact_line(facts: Facts) -> Iterator[PlanWarning]:
