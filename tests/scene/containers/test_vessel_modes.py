@@ -218,6 +218,23 @@ def test_scale_of_length() -> None:
     np.testing.assert_allclose(geometry(large), geometry(small) * (0.1, 1e3, 10.0, 1.0), rtol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("shape", "fill", "ratio"),
+    [
+        ("tapered", 0.6, 1.0),
+        ("bowl", 0.6, 1.0),
+        ("test-tube", 0.6, 1.0),
+        ("wine-glass", 0.8, 1.020),
+        ("conical-flask", 0.6, 1.036),
+        ("round-flask", 0.6, 1.312),
+    ],
+)
+def test_the_first_mode_is_highest_inside_where_the_wall_closes(shape: str, fill: float, ratio: float) -> None:
+    """At the wall of vessels that do not, as proven for those."""
+    found = solve_modes(VESSELS[shape].meridian, level_at(VESSELS[shape], fill), 40)
+    assert found.crest_gain[0] / found.surface_gain[0] == pytest.approx(ratio, abs=2e-3 if ratio > 1.0 else 1e-12)
+
+
 def test_solved_once_for_a_vessel_and_a_level() -> None:
     vessel = Tapered(bottom_radius=0.0301, top_radius=0.045, height=0.11)
     vessel.slosh_modes(WATER, 0.08, 1)

@@ -47,6 +47,8 @@ class RevolvedModes:
         volume: (n,) modal mass over density, m^3.
         height: (n,) of the modal mass above the vessel's bottom, m.
         surface_gain: (n,) height at the wall per displacement of the modal mass.
+        crest_gain: (n,) size of the greatest height anywhere on the surface per displacement: inside where the wall
+            closes above the level [Kulczycki 2014], else at the wall.
         layer_ratio: (n,) integral of |grad phi|^2 over the wetted wall over that in the volume, 1/m.
         wave_number: (n,) square root of the integral of |grad_xy phi|^2 over that of phi^2 on the surface, 1/m.
         inertia: of the liquid closed off at its surface about a line across the middle of the surface, over density,
@@ -57,6 +59,7 @@ class RevolvedModes:
     volume: np.ndarray
     height: np.ndarray
     surface_gain: np.ndarray
+    crest_gain: np.ndarray
     layer_ratio: np.ndarray
     wave_number: np.ndarray
     inertia: float
@@ -101,12 +104,14 @@ def solve_modes(
     surge = shapes.T @ surface_mass @ np.ones(len(own))
     lean = shapes.T @ surface_mass @ turned[own]
     wall = int(np.argmax(mesh.nodes[own, 0]))
+    risen = mesh.nodes[own, :1] * shapes * kappa * surge
     whole = influence @ (surface_mass @ shapes) * kappa
     return RevolvedModes(
         curvature=read_only(kappa),
         volume=read_only(kappa * surge**2),
         height=read_only(level + lean / surge),
-        surface_gain=read_only(mesh.nodes[own[wall], 0] * shapes[wall] * kappa * surge),
+        surface_gain=read_only(risen[wall]),
+        crest_gain=read_only(np.max(np.abs(risen), axis=0)),
         layer_ratio=read_only(_wall_dissipation(mesh, whole) / kappa),
         wave_number=read_only(np.sqrt(np.einsum("in,ij,jn->n", shapes, surface_stiffness, shapes))),
         inertia=float(turning @ turned),
