@@ -18,6 +18,7 @@ from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -25,14 +26,14 @@ from nospill.transcription.task import Task
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""
 _NEAR_MEMBER = 0.02
-"""Variants with this part of a limit left, or less, in an earlier plan are in the problem from the start."""
+"""Variants with this part of a limit left in an earlier plan are in the problem from the start."""
 _SLIGHT = 5e-3
-"""Part of a limit by which what is not in the problem may exceed it and be answered by back-off alone: a larger problem
-costs more."""
+"""Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
 _MORE, _LEAST, _MOST, _MOST_AT_END = 1.5, 3e-4, 0.1, 0.3
-
+_OF_SUM = 0.3
+"""Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _TOO_MUCH, _MOST_MODES = 0.8, 6
 """Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
 
@@ -163,8 +164,9 @@ class ActiveSet:
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
-        grown = grown.with_backoff(self.backoff)
-        grown = replace(grown, expected=self.expected)
+        fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
+        residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
+        grown = replace(grown.with_backoff(self.backoff).with_backoff(residual), expected=self.expected)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -88,9 +88,8 @@ def _planned(
     report = replace(report, savings={row.label: value for row, value in saved.items()})
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
-    return replace(
-        found, report=replace(report, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
-    ), judged.candidate
+    report = replace(report, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
+    return replace(found, report=report), judged.candidate
 
 
 def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log) -> Iterator[Candidate]:

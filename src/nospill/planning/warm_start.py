@@ -51,8 +51,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration)
-    start = started_from(active, earlier.trajectory)
-    return _solved_again(active, start, log, warm=None)
+    return _solved_again(active, started_from(active, earlier.trajectory), log, warm=None)
 
 
 def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:

@@ -183,16 +183,13 @@ def mass_at_rest(
         homogeneous: take the whole as the homogeneous solid of the outer shape with its centre where it is, as the
             published computations do, instead of adding the inertias by the parallel-axis theorem.
     """
-    total = _joined(empty, frozen)
+    total = joined([empty, frozen])
     return replace(container.solid_properties(total.mass), centre=total.centre) if homogeneous else total
 
 
-def _joined(first: MassProperties, second: MassProperties) -> MassProperties:
-    """Two bodies as one: inertias moved to the common centre by the parallel-axis theorem."""
-    mass = first.mass + second.mass
-    centre = (first.mass * first.centre + second.mass * second.centre) / mass
-    inertia = np.zeros((3, 3))
-    for body in (first, second):
-        arm = body.centre - centre
-        inertia += body.inertia + body.mass * parallel_axis(arm)
+def joined(bodies: Sequence[MassProperties]) -> MassProperties:
+    """Bodies in one frame as one: inertias moved to the common centre by the parallel-axis theorem."""
+    mass = sum(body.mass for body in bodies)
+    centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass
+    inertia = sum((body.inertia + body.mass * parallel_axis(body.centre - centre) for body in bodies), np.zeros((3, 3)))
     return MassProperties(mass, read_only(centre), read_only(inertia))

@@ -18,7 +18,7 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.errors import ScenarioError
-from nospill.scene.cargo import Cargo, Carried, Filling, frozen_liquid
+from nospill.scene.cargo import Cargo, Carried, Filling, frozen_liquid, joined
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.modes import Oscillator
@@ -68,7 +68,7 @@ def carrying(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
     Raises:
         ScenarioError: the sides of a box with liquid are not parallel to the carrier's.
     """
-    empty = _joined([carrier.empty, *(_moved(item.empty, item, carrier) for item in content)])
+    empty = joined([carrier.empty, *(_moved(item.empty, item, carrier) for item in content)])
     few = tuple(
         with_modes(item, min(item.filling.modes.count, CARRIED_MODES)) if item.filling else item for item in content
     )
@@ -96,7 +96,7 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
         oscillators=tuple(_pushing(filled, carrier)),
         slosh_height=min((filling.max_slosh_height for _, filling in filled), default=0.0),
     )
-    return replace(carrier, total=_joined([empty, *frozen]), empty=empty, carried=carried)
+    return replace(carrier, total=joined([empty, *frozen]), empty=empty, carried=carried)
 
 
 def single_oscillators(cargo: Cargo) -> tuple[Oscillator, ...]:
@@ -181,11 +181,3 @@ def _moved(body: MassProperties, item: Cargo, carrier: Cargo) -> MassProperties:
     """A body in the frame of what stands in a carrier, in the carrier's frame."""
     turn = _turn(item.yaw - carrier.yaw)
     return MassProperties(body.mass, _place(item, carrier) + turn @ body.centre, turn @ body.inertia @ turn.T)
-
-
-def _joined(bodies: Sequence[MassProperties]) -> MassProperties:
-    """Bodies in one frame as one, about their common centre."""
-    mass = sum(body.mass for body in bodies)
-    centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass
-    inertia = sum((body.inertia + body.mass * parallel_axis(body.centre - centre) for body in bodies), np.zeros((3, 3)))
-    return MassProperties(mass, read_only(centre), read_only(inertia))
