@@ -102,8 +102,8 @@ def held_back(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
     words = limiting_names(rows, joints)
     first, *others = (f"{100 * time_at_limit[row.label]:.0f} %" for row in rows)
     return ", ".join(
-        [f"{words[0]} holds {first} of the motion"]
-        + [f"{name} {share}" for name, share in zip(words[1:], others, strict=True)]
+        [f"{words[0]} is at its limit for {first} of the time"]
+        + [f"{name} for {share}" for name, share in zip(words[1:], others, strict=True)]
     )
 
 
