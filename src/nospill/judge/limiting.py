@@ -23,6 +23,7 @@ NAMED = 3
 _LEAST_SAVED = 5e-4
 """s; less is not spoken of."""
 _LEAST_SHARE = 0.005
+_ANGLES = {"theta_x": "about x", "theta_y": "about y"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
         known = BY_NAME.get(row.constraint)
         plain = (known.in_words if known is not None else "") or f"{row.constraint} of {{subject}}"
         everything = "both angles" if row.constraint in (Tilt.name, TiltJerk.name) else "all objects"
-        names.append(plain.format(subject={**short, ALL: everything}.get(row.subject, row.subject)))
+        names.append(plain.format(subject={**short, **_ANGLES, ALL: everything}.get(row.subject, row.subject)))
     return names
 
 

@@ -58,12 +58,15 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
 def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
     """Every object: size, place, mass, friction, contents and how high its liquid came."""
     columns = ("object", "size", "at x, y", "mass", "friction", "contents", SloshHeight.name, ResidualHeight.name)
+    note = "Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use."
+    rows = tuple(_cargo(item, certificate) for item in scene.cargo)
+    if all(item.filling is None for item in scene.cargo):
+        return TextTable("On the tray", columns[:-2], tuple(row[:-2] for row in rows), note=note)
     return TextTable(
         "On the tray",
         columns,
-        tuple(_cargo(item, certificate) for item in scene.cargo),
-        note="Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use. "
-        "Heights: of the surface over its level at rest, of what is allowed.",
+        rows,
+        note=f"{note} Heights: of the surface over its level at rest, of what is allowed.",
     )
 
 
