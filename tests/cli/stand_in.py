@@ -37,7 +37,7 @@ class StandIn:
     motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
     robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
     scene = SimpleNamespace(name="tea", robot=robot, motion=motion, path=SimpleNamespace(notes=()), cargo=())
-    held_back = "friction of c1 holds 31 % of the motion"
+    held_back = "friction of c1 is at its limit for 31 % of the time"
     would_save = "a limit wider by 10 % would save about 0.05 s (friction of all objects)"
     report = SimpleNamespace(branch="start (0, 0) deg", base_yaw=None)
     sooner: tuple[str, ...] = ()

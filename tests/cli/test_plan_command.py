@@ -32,7 +32,7 @@ def test_certified_plan_is_written_with_its_figures(stand_in: StandIn, folder: P
     assert result.stdout.splitlines()[0] == "certified: all 3 rows hold on a grid of 2000 Hz"
     assert result.stdout.splitlines()[-1] == "certified: 1.843 s"
     assert "look: nospill view out/tea" in result.stdout
-    assert "held back: friction of c1 holds 31 % of the motion" in result.stdout
+    assert "held back: friction of c1 is at its limit for 31 % of the time" in result.stdout
     assert result.stderr.splitlines() == [
         "1 of 6: load the optimiser ...",
         "4 of 6: solve on the fine grid ...",

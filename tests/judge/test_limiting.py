@@ -75,7 +75,9 @@ def test_sentence_names_the_longest_three() -> None:
         "slip | c1": 0.185,
         "tilt | theta_x": 0.06,
     }
-    sentence = "speed of shoulder pan holds 28 % of the motion, liquid of c1 22 %, friction of c1 18 %"
+    sentence = (
+        "speed of shoulder pan is at its limit for 28 % of the time, liquid of c1 for 22 %, friction of c1 for 18 %"
+    )
     assert held_back(shares, joints) == sentence
     assert held_back({"slip | c1": 0.001}, joints) == held_back({}, joints) == ""
 

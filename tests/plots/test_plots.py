@@ -377,7 +377,7 @@ def test_limits_over_time_are_named_with_their_shares(crowded: Evidence, crowded
     wanted = limiting_names([item.row for item in shown], crowded.plan.scene.robot.joints)
     assert names[-1] == "at no limit"
     for name, whole in zip(names, wanted, strict=False):  # a long one takes two lines
-        assert max(map(len, name.split("\n"))) <= 22
+        assert max(map(len, name.split("\n"))) <= 24
         assert "".join(name.split()) == plain("".join(whole.split()), 44) or len(whole) > 40
     shares = [item.get_text() for item in axes.texts if item.get_text().endswith(" %")]
     assert shares[:-1] == [f"{100 * item.share:.0f} %" for item in shown]

@@ -23,6 +23,7 @@ NAMED = 3
 _LEAST_SAVED = 5e-4
 """s; less is not spoken of."""
 _LEAST_SHARE = 0.005
+_ANGLES = {"theta_x": "about x", "theta_y": "about y"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
         known = BY_NAME.get(row.constraint)
         plain = (known.in_words if known is not None else "") or f"{row.constraint} of {{subject}}"
         everything = "both angles" if row.constraint in (Tilt.name, TiltJerk.name) else "all objects"
-        names.append(plain.format(subject={**short, ALL: everything}.get(row.subject, row.subject)))
+        names.append(plain.format(subject={**short, **_ANGLES, ALL: everything}.get(row.subject, row.subject)))
     return names
 
 
@@ -102,8 +103,8 @@ def held_back(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
     words = limiting_names(rows, joints)
     first, *others = (f"{100 * time_at_limit[row.label]:.0f} %" for row in rows)
     return ", ".join(
-        [f"{words[0]} holds {first} of the motion"]
-        + [f"{name} {share}" for name, share in zip(words[1:], others, strict=True)]
+        [f"{words[0]} is at its limit for {first} of the time"]
+        + [f"{name} for {share}" for name, share in zip(words[1:], others, strict=True)]
     )
 
 

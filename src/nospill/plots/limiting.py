@@ -22,7 +22,7 @@ USE_COLOURS = LinearSegmentedColormap.from_list(
 _SHADES = 20
 """Steps of the colour; neighbouring instants of one step are drawn as one patch, so that files stay small."""
 _HATCH, _NONE = "//////", "#BBBBBB"
-_MOST_ROWS, _LONGEST_NAME = 16, 22
+_MOST_ROWS, _LONGEST_NAME = 16, 24
 _TWO_LINES = 6.0
 """Points; letters of a name that takes two lines."""
 _BROKEN_ABOVE = 1.0 + 1e-6
@@ -85,8 +85,9 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
 
 
 def _in_lines(name: str, longest: int) -> str:
-    """A row's name on one line where it fits, else on two."""
-    lines = textwrap.wrap(plain(name, 2 * longest), longest)
+    """A row's name on one line where it fits, else on two, broken after its "of"."""
+    what, of, whose = name.partition(" of ")
+    lines = [name] if len(name) <= longest else [what + " of", whose] if of else textwrap.wrap(name, longest)
     return "\n".join(plain(line, longest) for line in lines[:2])
 
 

@@ -109,8 +109,10 @@ def _draw_bars(axes: Axes, bars: list[Bar]) -> None:
             textcoords="offset points",
             ha="left",
             va="top",
-            size=6,
+            size=6.5,
             color="#444444",
+            zorder=5,
+            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.2},
         )
     axes.set_yticks(range(len(bars)), [bar.name for bar in bars])
     axes.set_ylim(max(len(bars), 1) - 0.35, -0.6)

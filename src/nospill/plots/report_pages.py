@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from nospill.judge.wording import verdict_line
+from nospill.judge.wording import full_model_note, verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.sheets import pdf_of
@@ -22,7 +22,9 @@ from nospill.plots.use_table import certificate_figure
 _FIRST, _LAST = ("limits", "path"), "tray"
 """Figures on the first sheet, and the last one; they stand side by side, two and two."""
 _HEADING = 1.72
-"""in; height of name, verdict and headline figures."""
+"""in; height of name, verdict and headline figures, where the verdict takes two lines."""
+_LINE = 0.115
+"""in; height of a line in the box of the verdict."""
 _GOOD = "#00704F"
 
 
@@ -69,30 +71,36 @@ def report_pdf(evidence: Evidence, first: tuple[TextTable, ...], last: tuple[Tex
 
 def _heading(evidence: Evidence) -> Figure:
     """Name, verdict in a box, headline figures."""
-    figure = Figure(figsize=(TEXT_WIDTH, _HEADING))
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
+    said = textwrap.wrap("; ".join(filter(None, (evidence.held_back, evidence.plan.would_save))), 95)
+    beyond = textwrap.wrap(full_model_note(certificate), 144)
+    below = 0.9 + _LINE * max(len(said) - 2, 0)
+    foot = max(0.98, below + _LINE * len(beyond) + 0.02)
+    height = _HEADING + foot - 0.98
+    figure = Figure(figsize=(TEXT_WIDTH, height))
     color = _GOOD if certificate.ok else DARK_RED
 
     def write(x: float, y: float, text: str, **look: Any) -> None:
-        figure.text(x / TEXT_WIDTH, 1 - y / _HEADING, plain(printable(text), 150), va="top", **look)
+        figure.text(x / TEXT_WIDTH, 1 - y / height, plain(printable(text), 150), va="top", **look)
 
     write(0.0, 0.0, scene.name, size=15, weight="bold")
     names = ", ".join(item.name for item in scene.cargo)
     write(0.0, 0.28, f"{scene.robot.title} carries {names}: {carried(scene)}", size=7.5, color=INK)
-    box = Rectangle((0.0, 1 - 0.98 / _HEADING), 1.0, 0.5 / _HEADING, facecolor="none", edgecolor=color, linewidth=1.5)
+    size = (1.0, (foot - 0.48) / height)
+    box = Rectangle((0.0, 1 - foot / height), *size, facecolor="none", edgecolor=color, linewidth=1.5)
     figure.add_artist(box)
-    write(0.12, 0.54, certificate.word.upper(), size=11, weight="bold", color=color)
-    write(0.12, 0.78, verdict_line(certificate).partition(": ")[2], size=7.5)
-    if evidence.held_back:
-        write(2.3, 0.53, "What holds it back", size=7, color=INK)
-        for line, words in enumerate(
-            textwrap.wrap("; ".join(filter(None, (evidence.held_back, evidence.plan.would_save))), 96)[:2]
-        ):
-            write(2.3, 0.67 + 0.125 * line, words, size=7)
+    write(0.12, 0.52, certificate.word.upper(), size=11, weight="bold", color=color)
+    write(0.12, 0.75, verdict_line(certificate).partition(": ")[2], size=7.5)
+    if said:
+        write(2.5, 0.51, "What holds it back", size=7, color=INK)
+    for line, words in enumerate(said):
+        write(2.5, 0.625 + _LINE * line, words, size=6.8)
+    for line, words in enumerate(beyond):
+        write(0.12, below + _LINE * line, words[:1].upper() + words[1:] if line == 0 else words, size=6.8)
     shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = TEXT_WIDTH * index / len(shown)
-        write(x, 1.12, tile.value, size=9, weight="bold", color=BLUE if tile.ok else DARK_RED)
+        write(x, foot + 0.14, tile.value, size=9, weight="bold", color=BLUE if tile.ok else DARK_RED)
         for line, words in enumerate(textwrap.wrap(tile.label, int(120 / len(shown)))[:3]):
-            write(x, 1.31 + 0.11 * line, words, size=6.5, color=INK)
+            write(x, foot + 0.33 + 0.11 * line, words, size=6.5, color=INK)
     return figure

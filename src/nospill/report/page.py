@@ -20,10 +20,11 @@ _CAPTIONS = {
     "path": "With the tray at a few instants.",
     "slosh-heights": "In the joints' motion as judged; after its end the liquids swing freely.",
     "tilt": "Below: what the objects feel sideways, and what they would feel on a level tray.",
-    "other-speeds": "Of the same motion, played more slowly.",
+    "other-speeds": "Of the same motion, played at a part of its speed; above 100 % a limit breaks.",
     "executed": "Executed: from the log of the joints, with the band that its noise leaves.",
 }
 """What a figure does not say itself."""
+_RINGS = "rings at the cups: limits of their liquids, "
 _FIRST, _PAIR = "limits", ("tray", "path")
 _BAR_LENGTH, _LONGEST_USE = 120, 1.2
 _LONG = 48
@@ -124,9 +125,8 @@ def _photograph(report: Report, picture: bytes) -> str:
     if not picture:
         return ""
     at = f"{MOMENT * report.evidence.end_time:.2f} s"
-    caption = (
-        f"The arm and its tray after {at}; rings at the cups: limits of their liquids, colours: use of the limits."
-    )
+    rings = "" if all(item.filling is None for item in report.evidence.plan.scene.cargo) else _RINGS
+    caption = f"The arm and its tray after {at}; {rings}colours: use of the limits."
     data = base64.b64encode(picture).decode()
     return (
         f"<figure class='scene'><img alt='the arm, and its tray from near' src='data:image/jpeg;base64,{data}'>"

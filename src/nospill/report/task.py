@@ -70,13 +70,16 @@ def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
         ResidualHeight.name,
     )
     rims = {item.subject: item for item in rim_distances(scene, certificate.rows)}
+    rows = tuple(_cargo(item, certificate, rims.get(item.name)) for item in scene.cargo)
+    note = "Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use."
+    if all(item.filling is None for item in scene.cargo):
+        return TextTable("On the tray", columns[:-3], tuple(row[:-3] for row in rows), note=note)
     return TextTable(
         "On the tray",
         columns,
-        tuple(_cargo(item, certificate, rims.get(item.name)) for item in scene.cargo),
-        note="Sizes and heights in mm, masses in kg. Friction: measured, less the reserve that the plan does not use. "
-        "Heights: of the surface over its level at rest, of what is allowed; to the rim: from the edge of the plane of "
-        "this height where it meets the wall, upright.",
+        rows,
+        note=f"{note} Heights: of the surface over its level at rest, of what is allowed; to the rim: from the edge of "
+        "the plane of this height where it meets the wall, upright.",
     )
 
 

@@ -54,14 +54,17 @@ def modes() -> Figure:
     figure.text(0.85, 0.93, "what stands for them", ha="center", size=9, weight="bold")
     _wall(axes, np.array([[1.0, 0.0], [1.0, _HEIGHT / _RADIUS + 0.25]]))
     words(axes, (0.0, _LEVEL / _RADIUS + 0.3), "masses on springs", ha="center", size=8.5)
+    beside = -np.inf
     for mode, size in zip(found.oscillators, (15, 8, 6), strict=True):
         height = mode.height / _RADIUS
+        # The upper ones are so near to each other that their names would lie on one another.
+        beside = max(height, beside + 0.19)
         _spring(axes, -1.0, -0.12, height)
         _spring(axes, 0.12, 1.0, height)
         axes.plot(0.0, height, "o", color=BLUE, markersize=size, zorder=5)
-        words(axes, (1.08, height), f"$H_{mode.number}$", size=8.5)
+        words(axes, (1.08, beside), f"$H_{mode.number}$", size=8.5)
     axes.plot(0.0, found.fixed_height / _RADIUS, "s", color="#4A5560", markersize=15, zorder=5)
-    words(axes, (0.26, found.fixed_height / _RADIUS - 0.02), "the rest: $m_0$", size=8.5)
+    words(axes, (0.26, found.fixed_height / _RADIUS - 0.02), "rest, $m_0$", size=8.5)
     words(axes, (0.0, -0.4), "water, radius 35 mm, 49 mm deep", ha="center", size=8.5)
     return figure
 
