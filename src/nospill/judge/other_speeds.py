@@ -16,6 +16,7 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Role
+from nospill.laws.like_objects import outer_objects
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -59,11 +60,12 @@ def at_speed(trajectory: Trajectory, speed: float) -> Trajectory:
 
 
 def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:
-    """Largest uses of a motion, without its holds, at some speeds.
+    """Largest uses of a motion, without its holds, at some speeds: of like objects those of the outer ones.
 
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
+    scene = replace(scene, cargo=outer_objects(scene))
     return tuple(_use(at_speed(trajectory, speed), scene, speed) for speed in speeds)
 
 

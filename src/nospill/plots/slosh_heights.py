@@ -15,19 +15,25 @@ from nospill.plots.style import BLUE, Panels, draw_end, draw_limit, entitle, lim
 
 _FREE_DASH = (0, (3, 1.2))
 _LEAST_SHARE = 0.005
+_MOST_PANELS = 8
 
 
 def slosh_heights_figure(evidence: Evidence) -> Figure | None:
     """One panel per object with liquid, all on the same axes; None without liquids.
 
-    The height is the one the judge integrated again along the exported joints; after the end the liquid swings freely.
+    Of many liquids those that come nearest to their limits. The height is the one the judge integrated again along the
+    exported joints; after the end the liquid swings freely.
     """
-    heights = evidence.traces(SloshHeight.name)
-    if not heights:
+    every = evidence.traces(SloshHeight.name)
+    if not every:
         return None
+    fullest = sorted(every, key=lambda trace: worst_row(trace).use, reverse=True)[:_MOST_PANELS]
+    shown = {trace.subject for trace in fullest}
+    heights = tuple(trace for trace in every if trace.subject in shown)
+    title = "every liquid" if len(heights) == len(every) else f"the {len(heights)} fullest of {len(every)} liquids"
     panels = time_panels(
         evidence,
-        "Slosh height of every liquid",
+        f"Slosh height of {title}",
         count=len(heights),
         columns=1 if len(heights) < 4 else 2,
         height=1.3,
