@@ -102,7 +102,7 @@ def draw_colour_key(axes: Axes, *, broken: bool) -> None:
     axes.set_axis_off()
     axes.text(-0.05, 0.4, "use 0", ha="right", va="center", size=SMALL)
     axes.text(1.02, 0.4, "1", ha="left", va="center", size=SMALL)
-    axes.text(1.43, 0.4, "at the limit" + ("; black: broken" if broken else ""), ha="left", va="center", size=SMALL)
+    axes.text(1.43, 0.4, "at the limit" + ("; black: over it" if broken else ""), ha="left", va="center", size=SMALL)
 
 
 def _draw_use(axes: Axes, line: int, item: Limiting) -> None:

@@ -70,7 +70,7 @@ def _draw(panels: Panels, evidence: Evidence, heights: tuple[Trace, ...]) -> Non
         worst = worst_row(trace)
         peak = f"max {row_text(worst).value} mm"
         # Where they all come to their limit, their peaks say nothing.
-        note = peak if held < _LEAST_SHARE or not worst.ok else f"{100 * held:.0f} % of time at limit"
+        note = peak if held < _LEAST_SHARE or not worst.ok else f"{100 * held:.0f} % at limit"
         entitle(axes, plain(trace.subject, longest), note)
         axes.set_ylim(0.0, top)
         axes.set_xlim(0.0, free_times[-1])

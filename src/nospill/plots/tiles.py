@@ -18,6 +18,7 @@ from nospill.plots.evidence import Evidence
 from nospill.scene.scene import Scene
 
 _HOUR = 3600.0
+_MOST_LIQUIDS = 6
 MOST_IN_A_ROW = 9
 """Tiles for which a sheet has room beside each other; the last ones are left out."""
 
@@ -82,9 +83,10 @@ def carried(scene: Scene) -> str:
 
 
 def liquid_tiles(evidence: Evidence) -> tuple[Tile, ...]:
-    """How high every liquid rises."""
-    rows = evidence.judgement.certificate.rows
-    return tuple(_height(row) for row in rows if row.constraint == SloshHeight.name)
+    """How high every liquid rises; of many those that come nearest to their limits."""
+    rows = [row for row in evidence.judgement.certificate.rows if row.constraint == SloshHeight.name]
+    fullest = sorted(rows, key=lambda row: (not row.ok, row.use), reverse=True)[:_MOST_LIQUIDS]
+    return tuple(_height(row) for row in rows if row in fullest)
 
 
 def _height(row: Row) -> Tile:

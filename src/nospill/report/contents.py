@@ -16,6 +16,7 @@ from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings.record import warning_rows
 from nospill.plans.warnings.speeds import other_speeds
 from nospill.plots.evidence import Evidence, evidence_of
 from nospill.plots.text_pages import TextTable
@@ -160,7 +161,7 @@ def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
     found = (*found, *other_speeds(evidence.other_speeds[:-1]))
-    rows = tuple((item.name, item.subject, item.text) for item in found)
+    rows = tuple(warning_rows(found))
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."
     )

@@ -27,6 +27,8 @@ _CAPTIONS = {
 _RINGS = "rings at the cups: limits of their liquids, "
 _FIRST, _PAIR = "limits", ("tray", "path")
 _BAR_LENGTH, _LONGEST_USE = 120, 1.2
+_NAMED = 8
+"""Objects that the heading names."""
 _LONG = 48
 """Letters of a cell that may be broken into lines."""
 
@@ -83,7 +85,12 @@ def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") 
 
 def _heading(report: Report) -> str:
     scene = report.evidence.plan.scene
-    names = ", ".join(item.name for item in scene.cargo)
+    standing = [
+        item.name if item.carried is None else f"{item.name} with {len(item.carried.content)} in it"
+        for item in scene.standing
+    ]
+    more = f" and {len(standing) - _NAMED} more" if len(standing) > _NAMED else ""
+    names = ", ".join(standing[:_NAMED]) + more
     return (
         f"<header><h1>{escape(scene.name)}</h1>"
         f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}: {carried(scene)}.</p>"

@@ -52,15 +52,20 @@ Warn = Callable[[Facts], Iterator[PlanWarning]]
 
 def warning_lines(warnings: Sequence[PlanWarning]) -> list[str]:
     """One line for each kind: the first subject's sentence, and the names of the others."""
+    return [": ".join(row) for row in warning_rows(warnings)]
+
+
+def warning_rows(warnings: Sequence[PlanWarning]) -> list[tuple[str, str, str]]:
+    """The same in parts: what about, the first subject, its sentence and the names of the others."""
     kinds: dict[str, list[PlanWarning]] = {}
     for warning in warnings:
         kinds.setdefault(warning.name, []).append(warning)
-    return [_line(kind) for kind in kinds.values()]
+    return [_row(kind) for kind in kinds.values()]
 
 
-def _line(kind: Sequence[PlanWarning]) -> str:
+def _row(kind: Sequence[PlanWarning]) -> tuple[str, str, str]:
     first, *others = kind
     names = list(dict.fromkeys(other.subject for other in others if other.subject != first.subject))
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     also = f" Likewise: {', '.join(names[:_NAMED])}{more}." if names else ""
-    return f"{first.name}: {first.subject}: {first.text}{also}"
+    return first.name, first.subject, f"{first.text}{also}"
