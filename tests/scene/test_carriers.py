@@ -31,8 +31,9 @@ STEPS, STEP = 300, 2e-3
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    """The example, its rack beside the middle and turned."""
-    table = changed_table(read_scenario("vial-rack").source, {"cargo.0.yaw": "15 deg", "cargo.0.at": [0.015, 0.005]})
+    """The example with three modes, its rack beside the middle and turned."""
+    changes = {"cargo.0.yaw": "15 deg", "cargo.0.at": [0.015, 0.005], "planning.slosh_modes": 3}
+    table = changed_table(read_scenario("vial-rack").source, changes)
     return scene_from_table(table, name="rack")
 
 
