@@ -13,7 +13,7 @@ from nospill.scenario.examples import EXAMPLES
 from tests.film.test_views import share_of_objects
 
 CACHE = Path(__file__).parents[3] / "docs" / "_build" / "cache"
-RATE = 4.0
+RATE = 2.0
 """Pictures a second; the share changes as slowly as the tray tilts."""
 
 
@@ -25,5 +25,5 @@ def test_objects_fill_a_tenth_of_the_picture_as_planned(name: str) -> None:
         pytest.skip("planned by make docs")
     film = load_films(folders[:1], rate=RATE, after_end=0.0)[0]
     hand = Stagehand(film, path=False)
-    for aspect in (0.89, 16 / 9):
-        assert min(share_of_objects(hand, index, View.TRAY, aspect) for index in range(len(film.t))) >= 0.1
+    # in the widest picture, where they are smallest
+    assert min(share_of_objects(hand, index, View.TRAY, 16 / 9) for index in range(len(film.t))) >= 0.1
