@@ -13,6 +13,7 @@ import pytest
 from nospill.core.frames import SX
 from nospill.judge.replay import body_motion
 from nospill.laws.contact import contact_wrench
+from nospill.laws.like_objects import outer_objects
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
@@ -127,3 +128,15 @@ def test_what_is_off_in_the_vials_is_off_in_the_rack(scene: Scene) -> None:
     assert more.carried.oscillators[0].damping == pytest.approx(2.0 * rack.carried.oscillators[0].damping)
     heavy = perturbed(rack, Perturbation(mass=0.1), fidelity="full")
     assert heavy.total.mass - rack.total.mass == pytest.approx(0.1)
+
+
+def test_what_stands_higher_or_loose_is_not_in_the_hull_of_carried_ones(scene: Scene) -> None:
+    vials = [item for item in scene.cargo if item.carrier]
+    outer = {item.name for item in outer_objects(scene)}
+    assert outer == {"rack", "vial-1-1", "vial-1-4", "vial-6-1", "vial-6-4"}
+    inside = vials[5]
+    assert inside.name not in outer
+    for changes in ({"seat": inside.seat + 0.01}, {"carrier": ""}):
+        other = replace(inside, **changes)
+        cargo = tuple(other if item is inside else item for item in scene.cargo)
+        assert inside.name in {item.name for item in outer_objects(replace(scene, cargo=cargo))}

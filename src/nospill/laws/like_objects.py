@@ -27,7 +27,10 @@ def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
         numbers = replace(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity), position=np.zeros(3))
         key = tuple(float(f"{value:.{_DIGITS}g}") for value in flatten(numbers))
         swing = cargo.filling.initial_swing if cargo.filling else None
-        groups.setdefault((*key, len(numbers.oscillators), cargo.tolerance, swing), []).append(index)
+        # at one height, on the tray or in a carrier: the hull is one of places on a plane, and what is carried has no
+        # contact of its own
+        own = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier))
+        groups.setdefault((*key, *own), []).append(index)
     outer: set[int] = set()
     for members in groups.values():
         places = np.array([scene.cargo[index].position for index in members])
