@@ -316,6 +316,8 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         duration=rules.duration,
         corridor=scenario.path.width,
         yaw_free=scenario.path.yaw_free,
+        max_speed=rules.max_speed,
+        max_acceleration=rules.max_acceleration,
     )
 
 
