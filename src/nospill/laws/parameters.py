@@ -101,6 +101,7 @@ class ObjectNumbers:
         liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
         static_correction: (2,) m, see `slosh.height`.
+        added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
         oscillators: the modal masses.
     """
 
@@ -120,6 +121,7 @@ class ObjectNumbers:
     liquid_depth: Number
     max_slosh_height: Number
     static_correction: Number
+    added_gravity: Number
     oscillators: tuple[OscillatorNumbers, ...]
 
 
@@ -171,6 +173,7 @@ class ObjectStructure:
         tense: whether surface tension pulls at its surface.
         spread: whether its oscillators are those of liquids that it carries, off its middle.
         carried: whether it stands in a carrier, and no law of contact is its own.
+        slowed: whether it is moved at another speed than the others.
     """
 
     footprint: type[Footprint]
@@ -180,6 +183,7 @@ class ObjectStructure:
     tense: bool = False
     spread: bool = False
     carried: bool = False
+    slowed: bool = False
 
     @property
     def liquid(self) -> bool:
@@ -210,6 +214,7 @@ class Structure:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
+        slowed: whether objects are in it that are moved at another speed, and read where up is.
     """
 
     fidelity: Fidelity
@@ -226,6 +231,7 @@ class Structure:
     regular: bool = False
     offset_free: bool = False
     yaw_free: bool = False
+    slowed: bool = False
 
     @property
     def freedom(self) -> Freedom:
@@ -410,5 +416,6 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         liquid_depth=scalar,
         max_slosh_height=scalar,
         static_correction=np.zeros(2),
+        added_gravity=np.zeros(int(item.slowed)),
         oscillators=(oscillator,) * len(item.oscillators),
     )

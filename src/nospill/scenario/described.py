@@ -39,6 +39,7 @@ _MOTION = {
     "duration": "time",
     "hold_before": "time",
     "hold_after": "time",
+    "speed_range": None,
 }
 _LIMITS = {
     "lower": ("lower", "angle"),
@@ -187,6 +188,8 @@ def _changed(record: Any, original: Any, names: Mapping[str, str | None]) -> dic
 
 def _written(value: Any, dimension: str | None) -> Any:
     """A quantity in its SI unit, or any other value as it is; None where no limit was left."""
+    if isinstance(value, tuple):
+        return list(value)
     if isinstance(value, np.ndarray):
         return [_written(entry, dimension) for entry in value.tolist()]
     unit = "" if dimension is None else next(iter(DIMENSIONS[dimension].units))
