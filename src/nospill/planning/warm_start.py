@@ -78,9 +78,8 @@ def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution 
         if not found.solution.converged:
             found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
     else:
-        barrier = _WARM_BARRIER if warm else BARRIERS[0]
-        options = {**near_optimum(barrier, REFINE_ITERATIONS), "loose_tolerances": True}
-        found = solved(active, start, log, options, warm=warm)
+        options = near_optimum(_WARM_BARRIER if warm else BARRIERS[0], REFINE_ITERATIONS)
+        found = solved(active, start, log, {**options, "loose_tolerances": True}, warm=warm)
     succeeded = found.has_converged and found.keeps_branch
     log.starts.append(found.stages.duration if succeeded else None)
     return found if succeeded else None

@@ -296,8 +296,11 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         values["initial_swing"] = swing and {
             name: [_written(np.array(row), unit) for row in getattr(swing, name)] for name, unit in parts.items()
         }
-    line = filling.contact_line
-    return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
+    line, angle = filling.contact_line, filling.contact_angle
+    values |= {"contact_line": line} if line and line != (original.contact_line if original else "") else {}
+    if angle is not None and not _same(angle, original.contact_angle if original else None):
+        values["contact_angle"] = _written(angle, "angle")
+    return values
 
 
 def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
@@ -305,4 +308,6 @@ def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
     if item.filling is not None:
         values |= {"liquid_height": _written(tolerance.liquid_height, "length"), "damping": list(tolerance.damping)}
     values |= {"pinned": True} if tolerance.pinned else {}
+    if tolerance.contact_angle:
+        values["contact_angle"] = _written(tolerance.contact_angle, "angle")
     return values | ({"mass": tolerance.mass} if item.empty.mass > 0.0 else {})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -22,6 +23,7 @@ def tolerance_text(tolerance: Tolerance) -> str:
         f"position +-{1e3 * tolerance.position:.4g} mm" if tolerance.position else "",
         f"mass +-{100 * tolerance.mass:.4g} %" if tolerance.mass else "",
         "contact line free or pinned" if tolerance.pinned else "",
+        f"contact angle +-{math.degrees(tolerance.contact_angle):.4g} deg" if tolerance.contact_angle else "",
     )
     return ", ".join(part for part in parts if part)
 
