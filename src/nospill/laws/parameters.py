@@ -129,10 +129,10 @@ class ObjectNumbers:
 class SceneNumbers:
     """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
 
-    Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
-    and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
-    origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
-    zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
+    Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.tray_limits`). The load is what
+    the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2
+    about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a
+    seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
     """
 
     gravity: Number
@@ -150,6 +150,8 @@ class SceneNumbers:
     load_first_moment: Number
     load_inertia: Number
     max_tilt: Number
+    max_tray_speed: Number
+    max_tray_acceleration: Number
     corridor: Number
     path_jerk_limit: Number
     tilt_jerk_limit: Number
@@ -212,6 +214,7 @@ class Structure:
 
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        tray_limits: which of "speed" and "acceleration" of the tray's centre are limited.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
         slowed: whether objects are in it that are moved at another speed, and read where up is.
@@ -231,6 +234,7 @@ class Structure:
     regular: bool = False
     offset_free: bool = False
     yaw_free: bool = False
+    tray_limits: tuple[str, ...] = ()
     slowed: bool = False
 
     @property
@@ -374,6 +378,8 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         load_first_moment=np.zeros(3),
         load_inertia=np.zeros((3, 3)),
         max_tilt=scalar,
+        max_tray_speed=scalar,
+        max_tray_acceleration=scalar,
         corridor=scalar,
         path_jerk_limit=scalar,
         tilt_jerk_limit=scalar,

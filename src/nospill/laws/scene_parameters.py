@@ -16,7 +16,7 @@ from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
-from nospill.scene.scene import Fidelity, Scene
+from nospill.scene.scene import Fidelity, MotionRules, Scene
 from nospill.scene.tray import Tray
 
 
@@ -37,6 +37,7 @@ def structure_of(scene: Scene) -> Structure:
         redundant=len(scene.robot.joints) > 6,
         offset_free=scene.motion.corridor is not None,
         yaw_free=scene.motion.yaw_free,
+        tray_limits=_tray_limits(scene.motion),
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
     )
 
@@ -63,6 +64,11 @@ def _tense(cargo: Cargo) -> bool:
 def joint_limits(robot: Robot) -> tuple[str, ...]:
     """`Structure.joint_limits` of a robot."""
     return tuple(name for name, limit in _further_limits(robot).items() if limit is not None)
+
+
+def _tray_limits(rules: MotionRules) -> tuple[str, ...]:
+    limits = {"speed": rules.max_speed, "acceleration": rules.max_acceleration}
+    return tuple(name for name, limit in limits.items() if limit is not None)
 
 
 def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
@@ -114,6 +120,8 @@ def _numbers(scene: Scene) -> SceneNumbers:
         self_motion=np.zeros(len(scene.robot.joints)),
         **_load_numbers(scene, scene.cargo),
         max_tilt=scene.motion.max_tilt,
+        max_tray_speed=scene.motion.max_speed or 0.0,
+        max_tray_acceleration=scene.motion.max_acceleration or 0.0,
         corridor=scene.motion.corridor or 0.0,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,

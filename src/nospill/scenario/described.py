@@ -31,6 +31,8 @@ _PARTS = ("robot", "tray", "cargo", "path", "motion", "planning")
 
 _MOTION = {
     "max_tilt": "angle",
+    "max_speed": "speed",
+    "max_acceleration": "acceleration",
     "path_jerk_limit": "path_jerk",
     "tilt_jerk_limit": "angular_jerk",
     "end": None,

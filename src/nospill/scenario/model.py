@@ -83,6 +83,16 @@ class MotionTable(Table):
         Measured(dimension="path_jerk", above=0.0, at_most=1e6),
         Field(description="bound on the third derivative of the path parameter, in the place of max_jerk"),
     ] = None
+    max_speed: Annotated[
+        float | None,
+        Measured(dimension="speed", above=0.0, at_most=100.0),
+        Field(description="bound on the speed of the tray's centre"),
+    ] = None
+    max_acceleration: Annotated[
+        float | None,
+        Measured(dimension="acceleration", above=0.0, at_most=1000.0),
+        Field(description="bound on the acceleration of the tray's centre, gravity not counted"),
+    ] = None
     tilt_jerk_limit: Annotated[
         float,
         Measured(dimension="angular_jerk", above=0.0, at_most=1e6),

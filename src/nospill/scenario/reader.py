@@ -340,6 +340,8 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         duration=rules.duration,
         corridor=scenario.path.width,
         yaw_free=scenario.path.yaw_free,
+        max_speed=rules.max_speed,
+        max_acceleration=rules.max_acceleration,
         speed_range=None if rules.speed_range is None else (rules.speed_range[0], rules.speed_range[1]),
     )
 

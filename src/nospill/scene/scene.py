@@ -48,6 +48,8 @@ class MotionRules:
         duration: of the motion, s; None for the shortest that keeps the limits.
         corridor: greatest distance of the tray's centre from its path between the ends, m; None where it keeps to it.
         yaw_free: whether the tray turns as it likes between the ends.
+        max_speed: of the tray's centre, m/s; None where only other limits bound it.
+        max_acceleration: likewise, m/s^2, gravity not counted.
         speed_range: least and greatest part of its speed at which it keeps the limits too; None for its own speed.
     """
 
@@ -63,6 +65,8 @@ class MotionRules:
     duration: float | None = None
     corridor: float | None = None
     yaw_free: bool = False
+    max_speed: float | None = None
+    max_acceleration: float | None = None
     speed_range: tuple[float, float] | None = None
 
     @property

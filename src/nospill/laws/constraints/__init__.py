@@ -19,6 +19,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tilt import Tilt
 from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.tray_rates import TrayAcceleration, TraySpeed
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
 
@@ -38,6 +39,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointJerk(),
     JointTorque(),
     Tilt(),
+    TraySpeed(),
+    TrayAcceleration(),
     PathJerk(),
     TiltJerk(),
     Corridor(),
