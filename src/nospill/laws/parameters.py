@@ -101,6 +101,7 @@ class ObjectNumbers:
         liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
         static_correction: (2,) m, see `slosh.height`.
+        added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
         oscillators: the modal masses.
     """
 
@@ -120,6 +121,7 @@ class ObjectNumbers:
     liquid_depth: Number
     max_slosh_height: Number
     static_correction: Number
+    added_gravity: Number
     oscillators: tuple[OscillatorNumbers, ...]
 
 
@@ -184,6 +186,7 @@ class ObjectStructure:
         tense: whether surface tension pulls at its surface.
         spread: whether its oscillators are those of liquids that it carries, off its middle.
         carried: whether it stands in a carrier, and no law of contact is its own.
+        slowed: whether it is moved at another speed than the others.
     """
 
     footprint: type[Footprint]
@@ -193,6 +196,7 @@ class ObjectStructure:
     tense: bool = False
     spread: bool = False
     carried: bool = False
+    slowed: bool = False
 
     @property
     def liquid(self) -> bool:
@@ -225,6 +229,7 @@ class Structure:
         braking: whether joint speeds are limited near the ends of the ranges too.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
+        slowed: whether objects are in it that are moved at another speed, and read where up is.
     """
 
     fidelity: Fidelity
@@ -243,6 +248,7 @@ class Structure:
     yaw_free: bool = False
     tray_limits: tuple[str, ...] = ()
     braking: bool = False
+    slowed: bool = False
 
     @property
     def freedom(self) -> Freedom:
@@ -431,5 +437,6 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         liquid_depth=scalar,
         max_slosh_height=scalar,
         static_correction=np.zeros(2),
+        added_gravity=np.zeros(int(item.slowed)),
         oscillators=(oscillator,) * len(item.oscillators),
     )

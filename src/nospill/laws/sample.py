@@ -64,8 +64,12 @@ SloshStates = tuple[tuple[OscillatorState, ...], ...]
 
 
 def object_motion(numbers: ObjectNumbers, tray: FrameMotion) -> FrameMotion:
-    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame."""
-    return tray.at(numbers.position).turned(numbers.yaw)
+    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame.
+
+    That of a slowed object is as in the planned time, in the gravity that goes with it (`other_speeds`).
+    """
+    motion, added = tray.at(numbers.position).turned(numbers.yaw), SX(numbers.added_gravity)
+    return motion.heavier(added) if added.numel() else motion
 
 
 def sample_objects(

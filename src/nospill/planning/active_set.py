@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
+from nospill.judge.speed_peaks import peaks
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
@@ -181,9 +182,15 @@ class ActiveSet:
         return self._outside(judgement.variant_rows, 1.0 - _NEAR_MEMBER)
 
     def _outside(self, rows: Iterable[Row], use: float) -> frozenset[VariantId]:
-        """Of every constraint and object the variant outside the problem with the largest use, if above `use`."""
-        outside = (row for row in rows if row.constraint in _OF_OBJECTS and _variant(row) not in self.members)
-        return frozenset(map(_variant, condensed(row for row in outside if row.use > use)))
+        """Of every constraint and object the variant outside the problem with the largest use, if above `use`.
+
+        At other speeds of every constraint alone, one at each peak: like objects have theirs at the same speeds.
+        """
+        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in _OF_OBJECTS]
+        planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
+        slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
+        found = [*condensed(row for row in planned if row.use > use), *peaks(slowed, speeds)]
+        return frozenset(_variant(row) for row in found if row.use > use).difference(self.members)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem.

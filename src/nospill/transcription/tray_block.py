@@ -136,7 +136,16 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
     jerks, interval = stage[layout.jerks], stage[layout.interval]
     pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
-    tray = tray_motions(chains, jerks, interval, pieces, lifted, freedom=structure.freedom, gravity=numbers.gravity)
+    tray = tray_motions(
+        chains,
+        jerks,
+        interval,
+        pieces,
+        lifted,
+        freedom=structure.freedom,
+        gravity=numbers.gravity,
+        slowed=structure.slowed,
+    )
     ends = moved(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
     equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
@@ -144,7 +153,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     own = ca.vertcat(gaps, equalities, rows.stacked()[0])
     cost = _cost(layout, numbers, interval, jerks, given.intervals)
 
-    pattern, columns = motion_pattern(structure.freedom), motion_columns(layout)
+    pattern, columns = motion_pattern(structure.freedom, slowed=structure.slowed), motion_columns(layout)
     weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
     gamma, curvature = SX.sym("gamma", count), SX.sym("curvature", pattern.share.nnz())
     motion = lifted.lift(tray.numbers)
