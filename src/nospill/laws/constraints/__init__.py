@@ -1,10 +1,12 @@
 """The constraints, as one visible table: a new one is a file here and a line below."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
+from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.corridor import Corridor
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
@@ -46,8 +48,15 @@ CONSTRAINTS: tuple[Constraint, ...] = (
 )
 """Every constraint that the optimiser and the judge evaluate by its expressions, in the order of the certificate."""
 
-JUDGED_ALONE: tuple[Constraint, ...] = (Clearance(),)
-"""Constraints that the judge alone evaluates, in ways of its own; their rows come after the others."""
+OF_BODIES: tuple[Constraint, ...] = (Clearance(),)
+"""Constraints on pairs of bodies, which optimiser and judge evaluate in ways of their own; their rows come after the
+others."""
 
-BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in (*CONSTRAINTS, *JUDGED_ALONE)})
+BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in (*CONSTRAINTS, *OF_BODIES)})
 """All by name, as rows and reasons carry it."""
+
+
+@lru_cache(maxsize=8)
+def names_of(*roles: Role) -> frozenset[str]:
+    """Names of all constraints of some roles."""
+    return frozenset(item.name for item in BY_NAME.values() if item.role in roles)
