@@ -24,7 +24,7 @@ from nospill.transcription.starting_motions import USUAL_START, Start
 
 _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""
-_LEAST_TIME, _MOST_TIME = 20.0, 600.0
+_LEAST_TIME, MOST_TIME = 20.0, 600.0
 """s; bounds of that."""
 SLOW = 20.0
 """s; a motion of this length is slow enough to tell what is impossible at any speed."""
@@ -171,7 +171,7 @@ class Trials:
             joint_path: in place of the one the search failed with.
         """
         if longest is None:
-            longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
+            longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), MOST_TIME)
         scene = replace(scene, motion=replace(scene.motion, max_duration=longest, duration=None))
         trial = self.run.trial(scene, joint_path or self.joint_path)
         kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)

@@ -14,9 +14,10 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
+from nospill.judge.speed_peaks import peaks
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS, names_of
-from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, OF_LIQUIDS, OF_OBJECTS
+from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -171,7 +172,7 @@ class ActiveSet:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
         if self.task.scene.planned_modes == 1:
             return frozenset()
-        broken = {row.subject for row in rows if row.constraint in names_of(Role.LIQUID) and row.shortfall > 0.0}
+        broken = {row.subject for row in rows if row.constraint in OF_LIQUIDS and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members).intersection(broken)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
@@ -179,13 +180,15 @@ class ActiveSet:
         return self._outside(judgement.variant_rows, 1.0 - _NEAR_MEMBER)
 
     def _outside(self, rows: Iterable[Row], use: float) -> frozenset[VariantId]:
-        """Of every constraint and object the variant outside the problem with the largest use, if above `use`."""
-        outside = (
-            row
-            for row in rows
-            if row.constraint in names_of(Role.LIQUID, Role.CONTACT) and _variant(row) not in self.members
-        )
-        return frozenset(map(_variant, condensed(row for row in outside if row.use > use)))
+        """Of every constraint and object the variant outside the problem with the largest use, if above `use`.
+
+        At other speeds of every constraint alone, one at each peak: like objects have theirs at the same speeds.
+        """
+        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OF_OBJECTS]
+        planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
+        slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
+        found = [*condensed(row for row in planned if row.use > use), *peaks(slowed, speeds)]
+        return frozenset(_variant(row) for row in found if row.use > use).difference(self.members)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem.
@@ -194,7 +197,7 @@ class ActiveSet:
         none, unless only the members' own rows are wanted.
         """
         for row in rows:
-            if row.constraint not in names_of(Role.LIQUID, Role.CONTACT):
+            if row.constraint not in OF_OBJECTS:
                 yield row
             elif _variant(row) in self.members:
                 yield replace(row, subject=self.names[_variant(row)], variant="")

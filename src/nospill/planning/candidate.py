@@ -139,10 +139,7 @@ def solved(
 
 
 def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
-    """Solve; what the answer breaks joins, and it is solved again from there, until it breaks no row.
-
-    Where bodies join, it is solved from the first start again: no plane leads out of the middle of an obstacle.
-    """
+    """Solve; what the answer breaks joins, and it is solved again from there, until it breaks no row."""
     while True:
         candidate = solved(active, start, log, options)
         if not usable(candidate.solution):
@@ -152,5 +149,6 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         if not joining:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active = candidate.active.with_rows(candidate.active.rows | joining)
+        # where bodies join, from the start again: no plane leads out of the middle of an obstacle
         if all(row.constraint != Clearance.name for row in joining):
             start, options = candidate.stages, {**options, **near_optimum(BARRIERS[1])}

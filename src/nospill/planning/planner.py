@@ -102,11 +102,9 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
         paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if not scene.motion.leaves_path:
+    with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
         yield found_motion(task, joint_path, log)
-    else:  # the motion on the path is a start, and what is left where no other is certified
-        with suppress(NoSolutionError):
-            yield found_motion(task, joint_path, log)
+    if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified
         given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
         again = started_beside(task, given, log)
         yield from (found for found in (again, given.candidate) if found is not None)

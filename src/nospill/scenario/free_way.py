@@ -66,12 +66,19 @@ def _arcs(scene: Scene) -> Iterator[Scene]:
         points = np.column_stack([distances * np.cos(directions), distances * np.sin(directions), heights])
         points[[0, -1]] = (x0, y0, z0), (x1, y1, z1)
         with suppress(ScenarioError):  # points that coincide make no way
-            yield _along(scene, points + foot)
+            yield along(scene, points + foot)
 
 
-def _along(scene: Scene, points: np.ndarray) -> Scene:
-    table = scene.source | {"path": _path_table(scene) | {"way": np.round(points, 9).tolist()}}
-    return scene_from_table(table, name=scene.name)
+def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None) -> Scene:
+    """The scene with a way through points (m, 3), m, in the place of the open one, turned by `yaw` (m,), rad, at them.
+
+    Raises:
+        ScenarioError: the points make no way.
+    """
+    stated: dict[str, object] = {"way": np.round(points, 9).tolist()}
+    if yaw is not None:
+        stated["way_yaw"] = np.round(yaw, 9).tolist()
+    return scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)
 
 
 def _path_table(scene: Scene) -> dict[str, object]:

@@ -224,6 +224,10 @@ class FreeTable(PathTable):
             "the planner chooses them when not given, and the copy kept with a plan has those",
         ),
     ] = None
+    way_yaw: Annotated[
+        list[Angle] | None,
+        Field(description="yaw of the tray at each point of `way`; even between the ends when not given"),
+    ] = None
 
     @property
     def width(self) -> float:
@@ -244,13 +248,24 @@ class FreeTable(PathTable):
         if start == goal:
             raise ScenarioError("goal is the start, place and yaw; give another one")
         if self.way is None:
+            if self.way_yaw is not None:
+                raise ScenarioError("way_yaw is given without way, whose points it is about; leave it out")
             return straight_line(start.position, goal.position, yaw=yaw)
         for name, place, point in (("start", start, self.way[0]), ("goal", goal, self.way[-1])):
             gap = math.dist(place.position, point)
             if gap > SAME_PLACE:
                 shown = format_quantity(gap, "length", digits=3)
                 raise ScenarioError(f"way: its end at the {name} is {shown} away from it; leave way out")
-        return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
+        if self.way_yaw is None:
+            return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
+        if len(self.way_yaw) != len(self.way):
+            raise ScenarioError(f"way_yaw has {len(self.way_yaw)} angles for {len(self.way)} points; leave both out")
+        for name, place, angle in (("start", start, self.way_yaw[0]), ("goal", goal, self.way_yaw[-1])):
+            gap = abs(math.remainder(angle - place.yaw, math.tau))
+            if gap > SAME_PLACE:
+                shown = format_quantity(gap, "angle", digits=3)
+                raise ScenarioError(f"way_yaw: its end at the {name} is turned by {shown} from it; leave way_yaw out")
+        return path_through_waypoints(self.way, yaw_at_points=self.way_yaw, smoothing=0.0)
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {

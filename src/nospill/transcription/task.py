@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,6 +45,11 @@ class Task:
         """The task of a scene, its singularities not looked at yet."""
         model = scene.with_one_mode()
         return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
+
+    @property
+    def speeds(self) -> Mapping[VariantId, float]:
+        """Part of the planned speed at which each variant is moved."""
+        return {item.id: item.speed for own in self.variants for item in own}
 
     @property
     def on_path(self) -> Task:

@@ -21,6 +21,8 @@ from nospill.laws.constraints import (
     Slip,
     SloshHeight,
     Tip,
+    TrayAcceleration,
+    TraySpeed,
     Trough,
     Twist,
 )
@@ -205,6 +207,15 @@ def test_joints_are_measured_against_the_nearer_limit():
         assert use(JointPosition(), sample, joint)[2] == pytest.approx(margin)
         top = scene.robot.max_speed[joint]
         assert use(JointSpeed(), sample, joint) == pytest.approx((-0.75 * top, -top, 0.25 * top))
+
+
+def test_tray_is_measured_by_the_length_of_its_velocity_and_acceleration(changed_scene):
+    scene = changed_scene("matrix-rigid", {"motion.max_speed": "2 m/s", "motion.max_acceleration": "10 m/s^2"})
+    velocity, acceleration = (ca.SX(ca.DM(part)) for part in ([0.6, -0.8, 0.0], [3.0, 0.0, -12.0]))
+    structure, numbers = structure_of(scene), constants(numbers_of(scene))
+    sample = Sample(structure, numbers, tray_velocity=velocity, tray_acceleration=acceleration)
+    assert use(TraySpeed(), sample) == pytest.approx((1.0, 2.0, 1.0))
+    assert use(TrayAcceleration(), sample) == pytest.approx((153**0.5, 10.0, 10.0 - 153**0.5))
 
 
 def test_the_table_has_every_constraint_once():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import casadi as ca
@@ -67,6 +67,11 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         speed = 1.5 * numbers.max_speed * x[joints:]
         offset = 1.2 * numbers.corridor * x[:3]
         return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed, offset=offset), x)
+    if point is EvaluationPoint.TRAY:
+        scene = replace(scene, motion=replace(scene.motion, max_speed=0.5, max_acceleration=3.0))
+        structure, numbers = structure_of(scene), constants(numbers_of(scene))
+        x = ca.SX.sym("x", 6)
+        return Probe(scene, Sample(structure, numbers, tray_velocity=0.5 * x[:3], tray_acceleration=3.0 * x[3:]), x)
     x = ca.SX.sym("x", 2 + structure.freedom.chains)
     return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=3000 * x[2:]), x)
 

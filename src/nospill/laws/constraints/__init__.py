@@ -1,7 +1,6 @@
 """The constraints, as one visible table: a new one is a file here and a line below."""
 
 from collections.abc import Mapping
-from functools import lru_cache
 from types import MappingProxyType
 
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
@@ -21,6 +20,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tilt import Tilt
 from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.tray_rates import TrayAcceleration, TraySpeed
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
 
@@ -40,6 +40,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointJerk(),
     JointTorque(),
     Tilt(),
+    TraySpeed(),
+    TrayAcceleration(),
     PathJerk(),
     TiltJerk(),
     Corridor(),
@@ -56,7 +58,8 @@ BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item i
 """All by name, as rows and reasons carry it."""
 
 
-@lru_cache(maxsize=8)
-def names_of(*roles: Role) -> frozenset[str]:
-    """Names of all constraints of some roles."""
-    return frozenset(item.name for item in BY_NAME.values() if item.role in roles)
+OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
+"""Names of those on liquids."""
+
+OF_OBJECTS = OF_LIQUIDS | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
+"""Names of those on objects."""

@@ -25,6 +25,8 @@ class EvaluationPoint(Enum):
     """objects: at every node and in the middle of every interval."""
     JOINT = "joint"
     """joint_position, joint_speed, joint_acceleration: at every node."""
+    TRAY = "tray"
+    """tray_velocity, tray_acceleration: at every node."""
     CONTROL = "control"
     """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
     END = "end"
@@ -48,7 +50,7 @@ class Role(Enum):
     CLEARANCE = "clearance"
     """Arm, tray and cargo from what they could run into."""
     TRAY = "tray"
-    """The motion of the tray: its tilt, and the smoothness of path parameter and tilt."""
+    """The motion of the tray: its tilt, speed and acceleration, and the smoothness of path parameter and tilt."""
 
 
 class RowId(NamedTuple):

@@ -29,12 +29,9 @@ from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_s
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held, least_norm_step
 from nospill.robots.kinematics.newton import solve_joints as solve_joints
-from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.kinematics.redundancy import held_positions, redundant_joint
 from nospill.robots.robot import Robot
 from nospill.robots.tool import FLANGE, Tool
-
-_REDUNDANT_POSITIONS = 13
-"""Positions of the redundant joint that are tried, evenly over its range."""
 
 NEARLY_AS_FAST = 1.5
 """A branch may have this many times the best speed figure and still be taken because the arm is near to it."""
@@ -178,9 +175,7 @@ def _starts(robot: Robot, path: Path, tool: Tool) -> np.ndarray:
     joint = redundant_joint(robot)
     if joint is None:
         return solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
-    lower, upper = robot.lower[joint], robot.upper[joint]
-    inside = np.linspace(0.0, 1.0, _REDUNDANT_POSITIONS + 2)[1:-1]
-    values = lower + inside * (upper - lower)
+    values = held_positions(robot, joint)
     found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), tool=tool) for value in values]
     return np.concatenate(found)
 
