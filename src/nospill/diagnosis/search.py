@@ -206,18 +206,16 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     if len(solution.multipliers) != len(values[0]):
         return {}
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
-    inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
-    inside = inside.reshape(-1, transcription.rows_per_stage)
     sensitivities: dict[RowId, Sensitivity] = {}
-    for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
-        for block in blocks:
-            key = problem.rows[block.row]
-            per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
-            at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
-            before = sensitivities.get(key, Sensitivity(0.0, at_s))
-            total = float(per_stage.sum())
-            most = at_s if total > before.elasticity else before.at_s
-            sensitivities[key] = Sensitivity(before.elasticity + total, most)
+    for row, places in problem.places:
+        per_node = effect[places].sum(axis=1)
+        # rows of clearance begin at the second node
+        first = transcription.intervals - len(per_node)
+        at_s = 1.0 if len(per_node) == 1 else float(stages.table[first + int(np.argmax(per_node)), 0])
+        before = sensitivities.get(row, Sensitivity(0.0, at_s))
+        total = float(per_node.sum())
+        most = at_s if total > before.elasticity else before.at_s
+        sensitivities[row] = Sensitivity(before.elasticity + total, most)
     return sensitivities
 
 

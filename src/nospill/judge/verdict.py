@@ -25,10 +25,14 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
         limit: (m,) or one number, in the constraint's unit.
         margin: likewise.
     """
+    use = 1.0 - np.asarray(margin) / _size(constraint, limit)
+    return np.where(np.isnan(use), np.inf, use)
+
+
+def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
     known = BY_NAME.get(constraint.removeprefix(APPROACH))
     size = np.maximum(np.abs(limit), 0.0 if known is None else known.least_size)
-    use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
-    return np.where(np.isnan(use), np.inf, use)
+    return np.where(size > 0.0, size, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,11 @@ class Row:
     def use(self) -> float:
         """`limit_use` at that instant."""
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
+
+    @property
+    def size(self) -> float:
+        """What its margin is measured by (`limit_use`), in its unit."""
+        return float(_size(self.constraint, self.limit))
 
     @property
     def of_record(self) -> bool:

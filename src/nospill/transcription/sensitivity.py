@@ -63,10 +63,8 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
 
 def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers) -> float:
     """The part of the Lagrangian that changes with the numbers."""
-    transcription = problem.transcription
-    backoff = {index: problem.backoff.get(row, 0.0) for index, row in problem.rows.items()}
-    parameters = transcription.parameters(numbers, problem.scales, backoff)
-    values = np.asarray(transcription.constraint_function(solution.variables, parameters)).ravel()
+    parameters = problem.parameters_of(numbers, problem.backoff)
+    values = np.asarray(problem.transcription.constraint_function(solution.variables, parameters)).ravel()
     return float(solution.multipliers @ values)
 
 

@@ -12,7 +12,7 @@ from nospill.core.frames import FrameMotion, rotation_y
 from nospill.judge.replay import slosh_accelerations
 from nospill.laws.constraints import (
     CONSTRAINTS,
-    JUDGED_ALONE,
+    OF_BODIES,
     EndDisplacement,
     JointPosition,
     JointSpeed,
@@ -242,7 +242,7 @@ def test_tray_is_measured_by_the_length_of_its_velocity_and_acceleration(changed
 
 def test_the_table_has_every_constraint_once():
     """A class that is not in the table constrains nothing."""
-    assert {type(constraint) for constraint in (*CONSTRAINTS, *JUDGED_ALONE)} == {
+    assert {type(constraint) for constraint in (*CONSTRAINTS, *OF_BODIES)} == {
         leaf for leaf in _leaves(Constraint) if leaf.__module__.startswith("nospill.")
     }  # other tests make their own
 
