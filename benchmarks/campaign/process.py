@@ -33,6 +33,8 @@ class Job:
         folder: where the package is taken from; None: the one that is installed.
         starts: number of further random starts; 0: the case itself.
         table: its scenario; drawn from the seed where there is none.
+        module: that is run.
+        compiled: whether functions may be compiled and kept for the next job.
     """
 
     seed: int
@@ -40,18 +42,20 @@ class Job:
     folder: str | None = None
     starts: int = 0
     table: dict[str, Any] | None = None
+    module: str = CASE
+    compiled: bool = False
 
 
 def run_job(job: Job) -> dict[str, Any]:
     """Run a job in a process of its own and return its line; never raises for what the process does."""
-    command = [sys.executable, "-m", CASE, str(job.seed)]
+    command = [sys.executable, "-m", job.module, str(job.seed)]
     command += ["--processor-time", str(math.ceil(job.limit))]
     command += ["--starts", str(job.starts)] if job.starts else []
     command += ["--given"] if job.table is not None else []
     began = time.perf_counter()
     with subprocess.Popen(
         command,
-        env=environment(job.folder),
+        env=environment(job.folder, compiled=job.compiled),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -70,9 +74,9 @@ def run_job(job: Job) -> dict[str, Any]:
     return line_of(job, out, errors, None if late else process.returncode) | {"seconds": time.perf_counter() - began}
 
 
-def environment(folder: str | None) -> dict[str, str]:
-    """Of a process: one thread, no compiler (structures hardly ever come again), the package of a folder first."""
-    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_THREADS": "1", "NOSPILL_COMPILE": "off"}
+def environment(folder: str | None, *, compiled: bool = False) -> dict[str, str]:
+    """Of a process: one thread, no compiler unless structures come again, the package of a folder first."""
+    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_THREADS": "1"} | ({} if compiled else {"NOSPILL_COMPILE": "off"})
     return os.environ | settings | {"PYTHONPATH": os.pathsep.join(filter(None, (folder, ROOT)))}
 
 

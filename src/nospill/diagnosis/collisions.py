@@ -11,9 +11,8 @@ from nospill.collisions.bodies import TRAY, Body
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
-from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import redundant_joint
-from nospill.scenario.free_way import ways
 from nospill.scene.scene import Scene
 
 _ENDS = {0.0: "start", 1.0: "end"}
@@ -32,8 +31,8 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     """
     if not scene.obstacles:
         return list(candidates)
-    _require_free_ends(scene, candidates[0])
-    found = _nearest(scene, candidates)
+    require_free_ends(scene, candidates[0])
+    found = nearest_of(scene, candidates)
     free = [joint_path for joint_path, nearness in zip(candidates, found, strict=True) if nearness.room >= 0.0]
     if free:
         return free
@@ -41,45 +40,12 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
         return [candidates[freest]]
     raise NoSolutionError(
-        _refusal(found[freest], len({_places(joint_path) for joint_path in candidates})), _reason(found[freest], ROBOT)
+        _refusal(found[freest], len({places_of(joint_path) for joint_path in candidates})),
+        _reason(found[freest], ROBOT),
     )
 
 
-def freest_way(scene: Scene) -> Scene:
-    """The scene with a way in the place of one that its path leaves open.
-
-    It is the fastest way on which nothing is in the way of the level tray, the one with most room where none is clear;
-    the certificate decides then.
-
-    Raises:
-        ScenarioError: the arm can follow no way; or an obstacle is in the way of the tray at an end.
-        NoSolutionError: no way is clear, and the tray is level; tells of the one with most room.
-        MissingExtraError: the library coal is not installed.
-    """
-    candidates = ways(scene)
-    if not scene.obstacles:
-        return candidates[0]
-    best: tuple[float, Scene] | None = None
-    for candidate in candidates:
-        found = joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
-        if best is None:
-            _require_free_ends(candidate, found[0])
-        room = max(item.room for item in _nearest(candidate, found))
-        if room >= 0.0:
-            return candidate
-        if best is None or room > best[0]:
-            best = room, candidate
-    assert best is not None  # `ways` raises where there is none
-    nearest = best[1]
-    try:
-        free_paths(nearest, joint_paths(nearest.robot, nearest.path, tool=nearest.tray.tool))
-    except NoSolutionError as error:
-        text = f"{error}; the {len(candidates)} ways that were tried, round the base and over or under, are all blocked"
-        raise NoSolutionError(text, error.reason) from None
-    return nearest
-
-
-def _require_free_ends(scene: Scene, joint_path: JointPath) -> None:
+def require_free_ends(scene: Scene, joint_path: JointPath) -> None:
     """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends."""
     ends = nearest_along(scene, joint_path, on_path=True, places=2)
     if ends.room < 0.0:
@@ -87,18 +53,18 @@ def _require_free_ends(scene: Scene, joint_path: JointPath) -> None:
         raise ScenarioError(f"{_in_words(ends, where)}; move the obstacle or the path", _reason(ends, REST))
 
 
-def _nearest(scene: Scene, candidates: Sequence[JointPath]) -> list[Nearness]:
+def nearest_of(scene: Scene, candidates: Sequence[JointPath]) -> list[Nearness]:
     """What comes nearest along each joint path."""
     known: dict[tuple[float, ...], Nearness] = {}
     found = []
     for joint_path in candidates:
-        places = _places(joint_path)
+        places = places_of(joint_path)
         known[places] = known.get(places) or nearest_along(scene, joint_path)
         found.append(known[places])
     return found
 
 
-def _places(joint_path: JointPath) -> tuple[float, ...]:
+def places_of(joint_path: JointPath) -> tuple[float, ...]:
     """Where a joint path leads, but for whole turns of its joints."""
     q = joint_path.q[:: len(joint_path.q) // 2]
     # + 0 turns -0 into 0

@@ -31,6 +31,8 @@ _PARTS = ("robot", "tray", "cargo", "path", "motion", "planning")
 
 _MOTION = {
     "max_tilt": "angle",
+    "max_speed": "speed",
+    "max_acceleration": "acceleration",
     "path_jerk_limit": "path_jerk",
     "tilt_jerk_limit": "angular_jerk",
     "end": None,
@@ -39,6 +41,7 @@ _MOTION = {
     "duration": "time",
     "hold_before": "time",
     "hold_after": "time",
+    "speed_range": None,
 }
 _LIMITS = {
     "lower": ("lower", "angle"),
@@ -187,6 +190,8 @@ def _changed(record: Any, original: Any, names: Mapping[str, str | None]) -> dic
 
 def _written(value: Any, dimension: str | None) -> Any:
     """A quantity in its SI unit, or any other value as it is; None where no limit was left."""
+    if isinstance(value, tuple):
+        return list(value)
     if isinstance(value, np.ndarray):
         return [_written(entry, dimension) for entry in value.tolist()]
     unit = "" if dimension is None else next(iter(DIMENSIONS[dimension].units))

@@ -117,6 +117,7 @@ class Cargo:
         carrier: name of the object in which it stands, whose friction it has; empty where it stands on the tray.
         seat: height of its bottom above the tray, m.
         carried: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
+        speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
     """
 
     name: str
@@ -135,6 +136,12 @@ class Cargo:
     carrier: str = ""
     seat: float = 0.0
     carried: Carried | None = None
+    speed: float = 1.0
+
+    @property
+    def is_slowed(self) -> bool:
+        """Whether the tray moves it at another speed than planned."""
+        return self.speed != 1.0
 
     @property
     def place(self) -> np.ndarray:

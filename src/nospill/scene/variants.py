@@ -11,9 +11,11 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * contact line: free as stated, and pinned.
 * contact angle: sets the frequency as the level does. Both ends and the middle, and angles in between likewise.
 * damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
+* speed of the motion, where a range is stated: of a liquid every one of `MotionRules.speeds`. Of a solid the wrench is
+  linear in the square of the speed, and the limits are cones: both ends.
 
-Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
-tried (docs/uncertainty.md), which is no proof.
+Frequency, damping and speed are neither convex nor monotone: what holds at their corners held in between wherever it
+was tried (docs/uncertainty.md), which is no proof.
 """
 
 from __future__ import annotations
@@ -58,11 +60,13 @@ class Variant:
         name: of the object.
         text: the perturbation in words; empty for the object as stated.
         cargo: the object with its other numbers.
+        speed: part of the planned speed at which it is moved.
     """
 
     name: str
     text: str
     cargo: Cargo
+    speed: float = 1.0
 
     @property
     def id(self) -> VariantId:
@@ -70,16 +74,38 @@ class Variant:
         return self.name, self.text
 
     @property
+    def moved(self) -> Cargo:
+        """The object as it stands in a problem, moved at its speed."""
+        return self.cargo if self.speed == 1.0 else replace(self.cargo, speed=self.speed)
+
+    @property
     def label(self) -> str:
         """Name in a scene with several variants, and in messages: "c1 at fill +2 mm"."""
         return f"{self.name} at {self.text}" if self.text else self.name
 
 
-def variants(cargo: Cargo, *, fidelity: Fidelity) -> tuple[Variant, ...]:
+def variants(cargo: Cargo, *, fidelity: Fidelity, speeds: Sequence[float] = ()) -> tuple[Variant, ...]:
     """Variants of an object: its stated numbers with the least friction, then the corners of its tolerance.
 
-    An object without a tolerance is its own only variant.
+    An object without a tolerance is its own only variant. They are followed by the same at other speeds.
     """
+    planned = _variants(cargo, fidelity)
+    ends = speeds if cargo.oscillators else sorted({*speeds[:1], *speeds[-1:]}, reverse=True)
+    slowed = [_slowed(item, speed) for speed in ends for item in planned]
+    return (*planned, *slowed)
+
+
+def speed_text(speed: float) -> str:
+    """Of a part of the planned speed, in messages."""
+    return f"{100.0 * speed:.4g} % of the speed"
+
+
+def _slowed(item: Variant, speed: float) -> Variant:
+    parts = (item.text, speed_text(speed))
+    return replace(item, text=", ".join(part for part in parts if part), speed=speed)
+
+
+def _variants(cargo: Cargo, fidelity: Fidelity) -> tuple[Variant, ...]:
     tolerance = cargo.tolerance
     if tolerance is None:
         return (Variant(cargo.name, "", cargo),)
@@ -187,7 +213,8 @@ def _slowest(cargo: Cargo, filling: Filling) -> float:
 
 def variants_by_object(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
     """`variants` of every object, in the order of the cargo."""
-    return tuple(variants(cargo, fidelity=scene.fidelity) for cargo in scene.cargo)
+    speeds = scene.motion.speeds
+    return tuple(variants(cargo, fidelity=scene.fidelity, speeds=speeds) for cargo in scene.cargo)
 
 
 def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
@@ -198,7 +225,7 @@ def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
 def scene_of(scene: Scene, by_object: Iterable[Sequence[Variant]], chosen: Collection[VariantId]) -> Scene:
     """A certain scene whose cargo are chosen variants, in the order of the objects; itself where that is its cargo."""
     names = labels(by_object)
-    variants = [(names[item.id], item.cargo) for family in by_object for item in family if item.id in chosen]
+    variants = [(names[item.id], item.moved) for family in by_object for item in family if item.id in chosen]
     cargo = tuple(own if own.name == name else replace(own, name=name) for name, own in variants)
     same = len(cargo) == len(scene.cargo) and all(a is b for a, b in zip(cargo, scene.cargo, strict=True))
     return scene if same else replace(scene, cargo=cargo)

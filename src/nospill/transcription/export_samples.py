@@ -243,7 +243,7 @@ def smooth_where_singular(
 def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
     structure, numbers, tracks = structure_of(scene), numbers_of(scene), {}
     for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
-        if cargo.filling is None:
+        if cargo.filling is None or cargo.is_slowed:
             continue
         displacement, function = (
             samples.displacement[:, own],

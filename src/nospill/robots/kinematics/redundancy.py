@@ -15,8 +15,10 @@ import numpy as np
 
 from nospill.robots.kinematics.closed_form import has_closed_form
 from nospill.robots.kinematics.forward import ArmChain, Kinematics, kinematics
+from nospill.robots.robot import Robot
 
 _SAMPLES = 200
+_HELD_POSITIONS = 13
 
 
 def redundant_joint(robot: ArmChain) -> int | None:
@@ -26,6 +28,12 @@ def redundant_joint(robot: ArmChain) -> int | None:
     median, over random configurations, of the least singular value of the Jacobian with the joint's own row added.
     """
     return _redundant_joint(robot.urdf, robot.joints, robot.tip)
+
+
+def held_positions(robot: Robot, joint: int) -> np.ndarray:
+    """Positions (k,), rad, of a redundant joint that are tried, evenly over its range."""
+    inside = np.linspace(0.0, 1.0, _HELD_POSITIONS + 2)[1:-1]
+    return robot.lower[joint] + inside * (robot.upper[joint] - robot.lower[joint])
 
 
 @lru_cache(maxsize=32)

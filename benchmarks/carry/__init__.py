@@ -1,0 +1,1 @@
+"""Trays carried from here to there among obstacles: random cells of seven families."""

@@ -1,0 +1,80 @@
+"""Which configurations of an arm are clear: many at once, every pair of bodies with what it must keep."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.collisions.bodies import Body
+from nospill.collisions.distances import Distances
+from nospill.collisions.pairs import scene_pairs
+from nospill.core.shapes import Shape
+from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
+from nospill.scene.scene import Scene
+
+
+class Configurations:
+    """Looks at configurations of one scene.
+
+    A ball about the first body of a pair and a box about the second spare most of them the query of coal.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Prepare the pairs of a scene.
+
+        Raises:
+            MissingExtraError: the library coal is not installed.
+        """
+        self._chain = arm_chain(scene.robot)
+        pairs = scene_pairs(scene)
+        self._measures = [Distances(pair.first, pair.second) for pair in pairs]
+        self._limits = np.array([pair.limit for pair in pairs])
+        self._around = np.array([pair.second.obstacle is not None for pair in pairs])
+        numbers: dict[Body, int] = {}
+        for pair in pairs:
+            for body in (pair.first, pair.second):
+                numbers.setdefault(body, len(numbers))
+        self._bodies = tuple(numbers)
+        self._first = np.array([numbers[pair.first] for pair in pairs])
+        self._second = np.array([numbers[pair.second] for pair in pairs])
+        self._radii = np.array([pair.first.radius for pair in pairs])
+        self._low, self._high = np.array([_box(pair.second.shape) for pair in pairs]).transpose(1, 0, 2)[:, :, None]
+
+    def clear(self, q: np.ndarray, spare: np.ndarray | None = None) -> np.ndarray:
+        """Whether nothing is in the way of some configurations; joint limits are not looked at.
+
+        Args:
+            q: (m, n), rad.
+            spare: (m,) room to keep from obstacles beside what must be kept, m; none when left out.
+
+        Returns:
+            (m,) of bool.
+        """
+        free, frames = np.ones(len(q), dtype=bool), joint_frames(self._chain, q)
+        wanted = self._limits[:, None] + self._around[:, None] * (np.zeros(len(q)) if spare is None else spare)
+        near = self._gaps(frames) < wanted
+        for number in np.flatnonzero(near.any(axis=1)):
+            where = np.flatnonzero(near[number] & free)
+            if len(where):
+                free[where] = self._measures[number].at(frames, where)[0] >= wanted[number, where]
+        return free
+
+    def _gaps(self, frames: JointFrames) -> np.ndarray:
+        """Bounds (k, m) on the distances of the pairs by ball and box, m."""
+        turns = [frames.rotation[body.joint] for body in self._bodies]
+        at = [frames.position[body.joint] for body in self._bodies]
+        placed = list(zip(self._bodies, at, turns, strict=True))
+        centres = np.array([place + turn @ body.centre for body, place, turn in placed])
+        origins = np.array([place + turn @ body.position for body, place, turn in placed])
+        axes = np.array([turn @ body.rotation for body, _, turn in placed])
+        gaps = centres[self._first] - origins[self._second]
+        local = (gaps[:, :, None] @ axes[self._second])[:, :, 0]
+        beyond = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)
+        return np.linalg.norm(beyond, axis=2) - self._radii[:, None]
+
+
+def _box(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner of the box about a shape in its own frame, m; infinite where a half-space is."""
+    if shape.kind == "halfspace":
+        return np.full(3, -np.inf), np.array([np.inf, np.inf, 0.0])
+    wide = shape.discs[:, None] * [1.0, 1.0, 0.0]
+    return (shape.points - wide).min(axis=0) - shape.ball, (shape.points + wide).max(axis=0) + shape.ball

@@ -1,0 +1,196 @@
+"""Ways of the level tray from one place to another by sampling: RRT-Connect over its poses, seeds fixed.
+
+A node is a configuration of the arm with a level tray; a step from node to node is a straight line of the tray's
+centre with an even turn, which the arm follows on its branch by the closed form of its inverse kinematics; the
+redundant joint of seven moves evenly too. What is found is therefore a way that the arm can follow as
+`robots.joint_paths` follows it. Trees grow from every branch at the start and every branch at the goal at once.
+
+Source: Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path planning", ICRA 2000.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nospill.collisions.level_arm import METRIC, LevelArm
+from nospill.robots.description.urdf import base_pose
+from nospill.robots.kinematics.closed_form import TURN
+
+_SAME = 1e-3
+"""rad; configurations that are nearer to each other are one."""
+_BETWEEN = 0.5
+"""Share of the samples that are drawn from around start and goal; the others from all that the arm reaches."""
+_AROUND = 0.4
+"""How far around, in parts of the arm's reach."""
+_TO_ROOTS = 0.1
+"""Share of the samples that are roots of the other tree."""
+_TRIES = 12
+"""Positions of the redundant joint that are tried for each pose that is drawn."""
+_EVERY = 6
+"""Looks from node to node of a tree."""
+_SPEED = 1.0
+"""m/s; a metre between trays counts as so much time of the joints."""
+_SHORTER = 0.99
+"""Part of its time that a straight piece may take at most to take the place of another one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SampledWay:
+    """A way on which the arm, its level tray and its cargo are clear.
+
+    Attributes:
+        poses: (m, 4) of the tray, x, y, z, yaw, straight from each to the next; m and rad.
+        q: (m, n) of the joints there, rad, but for whole turns.
+    """
+
+    poses: np.ndarray
+    q: np.ndarray
+
+
+class _Tree:
+    """Configurations that are joined to the start, or to the goal."""
+
+    def __init__(self, poses: np.ndarray, q: np.ndarray) -> None:
+        self.poses, self.q, self.parents, self.roots = [*poses], [*q], [-1] * len(q), len(q)
+
+    def add(self, poses: np.ndarray, q: np.ndarray, parent: int) -> int:
+        """Add nodes one after the other, the first after a parent; return the number of the last."""
+        for pose, joints in zip(poses, q, strict=True):
+            self.poses.append(pose)
+            self.q.append(joints)
+            self.parents.append(parent)
+            parent = len(self.q) - 1
+        return parent
+
+    def back(self, number: int) -> list[int]:
+        """A node and those before it, back to the root."""
+        found = []
+        while number >= 0:
+            found.append(number)
+            number = self.parents[number]
+        return found
+
+
+class _Draws:
+    """Random clear configurations: around start and goal, and in all that the arm reaches."""
+
+    def __init__(self, arm: LevelArm, random: np.random.Generator, ends: np.ndarray) -> None:
+        self._arm, self._random = arm, random
+        foot, _ = base_pose(arm.robot.urdf)
+        reach = arm.robot.reach or 1.0
+        around = _AROUND * reach
+        turns = [np.min(ends[:, 3]) - np.pi, np.max(ends[:, 3]) + np.pi]
+        self._boxes = [
+            (np.append(low, turns[0]), np.append(high, turns[1]))
+            for low, high in (
+                (ends[:, :3].min(axis=0) - around, ends[:, :3].max(axis=0) + around),
+                (foot - reach, foot + reach),
+            )
+        ]
+
+    def __call__(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """A pose and a configuration, the redundant joint anywhere; None for a draw in vain."""
+        low, high = self._boxes[int(self._random.random() >= _BETWEEN)]
+        pose = self._random.uniform(low, high)
+        # few positions of a redundant joint let an arm hold a level tray at a given pose
+        tries = self._random.choice(self._arm.held, min(_TRIES, len(self._arm.held)))
+        found = next((some for held in tries.tolist() if len(some := self._arm.solutions(pose, held))), None)
+        if found is None:
+            return None
+        q = found[int(self._random.integers(len(found)))]
+        return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
+
+
+def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> SampledWay | None:
+    """A way from the start of a scene's path to its end, not shortened; None where none is found.
+
+    Args:
+        arm: in its scene.
+        seed: of the random numbers.
+        samples: poses that are drawn before it gives up.
+    """
+    random, ends = np.random.default_rng(seed), arm.ends
+    roots = _rooted(arm, ends[:1]), _rooted(arm, ends[1:] + np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1])
+    if not all(tree.roots for tree in roots):
+        return None
+    draw = _Draws(arm, random, ends)
+    for number in range(samples):
+        here, there = roots if number % 2 == 0 else roots[::-1]
+        if random.random() < _TO_ROOTS:
+            root = int(random.integers(there.roots))
+            target = there.poses[root], there.q[root]
+        else:
+            target = draw()
+        if target is None:
+            continue
+        tip = _grown(arm, here, *target)
+        if tip is None:
+            continue
+        other = _grown(arm, there, here.poses[tip], here.q[tip])
+        if other is not None and np.abs(arm.apart(there.q[other], here.q[tip])).max() < _SAME:
+            ways = [tree.back(node) for tree, node in ((here, tip), (there, other))]
+            nodes = [(here, node) for node in ways[0][::-1]] + [(there, node) for node in ways[1][1:]]
+            nodes = nodes if here is roots[0] else nodes[::-1]
+            found = _looked_at(arm, [(tree.poses[node], tree.q[node]) for tree, node in nodes])
+            if found is not None:
+                return found
+    return None
+
+
+def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> SampledWay | None:
+    """The way through some nodes with every look between them; None where it is another one in this direction."""
+    poses, q = [nodes[0][0][None]], [nodes[0][1][None]]
+    for pose, joints in nodes[1:]:
+        straight, found, there = arm.towards(poses[-1][-1], q[-1][-1], pose, arm.held_of(joints))
+        if not there or np.abs(arm.apart(found[-1], joints)).max() > _SAME:
+            return None
+        poses.append(straight)
+        q.append(found)
+    return SampledWay(np.concatenate(poses), np.concatenate(q))
+
+
+def _rooted(arm: LevelArm, poses: np.ndarray) -> _Tree:
+    """A tree of all clear configurations at some poses (k, 4)."""
+    found = [(pose, q) for pose in poses for held in arm.held for q in arm.solutions(pose, held)]
+    if not found:
+        return _Tree(np.zeros((0, 4)), np.zeros((0, len(arm.robot.joints))))
+    clear = arm.clear(np.array([pose for pose, _ in found]), np.array([q for _, q in found]))
+    kept = [item for item, free in zip(found, clear, strict=True) if free]
+    return _Tree(np.array([pose for pose, _ in kept]), np.array([q for _, q in kept]))
+
+
+def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int | None:
+    """Grow a tree from its nearest node towards a configuration; return the last node, None where none is new."""
+    known = np.array(tree.q)
+    gaps = arm.time(known, q) + np.linalg.norm((np.array(tree.poses) - pose) * METRIC, axis=1) / _SPEED
+    nearest = int(np.argmin(gaps))
+    if gaps[nearest] < _SAME:
+        return nearest
+    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose, arm.held_of(q))
+    if not len(found):
+        return None
+    kept = np.unique(np.append(np.arange(_EVERY - 1, len(found), _EVERY), len(found) - 1))
+    return tree.add(poses[kept], found[kept], nearest)
+
+
+def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> SampledWay:
+    """The way with straight pieces in the place of longer ones, between places drawn at random."""
+    random = np.random.default_rng(seed)
+    poses, q = way.poses, way.q
+    for _ in range(tries):
+        first, last = np.sort(random.integers(len(poses), size=2))
+        if last - first < 2:
+            continue
+        straight, found, there = arm.towards(poses[first], q[first], poses[last], arm.held_of(q[last]))
+        if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
+            continue
+        if _time(arm, np.vstack([q[first], found])) < _SHORTER * _time(arm, q[first : last + 1]):
+            poses = np.vstack([poses[: first + 1], straight, poses[last + 1 :]])
+            q = np.vstack([q[: first + 1], found, q[last + 1 :]])
+    return SampledWay(poses, q)
+
+
+def _time(arm: LevelArm, q: np.ndarray) -> float:
+    return float(np.sum(arm.time(q[1:], q[:-1])))
