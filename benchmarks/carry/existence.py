@@ -7,6 +7,8 @@ Nothing of it depends on the time it takes, so a seed gives the same answer ever
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
@@ -34,6 +36,19 @@ _SAMPLES = 500
 _SHORTCUTS = 60
 
 
+@dataclass(frozen=True, slots=True)
+class SlowMotion:
+    """A level motion that is known to exist.
+
+    Attributes:
+        duration: at a part of the joints' speeds, s.
+        singular: whether an arm of six joints passes a singularity on it, and so changes its branch.
+    """
+
+    duration: float
+    singular: bool
+
+
 class LevelSearch:
     """A search in one scene."""
 
@@ -43,8 +58,8 @@ class LevelSearch:
         self._configurations = Configurations(scene)
         self._drawn: list[np.ndarray] = []
 
-    def slow_motion(self) -> float | None:
-        """Time of a level motion at a part of the joints' speeds, s; None where none was found."""
+    def slow_motion(self) -> SlowMotion | None:
+        """A level motion; None where none was found."""
         roots = [self.clear_at(pose) for pose in self._scene.path.at(np.array([0.0, 1.0]))]
         if not all(len(root) for root in roots):
             return None
@@ -63,7 +78,7 @@ class LevelSearch:
                     break
                 if np.abs(trees[there][other] - trees[here][tip]).max() < _SAME:
                     branches = [_back(trees[k], parents[k], node) for k, node in ((here, tip), (there, other))]
-                    return self._time(np.array(branches[0][::-1] + branches[1][1:]))
+                    return self._found(np.array(branches[0][::-1] + branches[1][1:]))
         return None
 
     def clear_at(self, pose: np.ndarray) -> np.ndarray:
@@ -135,8 +150,8 @@ class LevelSearch:
         clear = self._configurations.clear(looks)
         return looks if clear.all() else looks[: int(np.argmin(clear))]
 
-    def _time(self, q: np.ndarray) -> float:
-        """Time of the motion through some nodes at a part of the joints' speeds, cut short where that is clear."""
+    def _found(self, q: np.ndarray) -> SlowMotion:
+        """The motion through some nodes, cut short where that is clear."""
         for _ in range(_SHORTCUTS):
             first, last = np.sort(self._random.integers(len(q), size=2))
             if last - first < 2:
@@ -150,7 +165,10 @@ class LevelSearch:
                 at = looks[-1]
             if straight and np.abs(at - q[last]).max() < _SAME and len(straight) < last - first:
                 q = np.vstack([q[: first + 1], straight, q[last + 1 :]])
-        return float(np.sum(np.max(np.abs(np.diff(q, axis=0)) / self._scene.robot.max_speed, axis=1)) / SLOW)
+        slowest = np.max(np.abs(np.diff(q, axis=0)) / self._scene.robot.max_speed, axis=1)
+        jacobians = self._arm.jacobians(q, tool=self._scene.tray.tool)
+        turned = q.shape[1] == 6 and len(np.unique(np.sign(np.linalg.det(jacobians)))) > 1
+        return SlowMotion(float(np.sum(slowest)) / SLOW, bool(turned))
 
 
 def _back(tree: list[np.ndarray], parents: list[int], node: int) -> list[np.ndarray]:

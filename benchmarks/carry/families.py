@@ -107,8 +107,8 @@ def wide_bookshelf(random: np.random.Generator) -> Cell:
 def open_box(random: np.random.Generator) -> Cell:
     """Out of a box that is open above, or into it."""
     x, y, half = random.uniform(0.45, 0.55), random.uniform(0.25, 0.4), random.uniform(0.22, 0.28)
-    floor, height = random.uniform(-0.4, -0.3), random.uniform(0.3, 0.42)
-    inside = Room((x - 0.06, y - 0.06, floor + 0.27), (x + 0.06, y + 0.06, floor + 0.35))
+    floor, height = random.uniform(-0.45, -0.3), random.uniform(0.12, 0.38)
+    inside = Room((x - 0.06, y - 0.06, floor + 0.22), (x + 0.06, y + 0.06, floor + 0.42))
     outside = Room((0.4, -0.55, floor + 0.3), (0.6, -0.3, floor + 0.6))
     cell = Cell(inside, outside) if random.random() < 0.5 else Cell(outside, inside)
     cell.box("floor", (x - half, y - half, floor - _BOARD), (x + half, y + half, floor))

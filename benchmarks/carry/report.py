@@ -39,7 +39,9 @@ def section(lines: list[Line]) -> Iterator[str]:
         words = line["structure"].split(", ")
         for word in (words[0], words[-1]):
             groups.setdefault(word, []).append(line)
-    yield from _by_group("arm, tray", dict(sorted(groups.items())))
+        known = "known motion passes a singularity" if line["singular"] else "known motion keeps the branch"
+        groups.setdefault(known, []).append(line)
+    yield from _by_group("arm, tray, known motion", dict(sorted(groups.items())))
     yield ""
     yield from _checks(lines)
     yield ""

@@ -24,7 +24,7 @@ from benchmarks.carry.report import write_page
 
 PAGE = REPOSITORY / "docs" / "carrying.md"
 CASE = "benchmarks.carry.case"
-_KEPT = ("seed", "family", "slow_s", "blocked", "pathless")
+_KEPT = ("seed", "family", "slow_s", "singular", "blocked", "pathless")
 
 
 def main(words: list[str] | None = None) -> None:

@@ -40,6 +40,7 @@ class Problem:
         family: of its cell.
         table: content of its scenario file.
         slow_s: what the motion takes that is known to exist, at a quarter of the joints' speeds.
+        singular: whether that motion passes a singularity, so that the arm changes its branch.
         blocked: cells that were drawn before without a clear start and goal.
         pathless: problems that were drawn before for which no motion was found.
     """
@@ -48,6 +49,7 @@ class Problem:
     family: str
     table: dict[str, Any]
     slow_s: float
+    singular: bool
     blocked: int
     pathless: int
 
@@ -72,7 +74,7 @@ def draw_problem(seed: int) -> Problem:
         if found is None:
             pathless += 1
             continue
-        return Problem(seed, family, placed, found, blocked, pathless)
+        return Problem(seed, family, placed, found.duration, found.singular, blocked, pathless)
     raise RuntimeError(f"seed {seed}: no problem with a motion in {_CELLS} cells")
 
 
@@ -157,7 +159,7 @@ def _moved(item: dict[str, Any], scale: float, turn: float, shoulder: float) -> 
     x, y, z = (scale * value for value in item["at"])
     at = [math.cos(turn) * x - math.sin(turn) * y, math.sin(turn) * x + math.cos(turn) * y, z + shoulder]
     sizes = {
-        key: [round(scale * side, 4) for side in item[key]] if key == "size" else round(scale * item[key], 4)
+        key: [_metres(scale * side) for side in item[key]] if key == "size" else _metres(scale * item[key])
         for key in ("size", "radius", "height")
         if key in item
     }
@@ -166,3 +168,8 @@ def _moved(item: dict[str, Any], scale: float, turn: float, shoulder: float) -> 
 
 def _drawn(random: np.random.Generator, low: float, high: float) -> float:
     return round(float(random.uniform(low, high)), 4)
+
+
+def _metres(length: float) -> str:
+    """With its unit: bare sizes above 2 m are refused."""
+    return f"{length:.4f} m"

@@ -50,8 +50,9 @@ def test_rows_of_a_range_are_the_uses_at_its_speeds(smooth_motion: Callable) -> 
     for speed in scene.motion.speeds[::4]:
         (use,) = uses_at(motion.trajectory, motion.scene, [speed])
         text = f"{100 * speed:.4g} % of the speed"
-        rows = [row for row in judgement.corners if row.variant == text]
-        liquid = max(row.use for row in rows if BY_NAME[row.constraint].role is Role.LIQUID)
+        rows = [row for row in judgement.corners if row.variant == text]  # further ones are between the speeds
+        first = {(row.constraint, row.subject): row for row in reversed(rows)}.values()
+        liquid = max(row.use for row in first if BY_NAME[row.constraint].role is Role.LIQUID)
         assert liquid == pytest.approx(use.liquid, rel=1e-6)
     worst = max((row for row in judgement.corners if row.constraint == "slosh height"), key=lambda row: row.use)
     assert 0.0 <= worst.at_s <= motion.trajectory.end_time + 1e-9  # on the planned motion's clock

@@ -85,7 +85,6 @@ def test_the_duration_that_helps_is_that_of_a_smooth_motion_within_the_limits() 
     scene = line(max_speed="50 mm/s", max_duration="20 s")
     trials = Trials(cast("Searcher", SimpleNamespace(scene=scene)), joint_path_of(scene))
     least = 1.875 * LENGTH / 0.05
-    assert longer_time(trials, 1.02) == []
     (change,) = longer_time(trials, least / (0.95 * 20.0))  # which the slowest smooth motion takes
     assert change.place == "motion.max_duration" and change.value == pytest.approx(1.05 * least / 0.95)
     assert change.text == "max_duration 29 s instead of 20 s"

@@ -107,6 +107,11 @@ def test_a_kept_scenario_has_its_contact_line() -> None:
         ("full", {"contact_line": "stuck"}, "contact_line"),
         ("full", {"tolerance": {"pinned": True}}, 'tolerance.pinned is for contact_line = "free"'),
         ("full", {"contact_line": "pinned", "tolerance": {"pinned": True}}, '"pinned" is given'),
+        (
+            "full",
+            {"contact_line": "free", "contact_angle": "60 deg", "liquid_height": "27 mm"},
+            "flat at 27 mm; with 60 deg at the wall, 27.81 mm there and 26.43 mm on the axis",
+        ),
         ("full", {"contact_angle": "60 deg"}, "contact_angle is given but contact_line is not"),
         ("full", {"contact_line": "free", "contact_angle": "200 deg"}, "contact_angle.*at most 180 deg"),
         ("full", {"contact_line": "free", "tolerance": {"contact_angle": 0.1}}, "contact_angle is given but"),
@@ -118,7 +123,7 @@ def test_a_kept_scenario_has_its_contact_line() -> None:
         (
             "full",
             {"contact_line": "free", "liquid_height": "28 mm", "max_slosh_height": None},
-            "reaches it at the wall",
+            "reaches it at the wall .flat at 28 mm; wetting the wall, 30.7 mm there",
         ),
     ],
 )

@@ -44,9 +44,7 @@ def problem(name: str) -> Problem:
     scene = read_scenario(name.split(",")[0])
     if name == SLOWED:  # a cup and a solid as at other speeds, the others as planned
         speeds = (0.6, 1.0, 1.0, 0.25)
-        cargo = tuple(
-            dataclasses.replace(item, speed=speed) for item, speed in zip(scene.cargo, speeds, strict=True)
-        )
+        cargo = tuple(dataclasses.replace(item, speed=speed) for item, speed in zip(scene.cargo, speeds, strict=True))
         scene = dataclasses.replace(scene, cargo=cargo)
     bare = build_problem(scene, INTERVALS, nominal_duration=1.8, backoff={})
     backoff = {row: 0.01 + 0.001 * number for number, row in enumerate(bare.rows.values())}

@@ -28,6 +28,7 @@ class Configurations:
         pairs = scene_pairs(scene)
         self._measures = [Distances(pair.first, pair.second) for pair in pairs]
         self._limits = np.array([pair.limit for pair in pairs])
+        self._around = np.array([pair.second.obstacle is not None for pair in pairs])
         numbers: dict[Body, int] = {}
         for pair in pairs:
             for body in (pair.first, pair.second):
@@ -35,21 +36,30 @@ class Configurations:
         self._bodies = tuple(numbers)
         self._first = np.array([numbers[pair.first] for pair in pairs])
         self._second = np.array([numbers[pair.second] for pair in pairs])
-        self._reach = np.array([pair.first.radius for pair in pairs]) + self._limits
+        self._radii = np.array([pair.first.radius for pair in pairs])
         self._low, self._high = np.array([_box(pair.second.shape) for pair in pairs]).transpose(1, 0, 2)[:, :, None]
 
-    def clear(self, q: np.ndarray) -> np.ndarray:
-        """Whether nothing is in the way of each of some configurations (m, n), rad: (m,); limits are not looked at."""
+    def clear(self, q: np.ndarray, spare: np.ndarray | None = None) -> np.ndarray:
+        """Whether nothing is in the way of some configurations; joint limits are not looked at.
+
+        Args:
+            q: (m, n), rad.
+            spare: (m,) room to keep from obstacles beside what must be kept, m; none when left out.
+
+        Returns:
+            (m,) of bool.
+        """
         free, frames = np.ones(len(q), dtype=bool), joint_frames(self._chain, q)
-        near = self._near(frames)
+        wanted = self._limits[:, None] + self._around[:, None] * (np.zeros(len(q)) if spare is None else spare)
+        near = self._gaps(frames) < wanted
         for number in np.flatnonzero(near.any(axis=1)):
             where = np.flatnonzero(near[number] & free)
             if len(where):
-                free[where] = self._measures[number].at(frames, where)[0] >= self._limits[number]
+                free[where] = self._measures[number].at(frames, where)[0] >= wanted[number, where]
         return free
 
-    def _near(self, frames: JointFrames) -> np.ndarray:
-        """Which pairs (k, m) the ball and the box do not prove to be far enough apart."""
+    def _gaps(self, frames: JointFrames) -> np.ndarray:
+        """Bounds (k, m) on the distances of the pairs by ball and box, m."""
         turns = [frames.rotation[body.joint] for body in self._bodies]
         at = [frames.position[body.joint] for body in self._bodies]
         placed = list(zip(self._bodies, at, turns, strict=True))
@@ -59,7 +69,7 @@ class Configurations:
         gaps = centres[self._first] - origins[self._second]
         local = (gaps[:, :, None] @ axes[self._second])[:, :, 0]
         beyond = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)
-        return np.linalg.norm(beyond, axis=2) < self._reach[:, None]
+        return np.linalg.norm(beyond, axis=2) - self._radii[:, None]
 
 
 def _box(shape: Shape) -> tuple[np.ndarray, np.ndarray]:

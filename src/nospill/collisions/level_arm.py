@@ -9,7 +9,7 @@ import numpy as np
 from nospill.collisions.configurations import Configurations
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.kinematics.closed_form import TURN, approximate_solutions
-from nospill.robots.kinematics.redundancy import held_positions, redundant_joint
+from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
 
 STEP = 0.02
@@ -18,6 +18,12 @@ LEVER = 0.3
 """m; lever at which a turn of the tray counts as a distance."""
 _JUMP = 0.3
 """rad; a joint that moves by more between two looks is on another branch, or near a singularity."""
+_TURN = 0.1
+"""rad; of the redundant joint between two looks."""
+_HELD = 121
+"""Positions of the redundant joint over its range at which configurations are looked for."""
+_NEAR_ENDS = 0.15
+"""m; from an end up to which the spare room grows to what it is elsewhere."""
 _AT_ONCE = 12
 """Looks that are taken together."""
 METRIC = np.array([1.0, 1.0, 1.0, LEVER])
@@ -27,34 +33,51 @@ METRIC = np.array([1.0, 1.0, 1.0, LEVER])
 class LevelArm:
     """An arm with a level tray among obstacles: its configurations at poses (x, y, z, yaw) of the tray."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, spare: float = 0.0) -> None:
         """Prepare a scene.
+
+        Args:
+            scene: with obstacles, or without.
+            spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends.
 
         Raises:
             MissingExtraError: the library coal is not installed.
         """
         self.scene, self.robot = scene, scene.robot
-        self.configurations = Configurations(scene)
+        self._configurations, self._spare = Configurations(scene), spare
+        self.ends = scene.path.at(np.array([0.0, 1.0]))
         self.redundant = redundant_joint(scene.robot)
         self._turning = scene.robot.upper - scene.robot.lower >= TURN
 
     @cached_property
-    def held(self) -> tuple[float, ...]:
-        """Positions of the redundant joint, rad, as `joint_paths` tries them; one that means nothing without it."""
-        return (0.0,) if self.redundant is None else tuple(held_positions(self.robot, self.redundant).tolist())
+    def held(self) -> np.ndarray:
+        """Positions of the redundant joint, rad, at which a closed form is at hand; a zero where there is none."""
+        index = self.redundant
+        return np.zeros(1) if index is None else np.linspace(self.robot.lower[index], self.robot.upper[index], _HELD)
+
+    def held_of(self, q: np.ndarray) -> float:
+        """The position of the redundant joint in a configuration; zero where there is none."""
+        return 0.0 if self.redundant is None else float(q[self.redundant])
 
     def solutions(self, pose: np.ndarray, held: float) -> np.ndarray:
         """All configurations (k, n) within the limits at a pose, rad; whole turns of joints are left out."""
         index = self.redundant
+        # the nearest position at which there is a closed form: making one takes as long as ten solutions
+        at = float(self.held[int(np.argmin(np.abs(self.held - held)))])
         q = approximate_solutions(
             self.robot,
             pose[:3],
             about_axis((0.0, 0.0, 1.0), float(pose[3])),
             tool=self.scene.tray.tool,
-            held=None if index is None else (index, held),
+            held=None if index is None else (index, at),
         )
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
         return q[np.all(self._turning | (q <= self.robot.upper), axis=1)]
+
+    def clear(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Whether nothing is in the way (m,) of configurations (m, n), rad, that hold the tray at poses (m, 4)."""
+        away = np.linalg.norm(poses[:, None, :3] - self.ends[:, :3], axis=2).min(axis=1)
+        return self._configurations.clear(q, self._spare * np.minimum(away / _NEAR_ENDS, 1.0))
 
     def apart(self, q: np.ndarray, other: np.ndarray) -> np.ndarray:
         """Differences of joints, rad, the short way round where a joint can turn all the way."""
@@ -65,27 +88,30 @@ class LevelArm:
         """Time that the slowest joint needs at full speed between configurations, s."""
         return np.max(np.abs(self.apart(q, other)) / self.robot.max_speed, axis=-1)
 
-    def towards(self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Go straight from a configuration towards a pose, as far as that is clear.
+    def towards(
+        self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray, held: float
+    ) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Go straight from a configuration towards a pose and a position of the redundant joint, as far as is clear.
 
         Returns:
             Poses (k, 4) and configurations (k, n) on the way, and whether it leads there.
         """
-        held = 0.0 if self.redundant is None else float(q[self.redundant])
-        steps = max(1, int(np.ceil(np.linalg.norm((goal - pose) * METRIC) / STEP)))
-        poses = pose + np.linspace(0.0, 1.0, steps + 1)[1:, None] * (goal - pose)
+        turn = held - self.held_of(q)
+        steps = max(1, int(np.ceil(max(np.linalg.norm((goal - pose) * METRIC) / STEP, abs(turn) / _TURN))))
+        share = np.linspace(0.0, 1.0, steps + 1)[1:]
+        poses, joint = pose + share[:, None] * (goal - pose), held - turn * (1.0 - share)
         found: list[np.ndarray] = []
         lost = False
         while len(found) < steps and not lost:
             chunk: list[np.ndarray] = []
-            for at in poses[len(found) : len(found) + _AT_ONCE]:
-                near = self._followed(at, q, held)
+            for at in range(len(found), min(len(found) + _AT_ONCE, steps)):
+                near = self._followed(poses[at], q, float(joint[at]))
                 if near is None:
                     lost = True
                     break
                 q = near
                 chunk.append(q)
-            clear = self.configurations.clear(np.array(chunk)) if chunk else np.zeros(0, dtype=bool)
+            clear = self.clear(poses[len(found) :][: len(chunk)], np.array(chunk)) if chunk else np.zeros(0, dtype=bool)
             count = len(clear) if clear.all() else int(np.argmin(clear))
             found += chunk[:count]
             lost = lost or count < len(chunk)

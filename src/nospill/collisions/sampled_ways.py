@@ -1,9 +1,9 @@
 """Ways of the level tray from one place to another by sampling: RRT-Connect over its poses, seeds fixed.
 
 A node is a configuration of the arm with a level tray; a step from node to node is a straight line of the tray's
-centre with an even turn, which the arm follows on its branch by the closed form of its inverse kinematics, the
-redundant joint of seven held. What is found is therefore a way that the arm can follow as `robots.joint_paths` follows
-it. Trees grow from every branch at the start and every branch at the goal at once.
+centre with an even turn, which the arm follows on its branch by the closed form of its inverse kinematics; the
+redundant joint of seven moves evenly too. What is found is therefore a way that the arm can follow as
+`robots.joint_paths` follows it. Trees grow from every branch at the start and every branch at the goal at once.
 
 Source: Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path planning", ICRA 2000.
 """
@@ -17,7 +17,6 @@ import numpy as np
 from nospill.collisions.level_arm import METRIC, LevelArm
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.kinematics.closed_form import TURN
-from nospill.scene.scene import Scene
 
 _SAME = 1e-3
 """rad; configurations that are nearer to each other are one."""
@@ -27,6 +26,8 @@ _AROUND = 0.4
 """How far around, in parts of the arm's reach."""
 _TO_ROOTS = 0.1
 """Share of the samples that are roots of the other tree."""
+_TRIES = 12
+"""Positions of the redundant joint that are tried for each pose that is drawn."""
 _EVERY = 6
 """Looks from node to node of a tree."""
 _SPEED = 1.0
@@ -89,33 +90,30 @@ class _Draws:
             )
         ]
 
-    def __call__(self, held: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """A pose and a configuration, with the redundant joint at one of some positions; None for a draw in vain."""
+    def __call__(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """A pose and a configuration, the redundant joint anywhere; None for a draw in vain."""
         low, high = self._boxes[int(self._random.random() >= _BETWEEN)]
-        pose, at = self._random.uniform(low, high), float(self._random.choice(held))
-        found = self._arm.solutions(pose, at)
-        if not len(found):
+        pose = self._random.uniform(low, high)
+        # few positions of a redundant joint let an arm hold a level tray at a given pose
+        tries = self._random.choice(self._arm.held, min(_TRIES, len(self._arm.held)))
+        found = next((some for held in tries.tolist() if len(some := self._arm.solutions(pose, held))), None)
+        if found is None:
             return None
         q = found[int(self._random.integers(len(found)))]
-        return (pose, q) if self._arm.configurations.clear(q[None])[0] else None
+        return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
-def sampled_way(scene: Scene, *, seed: int, samples: int) -> SampledWay | None:
+def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> SampledWay | None:
     """A way from the start of a scene's path to its end, not shortened; None where none is found.
 
     Args:
-        scene: with obstacles.
+        arm: in its scene.
         seed: of the random numbers.
         samples: poses that are drawn before it gives up.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
-    arm, random = LevelArm(scene), np.random.default_rng(seed)
-    ends = scene.path.at(np.array([0.0, 1.0]))
-    roots = [_rooted(arm, ends[:1]), _rooted(arm, ends[1:] + np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1])]
-    held = np.intersect1d(*(_held(arm, np.array(tree.q).reshape(-1, len(arm.robot.joints))) for tree in roots))
-    if not len(held):
+    random, ends = np.random.default_rng(seed), arm.ends
+    roots = _rooted(arm, ends[:1]), _rooted(arm, ends[1:] + np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1])
+    if not all(tree.roots for tree in roots):
         return None
     draw = _Draws(arm, random, ends)
     for number in range(samples):
@@ -124,7 +122,7 @@ def sampled_way(scene: Scene, *, seed: int, samples: int) -> SampledWay | None:
             root = int(random.integers(there.roots))
             target = there.poses[root], there.q[root]
         else:
-            target = draw(held)
+            target = draw()
         if target is None:
             continue
         tip = _grown(arm, here, *target)
@@ -145,7 +143,7 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
     """The way through some nodes with every look between them; None where it is another one in this direction."""
     poses, q = [nodes[0][0][None]], [nodes[0][1][None]]
     for pose, joints in nodes[1:]:
-        straight, found, there = arm.towards(poses[-1][-1], q[-1][-1], pose)
+        straight, found, there = arm.towards(poses[-1][-1], q[-1][-1], pose, arm.held_of(joints))
         if not there or np.abs(arm.apart(found[-1], joints)).max() > _SAME:
             return None
         poses.append(straight)
@@ -158,43 +156,34 @@ def _rooted(arm: LevelArm, poses: np.ndarray) -> _Tree:
     found = [(pose, q) for pose in poses for held in arm.held for q in arm.solutions(pose, held)]
     if not found:
         return _Tree(np.zeros((0, 4)), np.zeros((0, len(arm.robot.joints))))
-    clear = arm.configurations.clear(np.array([q for _, q in found]))
+    clear = arm.clear(np.array([pose for pose, _ in found]), np.array([q for _, q in found]))
     kept = [item for item, free in zip(found, clear, strict=True) if free]
     return _Tree(np.array([pose for pose, _ in kept]), np.array([q for _, q in kept]))
-
-
-def _held(arm: LevelArm, q: np.ndarray) -> np.ndarray:
-    """The positions of the redundant joint among configurations; zero where there is none."""
-    return np.unique(np.zeros(len(q)) if arm.redundant is None else q[:, arm.redundant])
 
 
 def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int | None:
     """Grow a tree from its nearest node towards a configuration; return the last node, None where none is new."""
     known = np.array(tree.q)
     gaps = arm.time(known, q) + np.linalg.norm((np.array(tree.poses) - pose) * METRIC, axis=1) / _SPEED
-    if arm.redundant is not None:
-        gaps[np.abs(known[:, arm.redundant] - q[arm.redundant]) > _SAME] = np.inf
     nearest = int(np.argmin(gaps))
-    if gaps[nearest] == np.inf:
-        return None
     if gaps[nearest] < _SAME:
         return nearest
-    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose)
+    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose, arm.held_of(q))
     if not len(found):
         return None
     kept = np.unique(np.append(np.arange(_EVERY - 1, len(found), _EVERY), len(found) - 1))
     return tree.add(poses[kept], found[kept], nearest)
 
 
-def shortened(scene: Scene, way: SampledWay, *, seed: int, tries: int) -> SampledWay:
+def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> SampledWay:
     """The way with straight pieces in the place of longer ones, between places drawn at random."""
-    arm, random = LevelArm(scene), np.random.default_rng(seed)
+    random = np.random.default_rng(seed)
     poses, q = way.poses, way.q
     for _ in range(tries):
         first, last = np.sort(random.integers(len(poses), size=2))
         if last - first < 2:
             continue
-        straight, found, there = arm.towards(poses[first], q[first], poses[last])
+        straight, found, there = arm.towards(poses[first], q[first], poses[last], arm.held_of(q[last]))
         if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
             continue
         if _time(arm, np.vstack([q[first], found])) < _SHORTER * _time(arm, q[first : last + 1]):

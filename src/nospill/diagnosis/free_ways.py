@@ -5,19 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
+from nospill.collisions.level_arm import LEVER, LevelArm
 from nospill.collisions.sampled_ways import SampledWay, sampled_way, shortened
-from nospill.core.waypoint_paths import path_through_waypoints
+from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import free_paths, nearest_of, places_of, require_free_ends
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
 from nospill.scenario.free_way import along, ways
 from nospill.scene.scene import Scene
 
-SEEDS = (0, 1, 2)
+SEEDS = (0, 1, 2, 3)
 """Of the random numbers of each sampled way."""
-_SAMPLES, _SHORTCUTS = 2000, 100
+SAMPLES = 2000
+"""Poses that are drawn before a search gives up."""
+_SHORTCUTS = 100
 _SMOOTHINGS = (0.1, 0.05, 0.02, 0.01, 0.004)
 """m; how far a smooth curve may be from a sampled way, the smoothest that is clear is taken."""
+_SPARES = (0.015, 0.0)
+"""m; room that sampled ways keep from obstacles beside what must be kept, so that there is room for a smooth curve."""
+_DENSE = 161
+"""Points of a sampled way by which a smooth curve is fitted."""
 _POINTS = 41
 """Of a smooth curve, as they are kept."""
 _PLACES = 201
@@ -27,9 +34,9 @@ _PLACES = 201
 def freest_way(scene: Scene) -> Scene:
     """The scene with a way in the place of one that its path leaves open.
 
-    It is the fastest of the plain ways and detours on which nothing is in the way of the level tray; where none is
-    clear, the fastest of those that are found by sampling; where there is none either, the one with most room, and the
-    certificate decides then.
+    It is the fastest of the plain ways, straight and in arcs, if nothing is in the way of the level tray on it; else
+    the fastest clear one of the others and of those that are found by sampling; where there is none, the plain one with
+    most room, and the certificate decides then.
 
     Raises:
         ScenarioError: the arm can follow no way; or an obstacle is in the way of the tray at an end.
@@ -41,63 +48,72 @@ def freest_way(scene: Scene) -> Scene:
     try:
         candidates = ways(scene)
     except ScenarioError:
-        found = sampled_scene(scene)
+        found = sampled_way_of(scene)
         if found is None:
             raise
-        return found
-    best: tuple[float, Scene] | None = None
-    for candidate in candidates:
+        return found[1]
+    freest, clear = (-np.inf, scene), None
+    for number, candidate in enumerate(candidates):
         paths = joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
-        if best is None:
+        if number == 0:
             require_free_ends(candidate, paths[0])
-        room = max(item.room for item in nearest_of(candidate, paths))
-        if room >= 0.0:
-            return candidate
-        if best is None or room > best[0]:
-            best = room, candidate
-    assert best is not None  # `ways` raises where there is none
-    return sampled_scene(scene) or _with_most_room(best[1], len(candidates))
+        rooms = [item.room for item in nearest_of(candidate, paths)]
+        if max(rooms) >= 0.0:
+            if number == 0:
+                return candidate
+            clear = next(path.speed_figure for path, room in zip(paths, rooms, strict=True) if room >= 0.0), candidate
+            break
+        freest = max(freest, (max(rooms), candidate), key=lambda item: item[0])
+    found = min(filter(None, (clear, sampled_way_of(scene))), key=lambda item: item[0], default=None)
+    return _with_most_room(freest[1]) if found is None else found[1]
 
 
-def _with_most_room(scene: Scene, tried: int) -> Scene:
+def _with_most_room(scene: Scene) -> Scene:
     """The scene itself, if the motion may leave its way so far that the certificate must decide."""
     try:
         free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     except NoSolutionError as error:
-        text = (
-            f"{error}; the {tried} ways that were tried, round the base and over or under, are all blocked, "
-            f"and {len(SEEDS)} random searches found no other"
-        )
+        text = f"{error}; {len(SEEDS)} random searches found no way round, over or under it"
         raise NoSolutionError(text, error.reason) from None
     return scene
 
 
-def sampled_scene(scene: Scene) -> Scene | None:
-    """The scene with the fastest of some ways found by sampling, each with its own seed; None where none is found.
+def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
+    """The fastest of some ways found by sampling, each with its own seed; None where none is found.
+
+    Returns:
+        Its speed figure, s, and the scene with it.
 
     Raises:
         MissingExtraError: the library coal is not installed.
     """
     best: tuple[float, Scene] | None = None
-    for seed in SEEDS:
-        way = sampled_way(scene, seed=seed, samples=_SAMPLES)
-        found = None if way is None else _smooth(scene, shortened(scene, way, seed=seed, tries=_SHORTCUTS))
-        if found is not None and (best is None or found[0] < best[0]):
-            best = found
-    return None if best is None else best[1]
+    for spare in _SPARES:
+        arm = LevelArm(scene, spare=spare)
+        for seed in SEEDS:
+            way = sampled_way(arm, seed=seed, samples=SAMPLES)
+            found = None if way is None else _smooth(scene, arm, shortened(arm, way, seed=seed, tries=_SHORTCUTS))
+            if found is not None and (best is None or found[0] < best[0]):
+                best = found
+        if best is not None:
+            return best
+    return None
 
 
-def _smooth(scene: Scene, way: SampledWay) -> tuple[float, Scene] | None:
+def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene] | None:
     """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear."""
     configurations, s = Configurations(scene), np.linspace(0.0, 1.0, _PLACES)
+    points = np.column_stack([way.poses * [1.0, 1.0, 1.0, LEVER], LEVER * np.array([arm.held_of(q) for q in way.q])])
+    along_it = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    dense = np.linspace(0.0, along_it[-1], _DENSE)
+    points = np.column_stack([np.interp(dense, along_it, column) for column in points.T])
     for smoothing in _SMOOTHINGS:
-        try:
-            curve = path_through_waypoints(way.poses[:, :3], yaw_at_points=way.poses[:, 3], smoothing=smoothing)
-            poses = curve.at(np.linspace(0.0, 1.0, _POINTS))
-            poses[[0, -1], :3] = scene.path.at(np.array([0.0, 1.0]))[:, :3]
-            found = along(scene, poses[:, :3], poses[:, 3])
-        except ScenarioError:  # no curve is that near, or the tray turns at one place
+        curve = smooth_curve(points, smoothing)
+        if curve is None:
             continue
+        values = curve.pieces(np.linspace(0.0, 1.0, _POINTS)) / [1.0, 1.0, 1.0, LEVER, LEVER]
+        values[[0, -1], :3] = arm.ends[:, :3]
+        found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
         seen: set[tuple[float, ...]] = set()
         for path in try_joint_paths(found.robot, found.path, tool=found.tray.tool).paths:
             branch = places_of(path)

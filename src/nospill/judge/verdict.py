@@ -37,7 +37,7 @@ def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One constraint and one subject: the instant with the least margin. `ok` is worst_margin >= 0.
+    """One constraint and one subject: the instant that uses most of the limit. `ok` is worst_margin >= 0.
 
     `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst.
     """
@@ -178,10 +178,10 @@ class Trace:
 
 
 def worst_row(trace: Trace) -> Row:
-    """The instant of a trace with the least margin."""
+    """The instant of a trace that uses most of its limit: where that is constant, the one with the least margin."""
     # A margin that is not a number is no margin at all.
     margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
-    index = int(np.argmin(margins))
+    index = int(np.argmax(trace.use))
     margin = float(margins[index])
     return Row(
         constraint=trace.constraint,

@@ -126,6 +126,16 @@ class ObjectNumbers:
 
 
 @dataclass(frozen=True, slots=True)
+class BrakingNumbers:
+    """Fields as in `robots.robot.Braking`; empty where there is none."""
+
+    lower: Number
+    upper: Number
+    deceleration: Number
+    offset: Number
+
+
+@dataclass(frozen=True, slots=True)
 class SceneNumbers:
     """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
 
@@ -142,6 +152,7 @@ class SceneNumbers:
     joint_lower: Number
     joint_upper: Number
     max_speed: Number
+    braking: BrakingNumbers
     max_acceleration: Number
     max_jerk: Number
     max_torque: Number
@@ -215,6 +226,7 @@ class Structure:
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
         tray_limits: which of "speed" and "acceleration" of the tray's centre are limited.
+        braking: whether joint speeds are limited near the ends of the ranges too.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
         slowed: whether objects are in it that are moved at another speed, and read where up is.
@@ -235,6 +247,7 @@ class Structure:
     offset_free: bool = False
     yaw_free: bool = False
     tray_limits: tuple[str, ...] = ()
+    braking: bool = False
     slowed: bool = False
 
     @property
@@ -362,6 +375,7 @@ def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNum
 def blank_numbers(structure: Structure) -> SceneNumbers:
     """Zeros of the shapes that a structure decides."""
     spans, joints, scalar = structure.spans, np.zeros(len(structure.joints)), 0.0
+    braking = joints if structure.braking else np.zeros(0)
     return SceneNumbers(
         gravity=scalar,
         path_breaks=np.zeros(spans + 1),
@@ -370,6 +384,7 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         joint_lower=joints,
         joint_upper=joints,
         max_speed=joints,
+        braking=BrakingNumbers(braking, braking, braking, braking),
         max_acceleration=joints,
         max_jerk=joints,
         max_torque=joints,

@@ -10,7 +10,15 @@ from typing import Any
 import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
+from nospill.laws.parameters import (
+    BrakingNumbers,
+    ObjectNumbers,
+    ObjectStructure,
+    OscillatorNumbers,
+    SceneNumbers,
+    Structure,
+    flatten,
+)
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
 from nospill.robots.robot import Robot
@@ -38,6 +46,7 @@ def structure_of(scene: Scene) -> Structure:
         offset_free=scene.motion.corridor is not None,
         yaw_free=scene.motion.yaw_free,
         tray_limits=_tray_limits(scene.motion),
+        braking=scene.robot.braking is not None,
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
     )
 
@@ -114,6 +123,7 @@ def _numbers(scene: Scene) -> SceneNumbers:
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         max_speed=scene.robot.max_speed,
+        braking=_braking_numbers(scene.robot),
         max_acceleration=further["acceleration"],
         max_jerk=further["jerk"],
         max_torque=further["torque"],
@@ -132,6 +142,13 @@ def _numbers(scene: Scene) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
+
+
+def _braking_numbers(robot: Robot) -> BrakingNumbers:
+    own, none = robot.braking, np.zeros(0)
+    if own is None:
+        return BrakingNumbers(none, none, none, none)
+    return BrakingNumbers(own.lower, own.upper, own.deceleration, own.offset)
 
 
 def _load_numbers(scene: Scene, payload: Sequence[Cargo]) -> dict[str, Any]:

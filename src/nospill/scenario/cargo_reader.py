@@ -249,8 +249,8 @@ def _check_angle(entry: CargoTable, container: Container) -> None:
 def _at_rest(container: Container, liquid: Liquid, level: float, angle: float | None) -> str:
     """Where the surface at rest stands, in words; without an angle in a vessel whose wall it wets."""
     rise, drop = meniscus_in(container, liquid, level, angle)
-    why = "wetting the wall" if angle is None else f"at {format_quantity(angle, 'angle')}"
-    return f" (flat at {_mm(level)}; {why}, {_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
+    where = "wetting the wall, " if angle is None else f"with {format_quantity(angle, 'angle')} at the wall, "
+    return f" (flat at {_mm(level)}; {where}{_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
 
 
 def _level(entry: CargoTable, container: Container) -> float:

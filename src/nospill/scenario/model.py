@@ -118,8 +118,8 @@ class MotionTable(Table):
         tuple[float, ...] | None,
         Vector(entry=Measured(dimension="ratio", at_least=LEAST_SPEED, at_most=1.0), axes=("least", "greatest")),
         Field(
-            description='speeds at which a controller may play the motion, for example ["25 %", "100 %"]: the limits on '
-            "objects hold at every one of them"
+            description='speeds at which a controller may play the motion, for example ["25 %", "100 %"]; the limits '
+            "on objects hold at every one of them"
         ),
     ] = None
     hold_before: Annotated[

@@ -19,7 +19,7 @@ from nospill.core.paths import (
 )
 from nospill.core.units import format_quantity
 from nospill.core.waypoint_files import read_waypoints
-from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
+from nospill.core.waypoint_paths import SMOOTHING, path_through_poses, path_through_waypoints
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import FREE, Angle, Measured, Point, Table
 from nospill.scenario.freedom_entries import NARROWEST, WIDEST, Corridor, Yaw
@@ -226,7 +226,14 @@ class FreeTable(PathTable):
     ] = None
     way_yaw: Annotated[
         list[Angle] | None,
-        Field(description="yaw of the tray at each point of `way`; even between the ends when not given"),
+        Field(
+            description="yaw of the tray at each point of `way`, which then are at even parameters of the path; even "
+            "between the ends when not given"
+        ),
+    ] = None
+    way_joint: Annotated[
+        list[Angle] | None,
+        Field(description="position of the redundant joint of seven at each point of `way`, with `way_yaw`"),
     ] = None
 
     @property
@@ -248,8 +255,10 @@ class FreeTable(PathTable):
         if start == goal:
             raise ScenarioError("goal is the start, place and yaw; give another one")
         if self.way is None:
-            if self.way_yaw is not None:
-                raise ScenarioError("way_yaw is given without way, whose points it is about; leave it out")
+            if self.way_yaw is not None or self.way_joint is not None:
+                raise ScenarioError(
+                    "way_yaw and way_joint are about the points of way, which is missing; leave them out"
+                )
             return straight_line(start.position, goal.position, yaw=yaw)
         for name, place, point in (("start", start, self.way[0]), ("goal", goal, self.way[-1])):
             gap = math.dist(place.position, point)
@@ -258,14 +267,21 @@ class FreeTable(PathTable):
                 raise ScenarioError(f"way: its end at the {name} is {shown} away from it; leave way out")
         if self.way_yaw is None:
             return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
-        if len(self.way_yaw) != len(self.way):
-            raise ScenarioError(f"way_yaw has {len(self.way_yaw)} angles for {len(self.way)} points; leave both out")
-        for name, place, angle in (("start", start, self.way_yaw[0]), ("goal", goal, self.way_yaw[-1])):
+        self._check_way_yaw(self.way, self.way_yaw)
+        poses = np.column_stack([self.way, self.way_yaw])
+        return path_through_poses(poses, None if self.way_joint is None else np.array(self.way_joint))
+
+    def _check_way_yaw(self, way: list[tuple[float, float, float]], way_yaw: list[float]) -> None:
+        for key, values in (("way_yaw", way_yaw), ("way_joint", self.way_joint)):
+            if values is not None and len(values) != len(way):
+                raise ScenarioError(
+                    f"{key} has {len(values)} angles for the {len(way)} points of way; leave all of them out"
+                )
+        for name, place, angle in (("start", self.start, way_yaw[0]), ("goal", self.goal, way_yaw[-1])):
             gap = abs(math.remainder(angle - place.yaw, math.tau))
             if gap > SAME_PLACE:
                 shown = format_quantity(gap, "angle", digits=3)
-                raise ScenarioError(f"way_yaw: its end at the {name} is turned by {shown} from it; leave way_yaw out")
-        return path_through_waypoints(self.way, yaw_at_points=self.way_yaw, smoothing=0.0)
+                raise ScenarioError(f"way_yaw: its end at the {name} is turned by {shown} from it; leave it out")
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {

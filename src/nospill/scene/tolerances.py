@@ -55,9 +55,10 @@ class Corner:
 
 def corner_scenes(scene: Scene) -> Iterator[Corner]:
     """Scenes in which every variant of every object occurs; none where all numbers are certain at one speed."""
+    if not has_variants(scene):
+        return
     by_object = variants_by_object(scene)
-    planned = (1.0,) if is_uncertain(scene) else ()
-    for speed in (*planned, *scene.motion.speeds):
+    for speed in (1.0, *scene.motion.speeds):
         families = [[item for item in own if item.speed == speed] for own in by_object]
         for number in range(max(map(len, families))):
             chosen = tuple(

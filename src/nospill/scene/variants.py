@@ -14,8 +14,8 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * speed of the motion, where a range is stated: of a liquid every one of `MotionRules.speeds`. Of a solid the wrench is
   linear in the square of the speed, and the limits are cones: both ends.
 
-Frequency, damping and speed are neither convex nor monotone: what holds at their corners held in between wherever it was
-tried (docs/uncertainty.md), which is no proof.
+Frequency, damping and speed are neither convex nor monotone: what holds at their corners held in between wherever it
+was tried (docs/uncertainty.md), which is no proof.
 """
 
 from __future__ import annotations
@@ -95,8 +95,13 @@ def variants(cargo: Cargo, *, fidelity: Fidelity, speeds: Sequence[float] = ()) 
     return (*planned, *slowed)
 
 
+def speed_text(speed: float) -> str:
+    """Of a part of the planned speed, in messages."""
+    return f"{100.0 * speed:.4g} % of the speed"
+
+
 def _slowed(item: Variant, speed: float) -> Variant:
-    parts = (item.text, f"{100.0 * speed:.4g} % of the speed")
+    parts = (item.text, speed_text(speed))
     return replace(item, text=", ".join(part for part in parts if part), speed=speed)
 
 

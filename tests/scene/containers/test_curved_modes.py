@@ -140,3 +140,12 @@ def test_the_liquid_as_a_whole_stays_what_it_is() -> None:
 def test_too_shallow_for_its_meniscus() -> None:
     with pytest.raises(ModelError, match=r"meniscus is 2.7 mm high and the liquid 4 mm deep"):
         curved_modes(VIAL, 0.004, 1, LENGTH, 0.0)
+
+
+def test_low_in_a_round_bottom_the_mesh_stays_the_right_way_round() -> None:
+    """The meniscus reaches a third of the depth; a mesh that is turned inside out is refused by itself."""
+    tube = TestTube(radius=0.0075, height=0.03, base_radius=0.0075).meridian
+    for level in (0.0075, 0.009, 0.0113):
+        for angle in (0.0, 60.0, 180.0):
+            coarse, fine = (solve_curved(tube, level, n, LENGTH, math.radians(angle)) for n in (40, 80))
+            assert squares(coarse)[0] == pytest.approx(squares(fine)[0], rel=5e-3)

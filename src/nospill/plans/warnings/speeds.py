@@ -8,9 +8,7 @@ from nospill.judge.other_speeds import SpeedUse
 from nospill.plans.warnings.record import PlanWarning
 
 
-def other_speeds(
-    uses: Sequence[SpeedUse], speed_range: tuple[float, float] | None = None
-) -> Iterator[PlanWarning]:
+def other_speeds(uses: Sequence[SpeedUse], speed_range: tuple[float, float] | None = None) -> Iterator[PlanWarning]:
     """A limit on an object is broken at a lower speed; `speed_range` is where the certificate holds too."""
     broken = [item for item in uses if max(item.liquid, item.contact) > 1.0]
     if broken:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.paths import Path
+from nospill.core.piecewise import Pieces
 from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
 from nospill.robots.tool import Tool
@@ -66,6 +67,7 @@ def follow(
     *,
     tool: Tool,
     held: np.ndarray | None = None,
+    moving: Pieces | None = None,
 ) -> Followed:
     """Follow each start configuration along the path, joint limits ignored.
 
@@ -77,8 +79,9 @@ def follow(
         tool: frame carried by the flange.
         held: (n,) combination of the joints that keeps its start value; without it, seven joints move as little as
             they can.
+        moving: the values that it has along the path in the place of that one, rad.
     """
-    stepper = _Stepper(arm, path, tool, held)
+    stepper = _Stepper(arm, path, tool, held, moving)
     positions, rotations = tray_poses(path, s)
     rates = tray_rates(path, s)
     branches = len(starts)
@@ -94,7 +97,9 @@ def follow(
             start = q[waiting, index - 1]
             if substeps == 1:
                 width = s[index] - s[index - 1]
-                reached, good = stepper.step(start, width, positions[index], rotations[index], rates[index - 1])
+                reached, good = stepper.step(
+                    start, width, positions[index], rotations[index], rates[index - 1], stepper.held(start, s[index])
+                )
             else:
                 reached, good = stepper.advance(start, np.linspace(s[index - 1], s[index], substeps + 1))
             q[waiting[good], index] = reached[good]
@@ -107,13 +112,14 @@ def follow(
     complete = np.zeros(branches, dtype=bool)
     complete[active] = True
     for branch in active:
+        values = None if held is None else np.full(len(s), starts[branch] @ held) if moving is None else moving(s)[:, 0]
         polished, error = newton(
             arm,
             positions,
             rotations,
             q[branch],
             tool=tool,
-            held=None if held is None else Held(held, np.full(len(s), starts[branch] @ held)),
+            held=None if held is None or values is None else Held(held, values),
             max_iterations=5,
         )
         settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
@@ -127,11 +133,12 @@ def follow(
 class _Stepper:
     """Predictor along dq/ds and two Newton corrections, on several branches at once."""
 
-    def __init__(self, arm: Kinematics, path: Path, tool: Tool, held: np.ndarray | None) -> None:
+    def __init__(self, arm: Kinematics, path: Path, tool: Tool, held: np.ndarray | None, moving: Pieces | None) -> None:
         self._arm = arm
         self._path = path
         self._tool = tool
         self._held = held
+        self._moving = moving
 
     def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which made it (k,)."""
@@ -139,12 +146,13 @@ class _Stepper:
         good = np.ones(len(q), dtype=bool)
         positions, rotations = tray_poses(self._path, s[1:])
         rates = tray_rates(self._path, s[:-1])
-        kept = self._kept(q)
+        kept = self.held(q, s[0])
         for step, width in enumerate(np.diff(s)):
             rows = np.flatnonzero(good)
             if rows.size == 0:
                 break
             held = None if kept is None else Held(kept.direction, kept.values[rows])
+            held = held if self._moving is None else self.held(q[rows], s[step + 1])
             q[rows], good[rows] = self.step(q[rows], width, positions[step], rotations[step], rates[step], held)
         return q, good
 
@@ -155,7 +163,7 @@ class _Stepper:
         position: np.ndarray,
         rotation: np.ndarray,
         rate: np.ndarray,
-        held: Held | None = None,
+        held: Held | None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Carry branches by one step; return where they are (k, n) and which made it (k,).
 
@@ -165,14 +173,13 @@ class _Stepper:
             position: (3,) of the tray at the end of the step.
             rotation: (3, 3) likewise.
             rate: (6,) as of `tray_rates`, at the beginning of the step.
-            held: what keeps its value; without it, the value at q.
+            held: what it comes to at the end of the step; None where nothing is held.
         """
         _, _, jacobian = self._at(q)
-        held = held or self._kept(q)
-        rates = np.broadcast_to(rate, (len(q), 6))
+        way = np.broadcast_to(width * rate, (len(q), 6))
         if held is not None:
-            jacobian, rates = held.added(jacobian, rates, q)
-        prediction = width * least_norm_step(jacobian, rates)
+            jacobian, way = held.added(jacobian, way, q)
+        prediction = least_norm_step(jacobian, way)
         near = q + prediction
         first = self._correction(near, position, rotation, held)
         second = self._correction(near + first, position, rotation, held)
@@ -180,8 +187,13 @@ class _Stepper:
         good = (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
         return near + first + second, good
 
-    def _kept(self, q: np.ndarray) -> Held | None:
-        return None if self._held is None else Held(self._held, q @ self._held)
+    def held(self, q: np.ndarray, s: float) -> Held | None:
+        """What is held of branches at q (k, n), and its value at s; None where nothing is."""
+        if self._held is None:
+            return None
+        return Held(
+            self._held, q @ self._held if self._moving is None else np.repeat(self._moving(np.array([s])), len(q))
+        )
 
     def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray, held: Held | None) -> np.ndarray:
         reached, turned, jacobian = self._at(q)

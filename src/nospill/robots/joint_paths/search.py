@@ -20,6 +20,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.core.hermite import cubic_hermite
 from nospill.core.paths import Path
+from nospill.core.piecewise import Pieces
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
 from nospill.robots.joint_paths.no_joint_path import explain
@@ -123,14 +124,14 @@ def try_joint_paths(
 ) -> TriedPaths:
     """`joint_paths` for whoever tries many: the reason why there is none is found out only on demand."""
     s = np.linspace(0.0, 1.0, samples)
-    starts = _starts(robot, path, tool)
     joint = redundant_joint(robot)
     followed: Followed | None = None
     found: list[JointPath] = []
-    for held in (None,) if joint is None else (np.eye(len(robot.joints))[joint], None):
-        followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held)
-        motions = [(q, np.zeros(samples)) for q in followed.q[followed.complete]]
-        found = _within_limits(robot, path, s, motions, held, tool=tool)
+    for held, moving in _tries(robot, path, joint):
+        starts = _starts(robot, path, joint, moving, tool)
+        followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held, moving=moving)
+        rates = np.zeros(samples) if moving is None else moving(s, 1)[:, 0]
+        found = _within_limits(robot, path, s, [(q, rates) for q in followed.q[followed.complete]], held, tool=tool)
         if found:
             break
     assert followed is not None  # there is one turn of the loop at least
@@ -169,13 +170,21 @@ def branch_in_words(q: np.ndarray) -> str:
     return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
 
 
-def _starts(robot: Robot, path: Path, tool: Tool) -> np.ndarray:
+def _tries(robot: Robot, path: Path, joint: int | None) -> list[tuple[np.ndarray | None, Pieces | None]]:
+    """What is held along the path and the values it has there, one try after the other."""
+    if joint is None:
+        return [(None, None)]
+    held = np.eye(len(robot.joints))[joint]
+    known = [] if path.joint is None else [(held, path.joint)]
+    return [*known, (held, None), (None, None)]
+
+
+def _starts(robot: Robot, path: Path, joint: int | None, moving: Pieces | None, tool: Tool) -> np.ndarray:
     """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
     positions, rotations = tray_poses(path, np.zeros(1))
-    joint = redundant_joint(robot)
     if joint is None:
         return solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
-    values = held_positions(robot, joint)
+    values = held_positions(robot, joint) if moving is None else moving(np.zeros(1))[:, 0]
     found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), tool=tool) for value in values]
     return np.concatenate(found)
 

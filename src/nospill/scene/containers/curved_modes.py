@@ -30,7 +30,7 @@ from nospill.scene.containers.revolved_modes import surface_elements, surface_te
 
 _REACH = 2.0
 """Depth, in radii of the surface, down to which the mesh is raised with it."""
-_STEEPEST = 0.5
+_STEEPEST = 0.4
 """Part of this depth that the surface may be off the flat one."""
 _STEP = 1e-3
 """Of the radius: difference of heights by which the curvature of the wall is taken."""
@@ -141,11 +141,11 @@ def _raised(mesh: MeridianMesh, meridian: Meridian, level: float, surface: RestS
     if max(abs(rise), abs(drop)) > _STEEPEST * depth:
         shown, deep = (format_quantity(value, "length", digits=3) for value in (max(abs(rise), abs(drop)), depth))
         raise ModelError(
-            f"the meniscus is {shown} high and the liquid {deep} deep above its bottom or a ledge: at least twice the "
-            "meniscus is needed; pour in more, or leave contact_angle out"
+            f"the meniscus is {shown} high and the liquid {deep} deep above its bottom or a ledge: at least 2.5 times "
+            "the meniscus is needed; pour in more, or leave contact_angle out"
         )
     r, z = mesh.nodes.T
-    share = np.clip((z - level + depth) / depth, 0.0, 1.0)
+    share = np.clip((z - level + depth) / depth, 0.0, 1.0) ** 2
     width = np.interp(z, points[:, 1], points[:, 0])
     outer = np.unique(mesh.wall)
     width[outer] = np.where(share[outer] > 0.0, r[outer], width[outer])

@@ -21,6 +21,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from nospill.core.arrays import read_only
+from nospill.errors import ModelError
 from nospill.scene.containers.meridian import Meridian
 from nospill.scene.containers.meridian_mesh import MeridianMesh, mesh_liquid
 
@@ -135,12 +136,21 @@ def _shape(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def volume_terms(mesh: MeridianMesh, level: float) -> tuple[sp.csc_array, np.ndarray]:
-    """The matrix of a and the right side of Zhukovsky's problem, z from the level."""
+    """The matrix of a and the right side of Zhukovsky's problem, z from the level.
+
+    Raises:
+        ModelError: an element is turned inside out.
+    """
     value, derivative = _shape(_QUADRATURE)
     corners = mesh.nodes[mesh.triangles]
     place = np.einsum("qi,tix->tqx", value, corners)
     jacobian = np.einsum("qiy,tix->tqxy", derivative, corners)
     area = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    if not np.all(area > 0.0):
+        raise ModelError(
+            "the liquid's shape is too intricate for the slosh model; give another fill, a plainer profile or no "
+            "contact_angle"
+        )
     inverse = np.linalg.inv(jacobian)
     slope = np.einsum("qiy,tqyx->tqix", derivative, inverse)
     r, z = place[..., 0], place[..., 1] - level
