@@ -54,6 +54,8 @@ LEVERS: list[tuple[str, dict[str, Any], str, str, str]] = [
     ("matrix-rigid", {}, "tilt", "theta_x", "motion.max_tilt"),
     ("matrix-rigid", {}, "path jerk", "path", "motion.path_jerk_limit"),
     ("matrix-rigid", {}, "tilt jerk", "theta_y", "motion.tilt_jerk_limit"),
+    ("matrix-rigid", {"motion.max_speed": 0.5}, "tray speed", "tray", "motion.max_speed"),
+    ("matrix-rigid", {"motion.max_acceleration": 3.0}, "tray acceleration", "tray", "motion.max_acceleration"),
 ]
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from nospill.judge.certificate import judge_motion
-from nospill.judge.other_speeds import SPEEDS, SpeedUse, at_speed, uses_at
+from nospill.judge.other_speeds import SPEEDS, SpeedUse, uses_at
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role
+from nospill.motion.at_speed import at_speed
 from nospill.plans.warnings.speeds import other_speeds
 
 
@@ -56,4 +57,6 @@ def test_a_broken_limit_is_warned_of_and_a_kept_one_not() -> None:
     (warning,) = other_speeds(worse)
     assert warning.value == 1.52 and warning.subject == "motion"
     assert "at 50 % of the speed residual height of c4 uses 152 % of its limit" in warning.text
-    assert "1 of 12 lower speeds" in warning.text
+    assert "1 of 12 lower speeds" in warning.text and "motion.speed_range" in warning.text
+    (warning,) = other_speeds(worse, (0.6, 1.0))
+    assert warning.text.endswith("keep the speed between 60 and 100 %, which is certified.")

@@ -25,6 +25,7 @@ from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
+from nospill.plans import approach
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plots import evidence as evidence_module
@@ -152,7 +153,7 @@ def series(axes: Axes) -> list:
 @pytest.mark.slow
 def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
-    monkeypatch.setattr(figures, "judge", lambda *given: calls.append(given) or tilting.judgement)
+    monkeypatch.setattr(approach, "judge", lambda *given: calls.append(given) or tilting.judgement)
     before = dict(matplotlib.rcParams)
     pyplot = "matplotlib.pyplot" in sys.modules
     (tmp_path / "deep" / "figures").mkdir(parents=True)
@@ -182,7 +183,7 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
 
 
 def test_folder_that_cannot_be_made(tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(figures, "judge", lambda *_: tilting.judgement)
+    monkeypatch.setattr(approach, "judge", lambda *_: tilting.judgement)
     (tmp_path / "taken").write_text("")
     with pytest.raises(PlanFolderError, match="figures cannot be written"):
         save_figures(tilting.plan, tmp_path / "taken")
@@ -409,7 +410,7 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     def never(*_: object) -> None:
         raise AssertionError("judged again")
 
-    monkeypatch.setattr(figures, "judge", never)
+    monkeypatch.setattr(approach, "judge", never)
     monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
     plan = dataclasses.replace(tilting.plan, judgement=tilting.judgement)
     told: list[tuple[int, int]] = []

@@ -50,8 +50,10 @@ def test_a_scene_as_read_is_itself(name: str) -> None:
 @pytest.mark.parametrize(
     "change",
     [
+        on("motion", max_speed=0.8, max_acceleration=4.0),
         on("motion", tilt_free=False, max_duration=5.0, end="still", max_tilt=0.2, hold_after=1.0),
         on("planning", intervals=40, starts=3, max_plan_time=30.0),
+        on("motion", speed_range=(0.5, 0.9)),
         on("tray", size=np.array([0.4, 0.3]), mass=0.5),
         on("robot", max_speed=0.5 * SCENE.robot.max_speed, lower=0.9 * SCENE.robot.lower),
         on("robot", home=0.5 * (SCENE.robot.lower + SCENE.robot.upper)),

@@ -18,7 +18,10 @@ from nospill.scenario.other_names import _ELSEWHERE, _HERE
         ("cargo.c1.diameter=0.07", 'unknown key "diameter"; a diameter: give radius = half of it$'),
         ("cargo.c1.Radius=0.03", 'unknown key "Radius"; did you mean "radius"'),
         ("cargo.c1.rim-margin=0.1", "the key is freeboard_reserve; it is a fraction of the way"),
-        ("robot.max_acceleration=5", r"write acceleration under \[robot\.limits\]$"),
+        (
+            "robot.max_acceleration=5",
+            r"write acceleration under \[robot\.limits\], or max_acceleration of the tray under \[motion\]$",
+        ),
         ("robot.limits.max_acceleration=5", "the key is acceleration$"),
         ("tray.mu=0.4", "the key is friction$"),
         ("gravity=1.6", r"gravity is 9\.80665 m/s\^2 always$"),

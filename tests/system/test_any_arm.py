@@ -77,6 +77,12 @@ def test_every_robot_carries_two_cups_along_the_arc(robot: str, tilt: bool) -> N
     samples = found.trajectory
     speed = np.gradient(samples.joint_position, samples.t, axis=0)
     assert np.all(np.abs(speed) <= arm.max_speed * 1.001)
+    if arm.braking is not None:  # from the speed it has every joint can stop before its end
+        way = np.where(
+            speed > 0.0, arm.braking.upper - samples.joint_position, samples.joint_position - arm.braking.lower
+        )
+        highest = np.sqrt(2.0 * arm.braking.deceleration * way) - arm.braking.offset
+        assert np.all(np.abs(speed) <= np.maximum(highest, 1e-3) + 2e-3)
     assert np.all((samples.joint_position >= arm.lower) & (samples.joint_position <= arm.upper))
     direction = self_motion(arm, samples.joint_position) if len(arm.joints) > 6 else None
     assert keeps_branch(determinants(arm, samples.joint_position, direction))

@@ -132,8 +132,9 @@ def own(rows: tuple[Row, ...], constraint: str) -> list[Row]:
 
 
 def test_every_constraint_is_here() -> None:
-    # Limits of joint acceleration, jerk and torque: tests/test_any_arm.py.
-    elsewhere = {"joint acceleration", "joint jerk", "joint torque"}
+    # Limits of joint acceleration, jerk and torque: tests/system/test_any_arm.py; of the tray's speed and
+    # acceleration: tests/planning/test_tray_limits_reached.py.
+    elsewhere = {"joint acceleration", "joint jerk", "joint torque", "tray speed", "tray acceleration"}
     assert {case.constraint for case in CASES} == {constraint.name for constraint in CONSTRAINTS} - elsewhere
 
 

@@ -192,7 +192,7 @@ def test_threads_change_no_bit(threads, monkeypatch):
     found = problem("matrix-liquid-tilt")
     plain = found.transcription
     monkeypatch.setenv("NOSPILL_THREADS", threads)
-    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None)
+    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None, ())
     point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
     assert plain.rows_per_stage == shared.rows_per_stage  # the problem keeps every row, too
     for name, inputs in (
@@ -297,5 +297,6 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
     discs = {f".objects[{index}].half_lengths.1" for index in (0, 1, 3)}
     discs |= {f".objects[{index}].liquid_depth.0" for index in range(4)}  # no liquid is shallow
     unset = ("corridor", "offset_jerk", "max_acceleration", "max_jerk", "max_torque", "load_", "self_motion")
+    unset += ("max_tray_speed", "max_tray_acceleration")
     unlimited = {name for name in names if name.startswith(tuple(f".{name}" for name in unset))}
     assert silent == solid | discs | unlimited | {".path_breaks.7"}

@@ -117,7 +117,7 @@ def _moment(places: Places, name: str, folder: Path) -> Path:
 
 def _card(number: int, name: str, about: str, summary: dict[str, Any]) -> str:
     page = f"{number:02d}-{name}"
-    held = f"; {summary['held_back']}" if summary["held_back"] else ""
+    held = "".join(f"; {summary[key]}" for key in ("held_back", "full_model") if summary[key])
     return (
         f"## {number}. [{name}]({page}.md)\n\n{about[:1].upper()}{about[1:]}.\n\n"
         f"```{{figure}} {page}/moment.png\n:alt: the tray of {name} in the middle of its motion\n:width: 70%\n"
@@ -150,6 +150,7 @@ def _page(number: int, name: str, about: str, scenario: str, folder: Path, pictu
             "greatest use of a joint speed",
             percent(summary["max_joint_speed_use"], summary["max_joint_speed_use"] <= 1.0),
         ),
+        *([("beside the certificate", summary["full_model"])] if summary["full_model"] else []),
         *((f"liquid in {cup}, greatest height", f"{1e3 * height:.2f} mm") for cup, height in heights.items()),
     ]
     still = f"```{{image}} {number:02d}-{name}/moment.png\n:alt: the tray of {name} in its motion\n```\n\n"

@@ -107,6 +107,8 @@ _JOINT_COLUMNS = {
     "lower_deg": "least, deg",
     "upper_deg": "greatest, deg",
     "max_speed_deg_s": "speed, deg/s",
+    "braking_deceleration_rad_s2": "braking, rad/s^2",
+    "braking_offset_rad_s": "offset, rad/s",
     "max_acceleration_rad_s2": "acceleration, rad/s^2",
     "max_jerk_rad_s3": "jerk, rad/s^3",
     "max_torque_nm": "torque, N m",

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.approach.segment import Segment
-from nospill.judge.certificate import corner_rows
 from nospill.judge.clearance import clearance_rows
+from nospill.judge.corners import corner_rows
 from nospill.judge.record_checks import SPEED_TOLERANCE
 from nospill.judge.replay import MINIMUM_RATE, replay
 from nospill.judge.traces import constraint_traces, control_inputs, evaluated_traces

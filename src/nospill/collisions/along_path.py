@@ -49,7 +49,7 @@ def nearest_along(scene: Scene, joint_path: JointPath, *, on_path: bool = False,
     for pair in scene_pairs(scene):
         if on_path and not (pair.first.on_path and pair.second.obstacle is not None):
             continue
-        where = np.arange(places) if worst is None else np.flatnonzero(_ball_room(pair, frames) < worst.room)
+        where = np.arange(places) if worst is None else np.flatnonzero(ball_room(pair, frames) < worst.room)
         if not len(where):
             continue
         room = Distances(pair.first, pair.second).at(frames, where)[0] - pair.limit
@@ -60,8 +60,25 @@ def nearest_along(scene: Scene, joint_path: JointPath, *, on_path: bool = False,
     return worst
 
 
-def _ball_room(pair: Pair, frames: JointFrames) -> np.ndarray:
-    """A bound (m,) on the room by the balls about both bodies, m."""
+def least_room(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float]:
+    """Distance less what must be kept, m, the least over joint positions (m, n), rad, by the subjects of the pairs.
+
+    Where it is above `within`, m, it is a bound by the balls about the bodies.
+
+    Raises:
+        MissingExtraError: the library coal is not installed.
+    """
+    frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
+    for pair in scene_pairs(scene):
+        room = ball_room(pair, frames)
+        near = np.flatnonzero(room < within)
+        room[near] = Distances(pair.first, pair.second).at(frames, near)[0] - pair.limit
+        found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
+    return found
+
+
+def ball_room(pair: Pair, frames: JointFrames) -> np.ndarray:
+    """A bound (m,) on the room of a pair by the balls about both bodies, m."""
     if pair.second.shape.kind == "halfspace":
         return np.full(frames.position.shape[1], -np.inf)
     first, second = (

@@ -7,11 +7,14 @@ frame's own axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 SX = ca.SX
+
+VERTICAL = SX(ca.DM([0, 0, 1]))
+"""e_z, in base axes and in those of a level tray."""
 
 
 def vector(*components: SX | float) -> SX:
@@ -73,29 +76,41 @@ class FrameMotion:
         angular_velocity: omega, rad/s.
         angular_acceleration: alpha, rad/s^2.
         specific_force: R^T (acceleration of the origin + g e_z), m/s^2: what an accelerometer at the origin reads.
+        up: R^T e_z, the vertical; None where it is not known.
     """
 
     angular_velocity: SX
     angular_acceleration: SX
     specific_force: SX
+    up: SX | None = None
 
     def at(self, offset: SX | ca.DM) -> FrameMotion:
         """The frame carried to a point of the same rigid body, `offset` (3,) m in the frame's axes."""
         omega, alpha = self.angular_velocity, self.angular_acceleration
         carried = self.specific_force + ca.cross(alpha, offset) + ca.cross(omega, ca.cross(omega, offset))
-        return FrameMotion(omega, alpha, carried)
+        return FrameMotion(omega, alpha, carried, self.up)
+
+    def heavier(self, added: SX | float) -> FrameMotion:
+        """The same motion in a gravity that is greater by `added`, m/s^2."""
+        assert self.up is not None
+        return replace(self, specific_force=self.specific_force + added * self.up)
 
     def turned(self, yaw: SX | float) -> FrameMotion:
         """The same motion in axes fixed to the body but turned by `yaw` rad about its z."""
         back = rotation_z(yaw).T
-        return FrameMotion(back @ self.angular_velocity, back @ self.angular_acceleration, back @ self.specific_force)
+        up = None if self.up is None else back @ self.up
+        force = back @ self.specific_force
+        return FrameMotion(back @ self.angular_velocity, back @ self.angular_acceleration, force, up)
 
 
-def body_motion(body: SX) -> FrameMotion:
-    """Nine rows (9, 1) as a frame motion: angular velocity, angular acceleration, specific force."""
-    return FrameMotion(body[:3], body[3:6], body[6:])
+def body_motion(body: SX, up: SX | None = None) -> FrameMotion:
+    """Nine rows (9, 1) as a frame motion: angular velocity, angular acceleration, specific force.
+
+    The vertical is `up`, or three more rows.
+    """
+    return FrameMotion(body[:3], body[3:6], body[6:9], body[9:12] if body.numel() > 9 else up)
 
 
 def frame_at_rest(gravity: SX) -> FrameMotion:
     """Motion of a level frame at rest: gravity, m/s^2, is all there is of the specific force."""
-    return FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, gravity))
+    return FrameMotion(SX.zeros(3), SX.zeros(3), ca.vertcat(0, 0, gravity), VERTICAL)

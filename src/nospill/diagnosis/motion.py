@@ -14,6 +14,7 @@ from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import SPARE, is_helped, least_share, wide_enough
 from nospill.diagnosis.options import Option, smaller_turn
 from nospill.diagnosis.quasi_static import (
+    longer_time,
     path_place,
     quasi_static_motion,
     require_possible_at_rest,
@@ -254,7 +255,7 @@ def _never(trials: Trials, last: Answer | None) -> NoSolutionError:
     judged = quasi_static_motion(with_time(scene, slow), trials.joint_path)
     if judged is not None and not judged[0].ok:
         worst = judged[0].worst
-        changes = _smooth_enough(trials, worst, slow)
+        changes = [*longer_time(trials, worst.use), *_smooth_enough(trials, worst, slow)]
         at_s = path_place(judged[1], worst.at_s)
         return NoSolutionError(
             f"No motion found: {without_time(worst)} at {place_in_words(scene.path, at_s)}, "

@@ -8,8 +8,8 @@ import numpy as np
 
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import wide_enough
-from nospill.diagnosis.search import SLOW, Trials
-from nospill.errors import REST, ModelError, NoSolutionError, Reason
+from nospill.diagnosis.search import MOST_TIME, SLOW, Trials
+from nospill.errors import REST, Change, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
 from nospill.judge.wording import describe
@@ -79,6 +79,24 @@ def _broken_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
 def with_time(scene: Scene, max_duration: float) -> Scene:
     """The scene with another longest duration, s, and none given."""
     return replace(scene, motion=replace(scene.motion, max_duration=max_duration, duration=None))
+
+
+def longer_time(trials: Trials, use: float) -> list[Change]:
+    """A longer duration in which a smooth motion keeps every limit: nothing where none does.
+
+    Args:
+        trials: of the task.
+        use: of the limit that the slowest smooth motion of the time allowed breaks most.
+    """
+    scene, slow = trials.run.scene, max(trials.limit, SLOW)
+    for factor in (np.sqrt(use), use):  # what breaks it falls with the square of the duration, or with the duration
+        needed = float(1.05 * factor * slow)
+        judged = None if needed > MOST_TIME else quasi_static_motion(with_time(scene, needed), trials.joint_path)
+        if judged is not None and judged[0].ok:
+            key = "max_duration" if scene.motion.duration is None else "duration"
+            text = f"{key} {needed:.3g} s instead of {trials.limit:.3g} s"
+            return [Change(key, f"motion.{key}", needed, text)]
+    return []
 
 
 def quasi_static_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificate, Trajectory] | None:

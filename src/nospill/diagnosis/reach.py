@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -49,20 +50,23 @@ class _Clock:
         return time.process_time() - self.began > 2.0 * BUDGET
 
 
-def advised(scene: Scene, error: ScenarioError, search: Searcher) -> ScenarioError:
-    """The error of an arm that cannot follow its path, with the smallest single changes that were found to help.
+@contextmanager
+def advised(scene: Scene, searcher: Callable[[Scene], Searcher]) -> Iterator[None]:
+    """Add the smallest single changes that were found to help to the error of an arm that cannot follow its path.
 
     Args:
         scene: the task.
-        error: as `joint_paths` or `choose_base_yaw` raised it; without a reason about the robot it comes back as it is.
-        search: what tries whether a motion is found for a changed task.
+        searcher: makes what tries whether a motion is found for a changed task.
     """
-    reason = error.reason
-    if reason is None or reason.kind != ROBOT:
-        return error
-    changes = helpful_changes(scene, reason, partial(is_possible, search))
-    text = str(error) if not changes else f"{error}. {advice(changes, '')}"
-    return ScenarioError(text, replace(reason, changes=changes))
+    try:
+        yield
+    except ScenarioError as error:
+        reason = error.reason
+        if reason is None or reason.kind != ROBOT:
+            raise
+        changes = helpful_changes(scene, reason, partial(is_possible, searcher(scene)))
+        text = str(error) if not changes else f"{error}. {advice(changes, '')}"
+        raise ScenarioError(text, replace(reason, changes=changes)) from None
 
 
 def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Change, ...]:

@@ -24,7 +24,7 @@ from nospill.transcription.starting_motions import USUAL_START, Start
 
 _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""
-_LEAST_TIME, _MOST_TIME = 20.0, 600.0
+_LEAST_TIME, MOST_TIME = 20.0, 600.0
 """s; bounds of that."""
 SLOW = 20.0
 """s; a motion of this length is slow enough to tell what is impossible at any speed."""
@@ -171,7 +171,7 @@ class Trials:
             joint_path: in place of the one the search failed with.
         """
         if longest is None:
-            longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), _MOST_TIME)
+            longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), MOST_TIME)
         scene = replace(scene, motion=replace(scene.motion, max_duration=longest, duration=None))
         trial = self.run.trial(scene, joint_path or self.joint_path)
         kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)
@@ -206,18 +206,16 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     if len(solution.multipliers) != len(values[0]):
         return {}
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
-    inside, end = np.split(effect, [transcription.intervals * transcription.rows_per_stage])
-    inside = inside.reshape(-1, transcription.rows_per_stage)
     sensitivities: dict[RowId, Sensitivity] = {}
-    for blocks, effects in ((transcription.blocks, inside), (transcription.end_blocks, end[None, :])):
-        for block in blocks:
-            key = problem.rows[block.row]
-            per_stage = effects[:, block.first : block.first + block.count].sum(axis=1)
-            at_s = 1.0 if effects is not inside else float(stages.table[int(np.argmax(per_stage)), 0])
-            before = sensitivities.get(key, Sensitivity(0.0, at_s))
-            total = float(per_stage.sum())
-            most = at_s if total > before.elasticity else before.at_s
-            sensitivities[key] = Sensitivity(before.elasticity + total, most)
+    for row, places in problem.places:
+        per_node = effect[places].sum(axis=1)
+        # rows of clearance begin at the second node
+        first = transcription.intervals - len(per_node)
+        at_s = 1.0 if len(per_node) == 1 else float(stages.table[first + int(np.argmax(per_node)), 0])
+        before = sensitivities.get(row, Sensitivity(0.0, at_s))
+        total = float(per_node.sum())
+        most = at_s if total > before.elasticity else before.at_s
+        sensitivities[row] = Sensitivity(before.elasticity + total, most)
     return sensitivities
 
 

@@ -16,7 +16,7 @@ from nospill.judge.certificate import Judgement, judge, judge_joints
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Trace, worst_row
-from nospill.laws.constraints.base import EvaluationPoint, RowId
+from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples, planned_motion
@@ -34,7 +34,7 @@ _RATE = 500.0
 """Hz, of the samples of the motion, and of the grid on which the drawn motions are judged."""
 _BEFORE, _AFTER = 0.02, 0.4
 """s; of rest that are played before and after the motion."""
-_JOINT_POINTS = (EvaluationPoint.OBJECT, EvaluationPoint.JOINT, EvaluationPoint.END)
+_JOINT_POINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL)
 _PEAKS = (SloshHeight.name, Slip.name)
 
 

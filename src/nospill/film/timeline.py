@@ -15,6 +15,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
@@ -119,13 +120,18 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
         t=t - start,
         end_time=plan.duration - start,
         joint_position=played.joint_position[picked],
-        joint_speed_use=played.joint_speed[picked] / scene.robot.max_speed,
+        joint_speed_use=_joint_speed_use(judgement)[picked],
         tray_position=played.tray.position[picked],
         tray_rotation=played.tray.rotation[picked],
         specific_force=played.body[6:9, picked].T,
         liquids=_liquids(scene, _coordinates(scene, played, picked, after), leans),
         contact_use=_contact_use(judgement, scene, picked),
     )
+
+
+def _joint_speed_use(judgement: Judgement) -> np.ndarray:
+    traces = [trace for trace in judgement.traces if trace.constraint == JointSpeed.name]
+    return np.column_stack([trace.value / np.abs(trace.limit) for trace in traces])
 
 
 def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[str, LiquidTrack]:

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from nospill.judge.clearance import clearance_rows
-from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
+from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.run import Run, command_rows, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
-from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, EvaluationPoint, RowId
+from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import corner_scenes
 
 _OF_JOINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL)
 """What follows from the joints alone; controls are those of the record."""
@@ -154,7 +153,7 @@ def _judged(
     traces = constraint_traces(held, scene, played, points=points)
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
-    for trace, variant in _corner_traces(held, scene, motion=motion, rate=rate, played=played):
+    for trace, variant in corner_traces(held, scene, motion=motion, rate=rate, played=played):
         corners.append(replace(worst_row(trace), variant=variant))
         own = RowId(trace.constraint, trace.subject)
         if len(trace.t) > 1:
@@ -168,39 +167,3 @@ def _judged(
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use)
-
-
-def corner_rows(
-    trajectory: Trajectory,
-    scene: Scene,
-    *,
-    motion: JointMotion | None = None,
-    rate: float = MINIMUM_RATE,
-    played: Replay | None = None,
-) -> tuple[Row, ...]:
-    """Rows of every constraint on every variant of the objects; none where all numbers are certain.
-
-    Args:
-        trajectory: the record, with its holds.
-        scene: what it must keep to.
-        motion: what the receiver's joints do; the spline through the recorded positions when left out.
-        rate: Hz, the least rate of the grid.
-        played: the replay of the scene as stated; with it, joint torques under the worst load too.
-    """
-    traces = _corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
-    return tuple(replace(worst_row(trace), variant=variant) for trace, variant in traces)
-
-
-def _corner_traces(
-    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None, rate: float, played: Replay | None
-) -> Iterator[tuple[Trace, str]]:
-    """The traces behind `corner_rows`, one at a time, each with the variant it is of."""
-    any_corner = False
-    for corner in corner_scenes(scene):
-        own = replay(trajectory, corner.scene, motion=motion, rate=rate)
-        for trace in constraint_traces(trajectory, corner.scene, own, points=OF_OBJECTS):
-            if trace.subject in corner.texts:
-                any_corner = True
-                yield trace, corner.texts[trace.subject]
-    if any_corner and played is not None:
-        yield from ((trace, WORST_LOAD) for trace in worst_load_traces(scene, played))

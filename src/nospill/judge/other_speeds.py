@@ -17,6 +17,7 @@ from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Role
 from nospill.laws.like_objects import outer_objects
+from nospill.motion.at_speed import at_speed
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -42,21 +43,6 @@ class SpeedUse:
     liquid: float
     contact: float
     worst: str
-
-
-def at_speed(trajectory: Trajectory, speed: float) -> Trajectory:
-    """The record of a motion played at a part of its speed: t/v, rates times v, accelerations times v^2.
-
-    The columns of the liquids stay as they are, and do not belong to it.
-    """
-    rates = {name: getattr(trajectory, name) * speed for name in ("s_rate", "tilt_rate", "joint_speed")}
-    second = ("s_acceleration", "tilt_acceleration", "joint_acceleration")
-    return replace(
-        trajectory,
-        t=trajectory.t / speed,
-        **rates,
-        **{name: getattr(trajectory, name) * speed**2 for name in second},
-    )
 
 
 def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:

@@ -73,6 +73,7 @@ def constraint_traces(
                 *([played_offset(trajectory, scene, played).T] if scene.motion.corridor is not None else []),
             ],
         ),
+        EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
         EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
         EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
@@ -231,6 +232,9 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
                 joint_acceleration=inputs[2],
                 offset=inputs[3] if kind.offset_free else None,
             )
+        elif point is EvaluationPoint.TRAY:
+            inputs = [SX.sym(name, 3) for name in ("velocity", "acceleration")]
+            sample = Sample(kind, numbers, tray_velocity=inputs[0], tray_acceleration=inputs[1])
         else:
             inputs = [SX.sym("tilt", 2), SX.sym("jerks", kind.freedom.chains), SX.sym("joint_jerk", joints)]
             sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])

@@ -14,6 +14,7 @@ from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import object_structure, structure_of
+from nospill.motion.at_speed import at_speed
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -92,8 +93,15 @@ def variant_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[VariantI
         found |= liquid_tracks(trajectory, scene, dict(zip(unknown, unknown, strict=True)))
     for corner in corner_scenes(scene):
         wanted = {name: names[name, text] for name, text in corner.texts.items() if (name, text) in names}
-        found |= liquid_tracks(trajectory, corner.scene, wanted) if wanted else {}
+        if wanted:
+            tracks = liquid_tracks(at_speed(trajectory, corner.speed), corner.scene, wanted)
+            found |= {name: _in_planned_time(track, corner.speed) for name, track in tracks.items()}
     return found
+
+
+def _in_planned_time(track: SloshTrack, speed: float) -> SloshTrack:
+    """A liquid of a slow motion on the clock of the planned one."""
+    return track if speed == 1.0 else replace(track, velocity=track.velocity / speed)
 
 
 def _is_whole(track: SloshTrack | None, cargo: Cargo) -> bool:

@@ -25,15 +25,19 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
         limit: (m,) or one number, in the constraint's unit.
         margin: likewise.
     """
+    use = 1.0 - np.asarray(margin) / _size(constraint, limit)
+    return np.where(np.isnan(use), np.inf, use)
+
+
+def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
     known = BY_NAME.get(constraint.removeprefix(APPROACH))
     size = np.maximum(np.abs(limit), 0.0 if known is None else known.least_size)
-    use = 1.0 - np.asarray(margin) / np.where(size > 0.0, size, 1.0)
-    return np.where(np.isnan(use), np.inf, use)
+    return np.where(size > 0.0, size, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One constraint and one subject: the instant with the least margin. `ok` is worst_margin >= 0.
+    """One constraint and one subject: the instant that uses most of the limit. `ok` is worst_margin >= 0.
 
     `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst.
     """
@@ -57,6 +61,11 @@ class Row:
     def use(self) -> float:
         """`limit_use` at that instant."""
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
+
+    @property
+    def size(self) -> float:
+        """What its margin is measured by (`limit_use`), in its unit."""
+        return float(_size(self.constraint, self.limit))
 
     @property
     def of_record(self) -> bool:
@@ -169,10 +178,10 @@ class Trace:
 
 
 def worst_row(trace: Trace) -> Row:
-    """The instant of a trace with the least margin."""
+    """The instant of a trace that uses most of its limit: where that is constant, the one with the least margin."""
     # A margin that is not a number is no margin at all.
     margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
-    index = int(np.argmin(margins))
+    index = int(np.argmax(trace.use))
     margin = float(margins[index])
     return Row(
         constraint=trace.constraint,

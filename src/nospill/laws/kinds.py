@@ -42,7 +42,7 @@ def motion_kind(structure: Structure) -> Structure:
 
 def object_kind(structure: Structure, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
     """One object: the same on any robot and path, and under any end condition but at the end itself."""
-    return Structure(structure.fidelity, True, end, 1, 1, "", (), "", (item,))
+    return Structure(structure.fidelity, True, end, 1, 1, "", (), "", (item,), slowed=item.slowed)
 
 
 def numbers_of_tray(numbers: SceneNumbers) -> SceneNumbers:

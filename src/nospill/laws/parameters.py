@@ -101,6 +101,7 @@ class ObjectNumbers:
         liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
         static_correction: (2,) m, see `slosh.height`.
+        added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
         oscillators: the modal masses.
     """
 
@@ -120,17 +121,28 @@ class ObjectNumbers:
     liquid_depth: Number
     max_slosh_height: Number
     static_correction: Number
+    added_gravity: Number
     oscillators: tuple[OscillatorNumbers, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BrakingNumbers:
+    """Fields as in `robots.robot.Braking`; empty where there is none."""
+
+    lower: Number
+    upper: Number
+    deceleration: Number
+    offset: Number
 
 
 @dataclass(frozen=True, slots=True)
 class SceneNumbers:
     """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
 
-    Limits that are not set are zero and not read (`Structure.joint_limits`). The load is what the flange carries, tray
-    and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2 about the flange's
-    origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a seven-joint arm,
-    zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
+    Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.tray_limits`). The load is what
+    the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2
+    about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a
+    seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
     """
 
     gravity: Number
@@ -140,6 +152,7 @@ class SceneNumbers:
     joint_lower: Number
     joint_upper: Number
     max_speed: Number
+    braking: BrakingNumbers
     max_acceleration: Number
     max_jerk: Number
     max_torque: Number
@@ -148,6 +161,8 @@ class SceneNumbers:
     load_first_moment: Number
     load_inertia: Number
     max_tilt: Number
+    max_tray_speed: Number
+    max_tray_acceleration: Number
     corridor: Number
     path_jerk_limit: Number
     tilt_jerk_limit: Number
@@ -171,6 +186,7 @@ class ObjectStructure:
         tense: whether surface tension pulls at its surface.
         spread: whether its oscillators are those of liquids that it carries, off its middle.
         carried: whether it stands in a carrier, and no law of contact is its own.
+        slowed: whether it is moved at another speed than the others.
     """
 
     footprint: type[Footprint]
@@ -180,6 +196,7 @@ class ObjectStructure:
     tense: bool = False
     spread: bool = False
     carried: bool = False
+    slowed: bool = False
 
     @property
     def liquid(self) -> bool:
@@ -208,8 +225,11 @@ class Structure:
 
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        tray_limits: which of "speed" and "acceleration" of the tray's centre are limited.
+        braking: whether joint speeds are limited near the ends of the ranges too.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
+        slowed: whether objects are in it that are moved at another speed, and read where up is.
     """
 
     fidelity: Fidelity
@@ -226,6 +246,9 @@ class Structure:
     regular: bool = False
     offset_free: bool = False
     yaw_free: bool = False
+    tray_limits: tuple[str, ...] = ()
+    braking: bool = False
+    slowed: bool = False
 
     @property
     def freedom(self) -> Freedom:
@@ -352,6 +375,7 @@ def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNum
 def blank_numbers(structure: Structure) -> SceneNumbers:
     """Zeros of the shapes that a structure decides."""
     spans, joints, scalar = structure.spans, np.zeros(len(structure.joints)), 0.0
+    braking = joints if structure.braking else np.zeros(0)
     return SceneNumbers(
         gravity=scalar,
         path_breaks=np.zeros(spans + 1),
@@ -360,6 +384,7 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         joint_lower=joints,
         joint_upper=joints,
         max_speed=joints,
+        braking=BrakingNumbers(braking, braking, braking, braking),
         max_acceleration=joints,
         max_jerk=joints,
         max_torque=joints,
@@ -368,6 +393,8 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         load_first_moment=np.zeros(3),
         load_inertia=np.zeros((3, 3)),
         max_tilt=scalar,
+        max_tray_speed=scalar,
+        max_tray_acceleration=scalar,
         corridor=scalar,
         path_jerk_limit=scalar,
         tilt_jerk_limit=scalar,
@@ -410,5 +437,6 @@ def _blank_object(item: ObjectStructure) -> ObjectNumbers:
         liquid_depth=scalar,
         max_slosh_height=scalar,
         static_correction=np.zeros(2),
+        added_gravity=np.zeros(int(item.slowed)),
         oscillators=(oscillator,) * len(item.oscillators),
     )

@@ -40,6 +40,7 @@ class Sample:
         joint_jerk: (n, 1), rad/s^3, only where it is limited.
         tilt: (2, 1), theta_x and theta_y, rad.
         offset: (3, 1), from the path to the tray's centre, base axes, m.
+        tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m/s, m/s^2; only where limited.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
             (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
     """
@@ -53,6 +54,8 @@ class Sample:
     joint_jerk: SX | None = None
     tilt: SX | None = None
     offset: SX | None = None
+    tray_velocity: SX | None = None
+    tray_acceleration: SX | None = None
     jerks: SX | None = None
 
 
@@ -61,8 +64,12 @@ SloshStates = tuple[tuple[OscillatorState, ...], ...]
 
 
 def object_motion(numbers: ObjectNumbers, tray: FrameMotion) -> FrameMotion:
-    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame."""
-    return tray.at(numbers.position).turned(numbers.yaw)
+    """Motion of an object's frame (bottom centre, object axes) from the motion of the tray frame.
+
+    That of a slowed object is as in the planned time, in the gravity that goes with it (`other_speeds`).
+    """
+    motion, added = tray.at(numbers.position).turned(numbers.yaw), SX(numbers.added_gravity)
+    return motion.heavier(added) if added.numel() else motion
 
 
 def sample_objects(

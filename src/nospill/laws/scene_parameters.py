@@ -10,13 +10,21 @@ from typing import Any
 import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, SceneNumbers, Structure, flatten
+from nospill.laws.parameters import (
+    BrakingNumbers,
+    ObjectNumbers,
+    ObjectStructure,
+    OscillatorNumbers,
+    SceneNumbers,
+    Structure,
+    flatten,
+)
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
-from nospill.scene.scene import Fidelity, Scene
+from nospill.scene.scene import Fidelity, MotionRules, Scene
 from nospill.scene.tray import Tray
 
 
@@ -37,6 +45,9 @@ def structure_of(scene: Scene) -> Structure:
         redundant=len(scene.robot.joints) > 6,
         offset_free=scene.motion.corridor is not None,
         yaw_free=scene.motion.yaw_free,
+        tray_limits=_tray_limits(scene.motion),
+        braking=scene.robot.braking is not None,
+        slowed=any(cargo.is_slowed for cargo in scene.cargo),
     )
 
 
@@ -51,6 +62,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         tense=_tense(cargo),
         spread=cargo.carried is not None and bool(cargo.oscillators),
         carried=bool(cargo.carrier),
+        slowed=cargo.is_slowed,
     )
 
 
@@ -61,6 +73,11 @@ def _tense(cargo: Cargo) -> bool:
 def joint_limits(robot: Robot) -> tuple[str, ...]:
     """`Structure.joint_limits` of a robot."""
     return tuple(name for name, limit in _further_limits(robot).items() if limit is not None)
+
+
+def _tray_limits(rules: MotionRules) -> tuple[str, ...]:
+    limits = {"speed": rules.max_speed, "acceleration": rules.max_acceleration}
+    return tuple(name for name, limit in limits.items() if limit is not None)
 
 
 def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
@@ -106,12 +123,15 @@ def _numbers(scene: Scene) -> SceneNumbers:
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         max_speed=scene.robot.max_speed,
+        braking=_braking_numbers(scene.robot),
         max_acceleration=further["acceleration"],
         max_jerk=further["jerk"],
         max_torque=further["torque"],
         self_motion=np.zeros(len(scene.robot.joints)),
         **_load_numbers(scene, scene.cargo),
         max_tilt=scene.motion.max_tilt,
+        max_tray_speed=scene.motion.max_speed or 0.0,
+        max_tray_acceleration=scene.motion.max_acceleration or 0.0,
         corridor=scene.motion.corridor or 0.0,
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
@@ -122,6 +142,13 @@ def _numbers(scene: Scene) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
+
+
+def _braking_numbers(robot: Robot) -> BrakingNumbers:
+    own, none = robot.braking, np.zeros(0)
+    if own is None:
+        return BrakingNumbers(none, none, none, none)
+    return BrakingNumbers(own.lower, own.upper, own.deceleration, own.offset)
 
 
 def _load_numbers(scene: Scene, payload: Sequence[Cargo]) -> dict[str, Any]:
@@ -153,8 +180,13 @@ def object_load(cargo: Cargo, tray: Tray) -> Load:
 
 
 def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> ObjectNumbers:
-    """The numbers of one object at a fidelity, under a gravity in m/s^2."""
-    footprint, filling = cargo.container.footprint, cargo.filling
+    """The numbers of one object at a fidelity, under a gravity in m/s^2.
+
+    A motion at the part v of its speed is, in the time t v, the motion as planned in the gravity g/v^2 [equations of
+    motion, t replaced]. A liquid has in it the frequencies omega/v and the damping ratios it had; forces and moments
+    are those of the slow motion over v^2, and every limit on them is a ratio.
+    """
+    footprint, filling, speed = cargo.container.footprint, cargo.filling, cargo.speed
     mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, fidelity)
     return ObjectNumbers(
         position=cargo.place,
@@ -163,7 +195,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         first_moment=first_moment,
         inertia=inertia,
         spin_inertia=spin_inertia,
-        weight=cargo.total.mass * gravity,
+        weight=cargo.total.mass * gravity / speed**2,
         planned_friction=cargo.planned_friction,
         half_lengths=footprint.half_lengths,
         footprint_reserve=cargo.footprint_reserve,
@@ -173,16 +205,17 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         liquid_depth=filling.depth if filling else 0.0,
         max_slosh_height=_slosh_height(cargo),
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
+        added_gravity=np.full(int(cargo.is_slowed), gravity / speed**2 - gravity),
         oscillators=tuple(
             OscillatorNumbers(
-                frequency=mode.frequency,
+                frequency=mode.frequency / speed,
                 stiffness=mode.stiffness,
                 curvature=mode.curvature,
                 mass=mode.mass,
                 height=mode.height,
                 damping=mode.damping,
                 surface_gain=mode.surface_gain,
-                tension=np.full(int(_tense(cargo)), mode.tension),
+                tension=np.full(int(_tense(cargo)), mode.tension / speed**2),
                 place=np.zeros(0) if cargo.carried is None else np.array(mode.place),
             )
             for mode in cargo.oscillators

@@ -14,9 +14,11 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
+from nospill.judge.speed_peaks import peaks
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, OF_LIQUIDS, OF_OBJECTS
+from nospill.laws.constraints.base import EvaluationPoint, RowId
+from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.scene.scene import Scene
@@ -36,10 +38,6 @@ _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _TOO_MUCH, _MOST_MODES = 0.8, 6
 """Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
-
-Members = frozenset[VariantId]
-_OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
-_OF_OBJECTS = frozenset(item.name for item in CONSTRAINTS if item.role in (Role.LIQUID, Role.CONTACT))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +72,7 @@ class ActiveSet:
         cls,
         task: Task,
         q: np.ndarray,
-        members: Members | None = None,
+        members: frozenset[VariantId] | None = None,
         refined: frozenset[str] = frozenset(),
         modes: int = 0,
     ) -> ActiveSet:
@@ -90,12 +88,13 @@ class ActiveSet:
         members = task.first_members if members is None else members
         modes = modes or task.scene.planned_modes
         scene = task.problem_scene(members, refined, modes)
-        rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)]
+        apart = clearance_backoff(task.room(q[[0, -1]]))
+        rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)] + [*apart]
         left_out = set(task.ignored)
         if scene.motion.is_given and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
-        backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q)
+        backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q) | apart
         return cls(task, scene, members, refined, modes, possible, possible, backoff)
 
     @property
@@ -152,7 +151,7 @@ class ActiveSet:
             key = RowId(row.constraint, row.subject)
             if key in self.rows:
                 most = _MOST_AT_END if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END else _MOST
-                step = min(_MORE * row.shortfall / (abs(row.limit) or 1.0) + _LEAST, most)
+                step = min(_MORE * row.shortfall / row.size + _LEAST, most)
                 unused = max(0.0, slack.get(key, 0.0)) / 2  # of a cone it is a difference of squares
                 backoff[key] += min(step + unused, (1.0 - backoff[key]) / 2)
             elif key in backoff:
@@ -173,7 +172,7 @@ class ActiveSet:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
         if self.task.scene.planned_modes == 1:
             return frozenset()
-        broken = {row.subject for row in rows if row.constraint in _OF_LIQUIDS and row.shortfall > 0.0}
+        broken = {row.subject for row in rows if row.constraint in OF_LIQUIDS and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members).intersection(broken)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
@@ -181,9 +180,15 @@ class ActiveSet:
         return self._outside(judgement.variant_rows, 1.0 - _NEAR_MEMBER)
 
     def _outside(self, rows: Iterable[Row], use: float) -> frozenset[VariantId]:
-        """Of every constraint and object the variant outside the problem with the largest use, if above `use`."""
-        outside = (row for row in rows if row.constraint in _OF_OBJECTS and _variant(row) not in self.members)
-        return frozenset(map(_variant, condensed(row for row in outside if row.use > use)))
+        """Of every constraint and object the variant outside the problem with the largest use, if above `use`.
+
+        At other speeds of every constraint alone, one at each peak: like objects have theirs at the same speeds.
+        """
+        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OF_OBJECTS]
+        planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
+        slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
+        found = [*condensed(row for row in planned if row.use > use), *peaks(slowed, speeds)]
+        return frozenset(_variant(row) for row in found if row.use > use).difference(self.members)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem.
@@ -192,7 +197,7 @@ class ActiveSet:
         none, unless only the members' own rows are wanted.
         """
         for row in rows:
-            if row.constraint not in _OF_OBJECTS:
+            if row.constraint not in OF_OBJECTS:
                 yield row
             elif _variant(row) in self.members:
                 yield replace(row, subject=self.names[_variant(row)], variant="")

@@ -8,17 +8,19 @@ from types import MappingProxyType
 
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.trough import Trough
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.plans.log import Log
+from nospill.transcription.clearance_planes import separating
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
-from nospill.transcription.stages import Stages
+from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.weights import weigh_too_much
 
 _NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
@@ -90,12 +92,15 @@ def problem_about(active: ActiveSet, motion: Stages) -> Problem:
         exact_rest=len(objects) == len(active.members),
         self_motion=motion.self_motion,
         least_determinant=active.task.passage.determinant,
+        planes=separating(active.task.scene, active.rows, node_positions(active.scene, motion)),
     )
 
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
     """What part of its budget every row leaves on a motion, whether it takes part or not."""
-    return row_slack(problem_about(active.with_rows(active.possible), motion), motion)
+    room = active.task.room(node_positions(active.scene, motion))
+    of_table = row_slack(problem_about(active.with_rows(active.possible - room.keys()), motion), motion)
+    return of_table | {row: own - active.backoff[row] for row, own in room.items()}
 
 
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
@@ -140,8 +145,10 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         if not usable(candidate.solution):
             return candidate
         slack = slack_of(candidate.active, candidate.stages)
-        broken = active.near(slack, -FEASIBLE)
-        if broken <= candidate.active.rows:
+        joining = active.near(slack, -FEASIBLE) - candidate.active.rows
+        if not joining:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
-        active, start = candidate.active.with_rows(active.rows | broken), candidate.stages
-        options = {**options, **near_optimum(BARRIERS[1])}
+        active = candidate.active.with_rows(candidate.active.rows | joining)
+        # where bodies join, from the start again: no plane leads out of the middle of an obstacle
+        if all(row.constraint != Clearance.name for row in joining):
+            start, options = candidate.stages, {**options, **near_optimum(BARRIERS[1])}

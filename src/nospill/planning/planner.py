@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 
 from nospill import diagnosis
-from nospill.errors import NoSolutionError, ScenarioError
+from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
@@ -69,10 +69,10 @@ def _planned(
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:
-        with log.phase("base yaw"), _advised(scene, ignore, log):
+        with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
     if has_free_way(scene):
-        with log.phase("way"), _advised(scene, ignore, log):
+        with log.phase("way"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, ignore), log)):
             scene = diagnosis.freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
@@ -99,17 +99,14 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
         found = restarted(task, warm, last, log)
         if found is not None:
             yield found
-    with log.phase("kinematics"), _advised(scene, task.ignored, log):
+    with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
         paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if not scene.motion.leaves_path:
+    with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
         yield found_motion(task, joint_path, log)
-    else:  # the motion on the path is a start, and what is left where no other is certified
-        for beside in task.corridors:
-            with suppress(NoSolutionError):
-                yield found_motion(beside, joint_path, log)
+    if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified
         given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
-        again = started_beside(task.corridors[-1], given, log)
+        again = started_beside(task, given, log)
         yield from (found for found in (again, given.candidate) if found is not None)
     yield found_motion(task, joint_path, log, search=search_elsewhere)
 
@@ -132,15 +129,6 @@ def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:
             raise
     assert first is not None  # `_candidates` raises where it finds none
     return first
-
-
-@contextmanager
-def _advised(scene: Scene, ignore: Collection[str], log: Log) -> Iterator[None]:
-    """Add what would help to the error of an arm that cannot follow its path."""
-    try:
-        yield
-    except ScenarioError as error:
-        raise diagnosis.advised(scene, error, Searcher(Task.of(scene, ignore), log)) from None
 
 
 class Planner:

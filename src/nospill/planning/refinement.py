@@ -15,11 +15,10 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.plans.log import Log
-from nospill.robots.kinematics.regularity import clearance
-from nospill.transcription.export_samples import with_joints_solved
+from nospill.transcription.export_samples import on_grid
 from nospill.transcription.layout import layout_of
-from nospill.transcription.passages import stage_determinants
-from nospill.transcription.resampling import fine_intervals, resample
+from nospill.transcription.passages import bounded_as
+from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers import usable
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
@@ -55,8 +54,7 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
 def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
     """The motion solved on another grid with some rows; None where no first barrier leads anywhere."""
     active = candidate.active.with_rows(rows)
-    start = resample(candidate.stages, layout_of(structure_of(active.scene)), intervals)
-    start = with_joints_solved(active.scene, start, active.task.passage.along)
+    start = on_grid(active.scene, candidate.stages, intervals, active.task.passage.along)
     return _converged(active, start, BARRIERS, log)
 
 
@@ -96,7 +94,7 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
             break
         log.rounds += 1
         if active.scene is before.active.scene:
-            tightened += 1
+            tightened, start = tightened + 1, before.stages
             better = _tightened(before, active, log)
             if better is None:
                 break
@@ -112,14 +110,14 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
                     break
                 raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
         try:
-            judged = _judged(better, log)
+            judged = _judged(better, log, else_from=start)
         except NoSolutionError:
             break  # of a motion that cannot be played nothing is known: the one before stands
     return judged
 
 
-def _judged(candidate: Candidate, log: Log) -> Judged:
-    """The certificate of a candidate, recorded with the stated liquids of the whole scene."""
+def _judged(candidate: Candidate, log: Log, else_from: Stages | None = None) -> Judged:
+    """The certificate of a candidate; one that leaves the arm's reach is solved again from a motion that does not."""
     scene, stages = candidate.active.task.scene, candidate.stages
     try:
         with log.phase("export"):
@@ -129,16 +127,17 @@ def _judged(candidate: Candidate, log: Log) -> Judged:
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
             return Judged(candidate, replace(trajectory, slosh=slosh), judgement)
     except ModelError as error:
+        again = None if else_from is None else _off_singularities(candidate.active, else_from, log)
+        if again is not None:
+            return _judged(again, log)
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
 
 
 def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
-    if active.rows == before.active.rows:
-        options = near_optimum(_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS)
-        again = solved(active, before.stages, log, options, warm=before.solution)
-    else:
-        again = solved(active, before.stages, log, near_optimum(BARRIERS[0], REFINE_ITERATIONS))
+    same = active.rows == before.active.rows
+    barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
+    again = solved(active, before.stages, log, near_optimum(barrier, most), warm=before.solution if same else None)
     if not again.has_converged:
         again = solved(active, before.stages, log)
     return again if usable(again.solution) else None
@@ -152,10 +151,8 @@ def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
         layout = layout_of(structure_of(before.active.scene))
         start = with_liquids(active.scene, before.stages, layout, trajectory.t, slosh)
         intervals = max(start.intervals, fine_intervals(active.scene, start.duration))
-        if intervals == start.intervals:
-            return start
-        start = resample(start, layout_of(structure_of(active.scene)), intervals)
-        return with_joints_solved(active.scene, start, active.task.passage.along)
+        same = intervals == start.intervals
+        return start if same else on_grid(active.scene, start, intervals, active.task.passage.along)
 
 
 def started_from(active: ActiveSet, trajectory: Trajectory) -> Stages:
@@ -173,8 +170,12 @@ def solved_from(
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
     found = _converged(active, start, barriers, log)
-    if found is None or found.keeps_branch or active.task.passage.determinant is not None:
-        return found
-    passage = replace(active.task.passage, determinant=clearance(stage_determinants(active.scene, start)))
-    bounded = replace(active, task=replace(active.task, passage=passage))
-    return _converged(bounded, start, (*BARRIERS, None), log)
+    kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
+    return found if kept else _off_singularities(active, start, log)
+
+
+def _off_singularities(active: ActiveSet, start: Stages, log: Log) -> Candidate | None:
+    """A motion solved from a start with the determinant bounded as there; None where it is, or that leads nowhere."""
+    passage = bounded_as(active.task.passage, active.scene, start)
+    bounded = passage and replace(active, task=replace(active.task, passage=passage))
+    return bounded and _converged(bounded, start, (*BARRIERS, None), log)

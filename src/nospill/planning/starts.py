@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start, starting_motions
 
-_FIRST_STARTS = 3
-_FIRST_ITERATIONS = 150
-_LAST_STARTS = 4
-_LAST_ITERATIONS = 500
+_FIRST_STARTS, _FIRST_ITERATIONS = 3, 150
+_LAST_STARTS, _LAST_ITERATIONS = 4, 500
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from nospill.planning.candidate import Candidate, problem_about, solved
 from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
-from nospill.scene.tolerances import is_uncertain
+from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers import Solution
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
@@ -42,7 +42,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
             if found is not None:
                 return found
     with log.phase("certify"):
-        judgement = judge(earlier.trajectory, task.scene) if is_uncertain(task.scene) else None
+        judgement = judge(earlier.trajectory, task.scene) if has_variants(task.scene) else None
     refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
     active = ActiveSet.of(task, q, refined=refined)
     if judgement is not None:
@@ -78,9 +78,8 @@ def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution 
         if not found.solution.converged:
             found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
     else:
-        barrier = _WARM_BARRIER if warm else BARRIERS[0]
-        options = {**near_optimum(barrier, REFINE_ITERATIONS), "loose_tolerances": True}
-        found = solved(active, start, log, options, warm=warm)
+        options = near_optimum(_WARM_BARRIER if warm else BARRIERS[0], REFINE_ITERATIONS)
+        found = solved(active, start, log, {**options, "loose_tolerances": True}, warm=warm)
     succeeded = found.has_converged and found.keeps_branch
     log.starts.append(found.stages.duration if succeeded else None)
     return found if succeeded else None

@@ -48,8 +48,8 @@ def starts_alike(first: Scene, second: Scene) -> bool:
     return ours is theirs if ours is None or theirs is None else np.array_equal(ours, theirs)
 
 
-def judged(plan: Plan) -> Judgement:
-    """The judgement of a plan's motion, with the rows about its approach where there is one.
+def judged_motion(plan: Plan) -> Judgement:
+    """The judgement of a plan's motion, with what the full model sees beside it.
 
     The one at hand from planning, otherwise a new one; never the certificate that a folder holds.
 
@@ -59,7 +59,17 @@ def judged(plan: Plan) -> Judgement:
     """
     judgement = plan.judgement or judge(plan.trajectory, plan.scene)
     noted = with_full_model(plan.certificate if plan.judgement else judgement.certificate, plan.trajectory, plan.scene)
-    judgement = replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
+    return replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
+
+
+def judged(plan: Plan) -> Judgement:
+    """The same with the rows about the approach where there is one.
+
+    Raises:
+        PlanFolderError: the trajectory does not fit the scene, or is no motion.
+        ModelError: the liquids cannot be integrated.
+    """
+    judgement = judged_motion(plan)
     if plan.approach is None or plan.scene.approach is None:
         return judgement
     rows = judge_segment(plan.approach, plan.scene, plan.scene.approach, plan.trajectory.joint_position[0])

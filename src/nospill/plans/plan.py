@@ -105,7 +105,7 @@ class Plan:
         if self.maxima.other_speeds is not None:
             return found
         uses = uses_at(self.trajectory, self.scene)
-        warnings = (*self.warnings, *other_speeds(uses))
+        warnings = (*self.warnings, *other_speeds(uses, self.scene.motion.speed_range))
         return replace(found, maxima=replace(self.maxima, other_speeds=uses), warnings=warnings)
 
     def save(

@@ -10,6 +10,7 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import limiting_rows
 from nospill.judge.other_speeds import SpeedUse
+from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.scene import Scene
@@ -109,12 +110,11 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
     largest: dict[str, dict[str, float]] = {}
     for trace in judgement.traces:
         largest.setdefault(trace.constraint, {})[trace.subject] = float(np.max(np.abs(trace.value)))
-    speeds = np.abs(judgement.replay.joint_speed) / scene.robot.max_speed
     return MotionMaxima(
         tray_acceleration=float(np.max(np.linalg.norm(tray.acceleration, axis=1))),
         tray_angular_acceleration=float(np.max(np.linalg.norm(tray.angular_acceleration, axis=1))),
         tilt=float(np.max(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0)))),
-        joint_speed_use=float(np.max(speeds)),
+        joint_speed_use=float(np.max([trace.use for trace in judgement.traces if trace.constraint == JointSpeed.name])),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
         time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},

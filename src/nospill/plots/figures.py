@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from nospill.errors import PlanFolderError
-from nospill.judge.certificate import judge
+from nospill.plans.approach import judged_motion
 from nospill.plans.plan import Plan
 from nospill.plots.contact_use import contact_use_figure
 from nospill.plots.distances import distances_figure
@@ -61,7 +61,7 @@ def write_figures(
 ) -> list[Path]:
     """See `nospill.plots.save_figures`."""
     wanted = {name: draw for name, draw in FIGURES.items() if not names or name in names}
-    evidence = evidence_of(plan, plan.judgement or judge(plan.trajectory, plan.scene))
+    evidence = evidence_of(plan, judged_motion(plan))
     written = []
     try:
         folder.mkdir(parents=True, exist_ok=True)

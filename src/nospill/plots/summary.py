@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from nospill.core.short_names import cut_apart, short_names
-from nospill.judge.wording import describe
+from nospill.judge.wording import describe, full_model_note
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.contact_use import draw_use
@@ -34,6 +34,8 @@ SHEET = (11.69, 8.27)
 
 _TILE_LETTERS = 20
 """Of a line below a headline figure."""
+_NOTE_LETTERS = 150
+"""Of what the full model sees."""
 _MOST_LIMITS = 7
 """Rows of the panel of limits."""
 
@@ -67,7 +69,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     figure.text(0.03, 0.972, plain(scene.name, 40), size=17, weight="bold", va="top")
     about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray ({carried(scene)}): "
     names = plain(", ".join(item.name for item in scene.cargo), max(88 - len(about), 12))
-    figure.text(0.03, 0.93, about + names, size=8.5, va="top")
+    figure.text(0.03, 0.939, about + names, size=8.5, va="top")
     rows = certificate.rows
     # Which numbers are worst stands in the certificate; here there is no room for it.
     detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16), variant=""))
@@ -80,7 +82,10 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
         counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED
     verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
-    figure.text(0.975, 0.94, detail, size=8, ha="right", va="top")
+    figure.text(0.975, 0.943, detail, size=8, ha="right", va="top")
+    beyond = full_model_note(certificate)
+    if beyond:
+        figure.text(0.975, 0.9175, plain(beyond, _NOTE_LETTERS), size=7.5, ha="right", va="top", color=DARK_RED)
     shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = 0.03 + 0.95 * index / len(shown)

@@ -20,7 +20,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.plots.text_pages import TextTable
 from nospill.scene.cargo import Cargo
-from nospill.scene.scene import Scene
+from nospill.scene.scene import MotionRules, Scene
 from nospill.scene.tolerances import tolerance_text
 
 _FIDELITY = {
@@ -45,6 +45,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
         ("attitude", _attitude(scene)),
         ("at the end", _end(scene)),
         *_waiting(scene, approach),
+        *_tray_limits(scene.motion),
         ("smoothness", _jerks(scene)),
         *_tolerances(scene),
         ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
@@ -203,6 +204,12 @@ def _jerks(scene: Scene) -> str:
     if angles:
         found.append(f"of {' and '.join(angles)} up to {rules.tilt_jerk_limit:.4g} rad/s³")
     return ", ".join(found)
+
+
+def _tray_limits(rules: MotionRules) -> list[tuple[str, str]]:
+    limits = ((rules.max_speed, "speed", "m/s"), (rules.max_acceleration, "acceleration", "m/s²"))
+    found = [f"{name} up to {limit:.4g} {unit}" for limit, name, unit in limits if limit is not None]
+    return [("centre of the tray", ", ".join(found))] if found else []
 
 
 def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tuple[str, ...]:

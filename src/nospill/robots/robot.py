@@ -57,6 +57,26 @@ class PackagedMeshes:
 
 
 @dataclass(frozen=True, slots=True)
+class Braking:
+    """Joint speed limits that fall towards the ends of the joints' ranges, as far as a joint needs to stop there.
+
+    At q it moves up no faster than sqrt(2 deceleration (upper - q)) - offset, and down no faster than
+    sqrt(2 deceleration (q - lower)) - offset. All (n,).
+
+    Attributes:
+        lower: where the joints stop, rad; at or outside the limits of their positions.
+        upper: likewise.
+        deceleration: rad/s^2.
+        offset: rad/s.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    deceleration: np.ndarray
+    offset: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A serial arm.
 
@@ -72,6 +92,7 @@ class Robot:
         max_acceleration: joint acceleration limits, rad/s^2, or None where they are not limited.
         max_jerk: joint jerk limits, rad/s^3, or None.
         max_torque: joint torque limits, N m, or None.
+        braking: what limits joint speeds near the ends of the ranges beside `max_speed`, or None.
         inertias_known: whether the URDF's masses and inertias are real, so that joint torques can be computed.
         home: (n,) configuration the arm stands in before and after, rad, or None. The scenario's if it gives one, else
             the catalogue's.
@@ -109,3 +130,4 @@ class Robot:
     controller_base_turn: float | None = None
     capsules: tuple[LinkCapsule, ...] = ()
     meshes: PackagedMeshes | None = None
+    braking: Braking | None = None

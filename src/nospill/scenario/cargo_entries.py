@@ -6,6 +6,7 @@ A shape's own keys are the fields of its container class, under the same names.
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
@@ -146,6 +147,14 @@ class CargoTable(Table):
         Field(
             description="how the surface meets the wall of a small vessel: free to slide, or pinned; takes surface "
             "tension into the frequency, which is left out when not given"
+        ),
+    ] = None
+    contact_angle: Annotated[
+        float | None,
+        Measured(dimension="angle", at_least=0.0, at_most=math.pi),
+        Field(
+            description="angle between wall and surface at rest, measured in the liquid, where contact_line is stated: "
+            "0 of a wall that the liquid wets; the frequency is that of a flat surface when not given"
         ),
     ] = None
     initial_swing: Annotated[

@@ -16,8 +16,10 @@ from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.meniscus import meniscus_in
 from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 from nospill.scene.swing import Swing, coordinates
@@ -99,6 +101,7 @@ def _check_keys(entry: CargoTable) -> None:
                 "freeboard_reserve",
                 "damping",
                 "contact_line",
+                "contact_angle",
                 "initial_swing",
                 "empty_mass",
             )
@@ -149,7 +152,8 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
             f'contact_line {as_written(entry.contact_line)} is for fidelity = "full": the published equations have no '
             "surface tension; leave it out"
         )
-    line = entry.contact_line or ""
+    line, angle = entry.contact_line or "", entry.contact_angle
+    _check_angle(entry, container)
     assert entry.liquid is not None  # _check_keys
     liquid, rim = _liquid(entry.liquid), container.height
     level = _level(entry, container)
@@ -172,15 +176,25 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
             f"{stated} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup", reason
         )
     reserve = FREEBOARD_RESERVE if entry.freeboard_reserve is None else entry.freeboard_reserve
-    limit = (1.0 - reserve) * room if entry.max_slosh_height is None else entry.max_slosh_height
+    limit = entry.max_slosh_height
+    if limit is None:
+        limit = default_slosh_height(container, liquid, level, reserve=reserve, contact_line=line, contact_angle=angle)
+    if limit <= 0.0:
+        raise ScenarioError(
+            f"{stated} is {_mm(room)} below the rim, and the liquid at rest reaches it at the wall"
+            f"{_at_rest(container, liquid, level, angle)}; lower the fill, or state max_slosh_height",
+            reason,
+        )
     if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
-        stands = _wetting(container, liquid, level) if line else ""
+        stands = _at_rest(container, liquid, level, angle) if line else ""
         raise ScenarioError(
             f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
             "is too full for its own height limit; lower the fill or the limit",
             reason,
         )
-    modes = liquid_modes(container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line)
+    modes = liquid_modes(
+        container, liquid, level, slosh_modes, damping=entry.damping, contact_line=line, contact_angle=angle
+    )
     floor = float(container.inside[0, 1])
     filling = Filling(
         liquid=liquid,
@@ -190,6 +204,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         freeboard_reserve=reserve,
         floor=floor,
         contact_line=line,
+        contact_angle=angle,
     )
     return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing)
 
@@ -217,10 +232,25 @@ def _swinging(filling: Filling, container: Container, table: SwingTable) -> Fill
     return dataclasses.replace(filling, initial_swing=swing)
 
 
-def _wetting(container: Container, liquid: Liquid, level: float) -> str:
-    """Where the surface at rest stands in a vessel whose wall it wets, in words."""
-    rise, drop = meniscus_in(container, liquid, level)
-    return f" (flat at {_mm(level)}; wetting the wall, {_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
+def _check_angle(entry: CargoTable, container: Container) -> None:
+    if entry.contact_angle is None:
+        return
+    if entry.contact_line is None:
+        raise ScenarioError(
+            'contact_angle is given but contact_line is not; state contact_line = "free" or "pinned", or leave it out'
+        )
+    if not isinstance(container.footprint, DiscFootprint):
+        raise ScenarioError(
+            f"contact_angle is for round vessels ({as_written(entry.shape)} is given), whose surface at rest is known; "
+            "leave it out"
+        )
+
+
+def _at_rest(container: Container, liquid: Liquid, level: float, angle: float | None) -> str:
+    """Where the surface at rest stands, in words; without an angle in a vessel whose wall it wets."""
+    rise, drop = meniscus_in(container, liquid, level, angle)
+    where = "wetting the wall, " if angle is None else f"with {format_quantity(angle, 'angle')} at the wall, "
+    return f" (flat at {_mm(level)}; {where}{_mm(level + rise)} there and {_mm(level - drop)} on the axis)"
 
 
 def _level(entry: CargoTable, container: Container) -> float:

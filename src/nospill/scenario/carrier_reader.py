@@ -113,6 +113,7 @@ def loaded(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
         liquid_height=max(item.liquid_height for item in known),
         damping=(min(item.damping[0] for item in known), max(item.damping[1] for item in known)),
         pinned=any(item.pinned for item in known),
+        contact_angle=max(item.contact_angle for item in known),
     )
     return replace(full, tolerance=None if tolerance == Tolerance() else tolerance)
 

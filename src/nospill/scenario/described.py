@@ -31,6 +31,8 @@ _PARTS = ("robot", "tray", "cargo", "path", "motion", "planning")
 
 _MOTION = {
     "max_tilt": "angle",
+    "max_speed": "speed",
+    "max_acceleration": "acceleration",
     "path_jerk_limit": "path_jerk",
     "tilt_jerk_limit": "angular_jerk",
     "end": None,
@@ -39,6 +41,7 @@ _MOTION = {
     "duration": "time",
     "hold_before": "time",
     "hold_after": "time",
+    "speed_range": None,
 }
 _LIMITS = {
     "lower": ("lower", "angle"),
@@ -187,6 +190,8 @@ def _changed(record: Any, original: Any, names: Mapping[str, str | None]) -> dic
 
 def _written(value: Any, dimension: str | None) -> Any:
     """A quantity in its SI unit, or any other value as it is; None where no limit was left."""
+    if isinstance(value, tuple):
+        return list(value)
     if isinstance(value, np.ndarray):
         return [_written(entry, dimension) for entry in value.tolist()]
     unit = "" if dimension is None else next(iter(DIMENSIONS[dimension].units))
@@ -293,8 +298,11 @@ def _filling(filling: Filling, original: Filling | None) -> dict[str, Any]:
         values["initial_swing"] = swing and {
             name: [_written(np.array(row), unit) for row in getattr(swing, name)] for name, unit in parts.items()
         }
-    line = filling.contact_line
-    return values | ({"contact_line": line} if line and line != (original.contact_line if original else "") else {})
+    line, angle = filling.contact_line, filling.contact_angle
+    values |= {"contact_line": line} if line and line != (original.contact_line if original else "") else {}
+    if angle is not None and not _same(angle, original.contact_angle if original else None):
+        values["contact_angle"] = _written(angle, "angle")
+    return values
 
 
 def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
@@ -302,4 +310,6 @@ def _tolerance(item: Cargo, tolerance: Tolerance) -> dict[str, Any]:
     if item.filling is not None:
         values |= {"liquid_height": _written(tolerance.liquid_height, "length"), "damping": list(tolerance.damping)}
     values |= {"pinned": True} if tolerance.pinned else {}
+    if tolerance.contact_angle:
+        values["contact_angle"] = _written(tolerance.contact_angle, "angle")
     return values | ({"mass": tolerance.mass} if item.empty.mass > 0.0 else {})

@@ -25,6 +25,10 @@ DEFAULT_JERK = 2000.0
 """m/s^3; of the tray along its path. Arms that state a limit reach a few hundred; it only keeps the motion smooth."""
 
 
+LEAST_SPEED = 0.05
+"""Least part of its speed for which a motion is planned; below that it is a position, not a motion."""
+
+
 class TrayTable(Table):
     """`[tray]`: the board on the flange."""
 
@@ -79,6 +83,16 @@ class MotionTable(Table):
         Measured(dimension="path_jerk", above=0.0, at_most=1e6),
         Field(description="bound on the third derivative of the path parameter, in the place of max_jerk"),
     ] = None
+    max_speed: Annotated[
+        float | None,
+        Measured(dimension="speed", above=0.0, at_most=100.0),
+        Field(description="bound on the speed of the tray's centre"),
+    ] = None
+    max_acceleration: Annotated[
+        float | None,
+        Measured(dimension="acceleration", above=0.0, at_most=1000.0),
+        Field(description="bound on the acceleration of the tray's centre, gravity not counted"),
+    ] = None
     tilt_jerk_limit: Annotated[
         float,
         Measured(dimension="angular_jerk", above=0.0, at_most=1e6),
@@ -100,6 +114,14 @@ class MotionTable(Table):
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
         Field(description="longest motion that is considered"),
     ] = 20.0
+    speed_range: Annotated[
+        tuple[float, ...] | None,
+        Vector(entry=Measured(dimension="ratio", at_least=LEAST_SPEED, at_most=1.0), axes=("least", "greatest")),
+        Field(
+            description='speeds at which a controller may play the motion, for example ["25 %", "100 %"]; the limits '
+            "on objects hold at every one of them"
+        ),
+    ] = None
     hold_before: Annotated[
         float, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
     ] = 0.0

@@ -47,9 +47,9 @@ _HERE: dict[str, tuple[str, str]] = {
 """Other name -> the key, and a remark where it is not the same quantity. Said where the key is allowed."""
 
 _ELSEWHERE = {
-    "max_speed": "write speed under [robot.limits]",
-    "max_velocity": "write speed under [robot.limits]",
-    "max_acceleration": "write acceleration under [robot.limits]",
+    "max_speed": "write speed under [robot.limits], or max_speed of the tray under [motion]",
+    "max_velocity": "write speed under [robot.limits], or max_speed of the tray under [motion]",
+    "max_acceleration": "write acceleration under [robot.limits], or max_acceleration of the tray under [motion]",
     "max_jerk": "write jerk under [robot.limits]",
     "max_torque": "write torque under [robot.limits]",
     "sample_rate": "write rate under [output]",

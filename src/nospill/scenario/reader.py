@@ -285,12 +285,36 @@ def _check_motion(scenario: Scenario) -> None:
             f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
             f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
         )
+    _check_speed_range(scenario)
     swinging = next((entry.name for entry in scenario.cargo if entry.initial_swing is not None), None)
     before = "hold_before" if scenario.motion.hold_before > 0.0 else "[approach]" if scenario.approach else ""
     if swinging is not None and before:
         raise ScenarioError(
             f"{before} comes before the motion, at whose beginning {as_written(swinging)} has its initial_swing; leave "
             "one of them out, and give the swing that is left after the wait"
+        )
+
+
+def _check_speed_range(scenario: Scenario) -> None:
+    if scenario.motion.speed_range is None:
+        return
+    least, greatest = scenario.motion.speed_range
+    if not least < greatest:
+        raise ScenarioError(
+            f"speed_range runs from {100 * least:.4g} % to {100 * greatest:.4g} %; write the least speed first, as in "
+            'speed_range = ["25 %", "100 %"]'
+        )
+    if scenario.motion.end != "residual" and any(entry.liquid is not None for entry in scenario.cargo):
+        raise ScenarioError(
+            f'speed_range and end = "{scenario.motion.end}" are stated together: liquids that stand still after the '
+            'motion at one speed do not at another; write end = "residual"'
+        )
+    swinging = any(entry.initial_swing is not None for entry in scenario.cargo)
+    other = "[controller]" if scenario.controller else "initial_swing" if swinging else ""
+    if other:
+        raise ScenarioError(
+            f"speed_range and {other} are stated together: what {other} describes does not slow down with the motion; "
+            "leave one of them out"
         )
 
 
@@ -316,6 +340,9 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         duration=rules.duration,
         corridor=scenario.path.width,
         yaw_free=scenario.path.yaw_free,
+        max_speed=rules.max_speed,
+        max_acceleration=rules.max_acceleration,
+        speed_range=None if rules.speed_range is None else (rules.speed_range[0], rules.speed_range[1]),
     )
 
 

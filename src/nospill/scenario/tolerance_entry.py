@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -9,7 +10,7 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
-from nospill.core.units import as_written
+from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import Measured, Table, Vector, refuse
 from nospill.scene.cargo import Cargo, Tolerance
@@ -75,9 +76,14 @@ class ToleranceTable(Table):
         bool | None,
         Field(strict=True, description='whether a contact line that is stated "free" may be pinned as well'),
     ] = None
+    contact_angle: Annotated[
+        float | None,
+        Measured(dimension="angle", at_least=0.0, at_most=math.pi / 2),
+        Field(description="of the contact angle that is stated, either side"),
+    ] = None
 
 
-_OF_LIQUIDS = ("liquid_height", "damping", "pinned")
+_OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle")
 
 
 def tolerance_of(
@@ -112,6 +118,18 @@ def tolerance_of(
         raise ScenarioError(f'tolerance.pinned is for contact_line = "free" ({as_written(line or None)} is given)')
     if line != "free":
         values.pop("pinned", None)
+    angle = None if cargo.filling is None else cargo.filling.contact_angle
+    if angle is None:
+        if own is not None and own.contact_angle:
+            raise ScenarioError(
+                "tolerance.contact_angle is given but contact_angle is not; state it, or leave this out"
+            )
+        values.pop("contact_angle", None)
+    elif not values.get("contact_angle", 0.0) <= min(angle, math.pi - angle):
+        shown, stated = (format_quantity(value, "angle") for value in (values["contact_angle"], angle))
+        raise ScenarioError(
+            f"tolerance.contact_angle = {shown} about contact_angle = {stated}: contact angles are from 0 to 180 deg"
+        )
     tolerance = Tolerance(**values)
     if tolerance == Tolerance():
         return None

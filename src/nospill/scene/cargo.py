@@ -27,6 +27,7 @@ class Filling:
         floor: height of the lowest point of the inside above the container's bottom, m.
         freeboard_reserve: fraction of the way from the surface at rest to the rim that should be kept back.
         contact_line: how the surface meets the wall; empty where surface tension is left out.
+        contact_angle: between wall and surface at rest, measured in the liquid, rad; None where it is not stated.
         initial_swing: of the liquid when the motion begins; None where it is at rest then.
     """
 
@@ -37,6 +38,7 @@ class Filling:
     freeboard_reserve: float = 0.1
     floor: float = 0.0
     contact_line: ContactLine = ""
+    contact_angle: float | None = None
     initial_swing: Swing | None = None
 
     @property
@@ -61,6 +63,7 @@ class Tolerance:
         position: either side, m, in x and in y of the tray.
         mass: relative, either side, of the empty container or of the solid.
         pinned: whether the contact line may be pinned as well as free.
+        contact_angle: either side, rad.
     """
 
     friction: float = 0.0
@@ -69,6 +72,7 @@ class Tolerance:
     position: float = 0.0
     mass: float = 0.0
     pinned: bool = False
+    contact_angle: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +117,7 @@ class Cargo:
         carrier: name of the object in which it stands, whose friction it has; empty where it stands on the tray.
         seat: height of its bottom above the tray, m.
         carried: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
+        speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
     """
 
     name: str
@@ -131,6 +136,12 @@ class Cargo:
     carrier: str = ""
     seat: float = 0.0
     carried: Carried | None = None
+    speed: float = 1.0
+
+    @property
+    def is_slowed(self) -> bool:
+        """Whether the tray moves it at another speed than planned."""
+        return self.speed != 1.0
 
     @property
     def place(self) -> np.ndarray:

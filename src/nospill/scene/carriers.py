@@ -54,6 +54,7 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
         count,
         damping=slowest.damping,
         contact_line=filling.contact_line,
+        contact_angle=filling.contact_angle,
     )
     return replace(cargo, filling=replace(filling, modes=modes))
 
@@ -120,8 +121,9 @@ def _pushing(filled: Sequence[tuple[Cargo, Filling]], carrier: Cargo) -> Iterabl
     for item, filling in filled:
         slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
         turned = _crosswise(item, carrier)
-        level = round(filling.liquid_height, 12), round(slowest.damping, 12), filling.contact_line
-        key = (item.container, item.seat, filling.liquid, *level, filling.modes.count, turned)
+        level = round(filling.liquid_height, 12), round(slowest.damping, 12)
+        surface = filling.contact_line, filling.contact_angle
+        key = (item.container, item.seat, filling.liquid, *level, *surface, filling.modes.count, turned)
         groups.setdefault(key, []).append((item, filling))
     for (*_, turned), members in groups.items():
         item, filling = members[0]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from nospill.scene.carriers import with_content
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.prism import MOST_DAMPING
 from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.scene import Fidelity
 
 _ROUNDING = 1e-9
@@ -28,6 +31,7 @@ class Perturbation:
         position: (x, y), m.
         mass: kg, of the container or the solid; the liquid's follows from its height.
         pinned: whether the contact line is, whatever it is stated as.
+        contact_angle: rad, where one is stated.
     """
 
     friction: float = 0.0
@@ -36,6 +40,7 @@ class Perturbation:
     position: tuple[float, float] = (0.0, 0.0)
     mass: float = 0.0
     pinned: bool = False
+    contact_angle: float = 0.0
 
     def text(self, cargo: Cargo) -> str:
         """In words, for messages: "friction -10 %, fill +2 mm"; empty where nothing differs."""
@@ -52,6 +57,8 @@ class Perturbation:
             parts.append(f"mass {100 * self.mass / cargo.empty.mass:+.4g} %")
         if self.pinned:
             parts.append("contact line pinned")
+        if self.contact_angle:
+            parts.append(f"contact angle {math.degrees(self.contact_angle):+.4g} deg")
         return ", ".join(parts)
 
 
@@ -99,13 +106,14 @@ def _in_carrier(item: Cargo, by: Perturbation, *, certain: bool, fidelity: Fidel
     if item.filling is None or (allowed is None and not certain):
         return item
     if allowed is None:
-        own = Perturbation(liquid_height=by.liquid_height, damping=by.damping, pinned=by.pinned)
+        own = replace(by, friction=0.0, position=(0.0, 0.0), mass=0.0)
         return perturbed(item, own, fidelity=fidelity)
     low, high = allowed.damping
     own = Perturbation(
         liquid_height=float(np.clip(by.liquid_height, -allowed.liquid_height, allowed.liquid_height)),
         damping=float(np.clip(by.damping, low, high)),
         pinned=by.pinned and allowed.pinned,
+        contact_angle=float(np.clip(by.contact_angle, -allowed.contact_angle, allowed.contact_angle)),
     )
     return perturbed(item, own, fidelity=fidelity)
 
@@ -122,6 +130,7 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
     level = filling.liquid_height + by.liquid_height
     line = "pinned" if by.pinned else filling.contact_line
+    angle = None if filling.contact_angle is None else filling.contact_angle + by.contact_angle
     try:
         modes = liquid_modes(
             cargo.container,
@@ -130,11 +139,32 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
             filling.modes.count,
             damping=min(slowest.damping * by.damping, MOST_DAMPING),
             contact_line=line,
+            contact_angle=angle,
         )
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
-    before, room = cargo.container.height - filling.liquid_height, cargo.container.height - level
-    part = filling.max_slosh_height / before
-    follows = part >= 1.0 - _ROUNDING or abs(part - (1.0 - filling.freeboard_reserve)) < _ROUNDING
-    highest = min(part, 1.0) * room if follows else min(filling.max_slosh_height, room)
-    return replace(filling, liquid_height=level, max_slosh_height=highest, modes=modes, contact_line=line)
+    highest = _highest(cargo, filling, level, angle)
+    return replace(
+        filling, liquid_height=level, max_slosh_height=highest, modes=modes, contact_line=line, contact_angle=angle
+    )
+
+
+def _highest(cargo: Cargo, filling: Filling, level: float, contact_angle: float | None) -> float:
+    """How far the surface may rise above another level, with another contact angle, m."""
+    default = partial(
+        default_slosh_height,
+        cargo.container,
+        filling.liquid,
+        reserve=filling.freeboard_reserve,
+        contact_line=filling.contact_line,
+    )
+    stated, before = filling.max_slosh_height, cargo.container.height - filling.liquid_height
+    room = cargo.container.height - level
+    if stated >= (1.0 - _ROUNDING) * before:
+        return room
+    if abs(stated - default(filling.liquid_height, contact_angle=filling.contact_angle)) > _ROUNDING * before:
+        return min(stated, room)
+    highest = default(level, contact_angle=contact_angle)
+    if highest <= 0.0:
+        raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: the liquid at rest reaches the rim at the wall")
+    return highest

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -21,6 +22,10 @@ FULL_MODES = 20
 """Modes of a liquid in each direction in the full model. One more changes no peak by half a percent of its limit."""
 EndCondition = Literal["still", "published", "residual"]
 
+
+SPEED_STEP = 0.01
+"""Relative distance of the speeds of a range that are looked at: over a motion of 2 s a mode at 2 Hz gets 0.25 rad out
+of step from one to the next, and what neighbours both keep, a speed between them exceeds by less than 1 %."""
 
 _PLANNED_MODES = 3
 """Most modes that the optimiser carries at full fidelity: the faster ones together are less than what is kept back."""
@@ -43,6 +48,9 @@ class MotionRules:
         duration: of the motion, s; None for the shortest that keeps the limits.
         corridor: greatest distance of the tray's centre from its path between the ends, m; None where it keeps to it.
         yaw_free: whether the tray turns as it likes between the ends.
+        max_speed: of the tray's centre, m/s; None where only other limits bound it.
+        max_acceleration: likewise, m/s^2, gravity not counted.
+        speed_range: least and greatest part of its speed at which it keeps the limits too; None for its own speed.
     """
 
     tilt_free: bool
@@ -57,6 +65,19 @@ class MotionRules:
     duration: float | None = None
     corridor: float | None = None
     yaw_free: bool = False
+    max_speed: float | None = None
+    max_acceleration: float | None = None
+    speed_range: tuple[float, float] | None = None
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """Parts of its speed, other than all of it, at which the motion is judged, from the greatest to the least."""
+        if self.speed_range is None:
+            return ()
+        least, greatest = self.speed_range
+        count = math.ceil(math.log(greatest / least) / SPEED_STEP - 1e-9) + 1
+        grid = np.geomspace(greatest, least, count)
+        return tuple(speed for speed in (round(float(item), 5) for item in grid) if speed < 1.0)
 
     @property
     def is_given(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -22,6 +23,7 @@ def tolerance_text(tolerance: Tolerance) -> str:
         f"position +-{1e3 * tolerance.position:.4g} mm" if tolerance.position else "",
         f"mass +-{100 * tolerance.mass:.4g} %" if tolerance.mass else "",
         "contact line free or pinned" if tolerance.pinned else "",
+        f"contact angle +-{math.degrees(tolerance.contact_angle):.4g} deg" if tolerance.contact_angle else "",
     )
     return ", ".join(part for part in parts if part)
 
@@ -31,6 +33,11 @@ def is_uncertain(scene: Scene) -> bool:
     return any(cargo.tolerance is not None for cargo in scene.cargo)
 
 
+def has_variants(scene: Scene) -> bool:
+    """Whether there is more than the scene as stated at its own speed."""
+    return is_uncertain(scene) or bool(scene.motion.speeds)
+
+
 @dataclass(frozen=True, slots=True)
 class Corner:
     """A scene of the same structure with one variant of every object under its own name.
@@ -38,21 +45,29 @@ class Corner:
     Attributes:
         scene: the scene.
         texts: perturbation in words, by object; objects all of whose variants have occurred before are left out.
+        speed: part of its speed at which the motion is played.
     """
 
     scene: Scene
     texts: Mapping[str, str]
+    speed: float = 1.0
 
 
 def corner_scenes(scene: Scene) -> Iterator[Corner]:
-    """Scenes in which every variant of every object occurs; none where all numbers are certain."""
-    if not is_uncertain(scene):
+    """Scenes in which every variant of every object occurs; none where all numbers are certain at one speed."""
+    if not has_variants(scene):
         return
     by_object = variants_by_object(scene)
-    for number in range(max(map(len, by_object))):
-        chosen = tuple(own[min(number, len(own) - 1)].cargo for own in by_object)
-        texts = {own[number].name: own[number].text for own in by_object if number < len(own)}
-        yield Corner(replace(scene, cargo=chosen), texts)
+    for speed in (1.0, *scene.motion.speeds):
+        families = [[item for item in own if item.speed == speed] for own in by_object]
+        for number in range(max(map(len, families))):
+            chosen = tuple(
+                own[min(number, len(own) - 1)].cargo if own else stated
+                for own, stated in zip(families, scene.cargo, strict=True)
+            )
+            texts = {own[number].name: own[number].text for own in families if number < len(own)}
+            same = all(own is stated for own, stated in zip(chosen, scene.cargo, strict=True))
+            yield Corner(scene if same else replace(scene, cargo=chosen), texts, speed)
 
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:

@@ -9,16 +9,19 @@ Limits are monotone in some numbers of an object and convex in others; only thei
 * liquid height: sets the frequency, and with it the phase of what swings on. Both ends and the middle; where the
   frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
 * contact line: free as stated, and pinned.
+* contact angle: sets the frequency as the level does. Both ends and the middle, and angles in between likewise.
 * damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
+* speed of the motion, where a range is stated: of a liquid every one of `MotionRules.speeds`. Of a solid the wrench is
+  linear in the square of the speed, and the limits are cones: both ends.
 
-Frequency and damping are neither convex nor monotone: what holds at their corners held in between wherever it was
-tried (docs/uncertainty.md), which is no proof.
+Frequency, damping and speed are neither convex nor monotone: what holds at their corners held in between wherever it
+was tried (docs/uncertainty.md), which is no proof.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -39,8 +42,10 @@ motion of 2 s a mode at 2 Hz then loses a quarter more or less of its swing."""
 
 _WIDE = 4.0 * DAMPING_STEP
 _ROUNDING = 1e-9
-_FINEST = 1e-5
-"""m; levels in between are rounded to this."""
+_FINEST_LEVEL, _FINEST_ANGLE = 1e-5, 1e-3
+"""m, rad; levels and angles in between are rounded to these."""
+_LEVELS, _ANGLES = 33, 9
+"""At which the frequency is looked at on each side."""
 
 
 VariantId = tuple[str, str]
@@ -55,11 +60,13 @@ class Variant:
         name: of the object.
         text: the perturbation in words; empty for the object as stated.
         cargo: the object with its other numbers.
+        speed: part of the planned speed at which it is moved.
     """
 
     name: str
     text: str
     cargo: Cargo
+    speed: float = 1.0
 
     @property
     def id(self) -> VariantId:
@@ -67,16 +74,38 @@ class Variant:
         return self.name, self.text
 
     @property
+    def moved(self) -> Cargo:
+        """The object as it stands in a problem, moved at its speed."""
+        return self.cargo if self.speed == 1.0 else replace(self.cargo, speed=self.speed)
+
+    @property
     def label(self) -> str:
         """Name in a scene with several variants, and in messages: "c1 at fill +2 mm"."""
         return f"{self.name} at {self.text}" if self.text else self.name
 
 
-def variants(cargo: Cargo, *, fidelity: Fidelity) -> tuple[Variant, ...]:
+def variants(cargo: Cargo, *, fidelity: Fidelity, speeds: Sequence[float] = ()) -> tuple[Variant, ...]:
     """Variants of an object: its stated numbers with the least friction, then the corners of its tolerance.
 
-    An object without a tolerance is its own only variant.
+    An object without a tolerance is its own only variant. They are followed by the same at other speeds.
     """
+    planned = _variants(cargo, fidelity)
+    ends = speeds if cargo.oscillators else sorted({*speeds[:1], *speeds[-1:]}, reverse=True)
+    slowed = [_slowed(item, speed) for speed in ends for item in planned]
+    return (*planned, *slowed)
+
+
+def speed_text(speed: float) -> str:
+    """Of a part of the planned speed, in messages."""
+    return f"{100.0 * speed:.4g} % of the speed"
+
+
+def _slowed(item: Variant, speed: float) -> Variant:
+    parts = (item.text, speed_text(speed))
+    return replace(item, text=", ".join(part for part in parts if part), speed=speed)
+
+
+def _variants(cargo: Cargo, fidelity: Fidelity) -> tuple[Variant, ...]:
     tolerance = cargo.tolerance
     if tolerance is None:
         return (Variant(cargo.name, "", cargo),)
@@ -87,19 +116,26 @@ def variants(cargo: Cargo, *, fidelity: Fidelity) -> tuple[Variant, ...]:
 
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
     levels, between, factors, masses = (0.0,), (), (1.0,), (0.0,)
+    angles, between_angles = (0.0,), ()
     owner = _with_liquid(cargo)
     if owner is not None and owner.filling is not None:
         rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
         levels, between = ((-rise, 0.0, rise), _levels_between(owner, owner.filling, rise)) if rise else (levels, ())
+        turn = tolerance.contact_angle
+        angles, between_angles = (
+            ((-turn, 0.0, turn), _angles_between(owner, owner.filling, turn)) if turn else (angles, ())
+        )
         factors = _factors(*tolerance.damping, owner.filling.modes.oscillators[0].damping)
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
     lines = (False, True) if tolerance.pinned else (False,)
-    for level, factor, place, mass, pinned in product(levels, factors, places, masses, lines):
-        yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned)
+    for level, factor, place, mass, pinned, angle in product(levels, factors, places, masses, lines, angles):
+        yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned, angle)
     for level, factor, pinned in product(between, factors, lines):
         yield Perturbation(-tolerance.friction, level, factor, pinned=pinned)
+    for angle, factor, pinned in product(between_angles, factors, lines):
+        yield Perturbation(-tolerance.friction, 0.0, factor, pinned=pinned, contact_angle=angle)
 
 
 def _with_liquid(cargo: Cargo) -> Cargo | None:
@@ -129,27 +165,56 @@ def _ratio(steps: float) -> float:
 
 def _levels_between(cargo: Cargo, filling: Filling, rise: float) -> tuple[float, ...]:
     """Changes of the level, m, that divide both halves of the range into equal steps of the slowest frequency."""
+
+    def frequency(by: float) -> float:
+        return _slowest(cargo, replace(filling, liquid_height=filling.liquid_height + by))
+
+    return _between(frequency, rise, _LEVELS, _FINEST_LEVEL)
+
+
+def _angles_between(cargo: Cargo, filling: Filling, turn: float) -> tuple[float, ...]:
+    """Changes of the contact angle, rad, likewise, of the line that is stated."""
+    angle = filling.contact_angle
+    assert angle is not None  # as `tolerance_of` asks for
+    return _between(
+        lambda by: _slowest(cargo, replace(filling, contact_angle=angle + by)), turn, _ANGLES, _FINEST_ANGLE
+    )
+
+
+def _between(frequency: Callable[[float], float], most: float, count: int, finest: float) -> tuple[float, ...]:
+    """Changes of a number that divide both halves of its range into equal steps of a frequency.
+
+    Args:
+        frequency: at a change, rad/s.
+        most: either side.
+        count: of changes on each side at which the frequency is looked at.
+        finest: to which they are rounded.
+    """
     found: list[float] = []
-    for end in (-rise, rise):
-        changes = np.linspace(0.0, end, 33)
-        frequencies = [_slowest(cargo, filling, filling.liquid_height + by) for by in changes.tolist()]
+    for end in (-most, most):
+        changes = np.linspace(0.0, end, count)
+        frequencies = [frequency(by) for by in changes.tolist()]
         steps = int(np.ceil(abs(np.log(frequencies[-1] / frequencies[0])) / FREQUENCY_STEP - _ROUNDING))
         wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
         order = np.argsort(frequencies)
         levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
-        found += [round(float(level) / _FINEST) * _FINEST for level in levels]
+        found += [round(float(level) / finest) * finest for level in levels]
     return tuple(found)
 
 
-def _slowest(cargo: Cargo, filling: Filling, level: float) -> float:
+def _slowest(cargo: Cargo, filling: Filling) -> float:
     """Frequency of the slowest mode of a filling, rad/s."""
-    modes = liquid_modes(cargo.container, filling.liquid, level, 1, damping=0.1, contact_line=filling.contact_line)
+    line, angle = filling.contact_line, filling.contact_angle
+    modes = liquid_modes(
+        cargo.container, filling.liquid, filling.liquid_height, 1, damping=0.1, contact_line=line, contact_angle=angle
+    )
     return min(mode.frequency for mode in modes.oscillators)
 
 
 def variants_by_object(scene: Scene) -> tuple[tuple[Variant, ...], ...]:
     """`variants` of every object, in the order of the cargo."""
-    return tuple(variants(cargo, fidelity=scene.fidelity) for cargo in scene.cargo)
+    speeds = scene.motion.speeds
+    return tuple(variants(cargo, fidelity=scene.fidelity, speeds=speeds) for cargo in scene.cargo)
 
 
 def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
@@ -160,7 +225,7 @@ def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
 def scene_of(scene: Scene, by_object: Iterable[Sequence[Variant]], chosen: Collection[VariantId]) -> Scene:
     """A certain scene whose cargo are chosen variants, in the order of the objects; itself where that is its cargo."""
     names = labels(by_object)
-    variants = [(names[item.id], item.cargo) for family in by_object for item in family if item.id in chosen]
+    variants = [(names[item.id], item.moved) for family in by_object for item in family if item.id in chosen]
     cargo = tuple(own if own.name == name else replace(own, name=name) for name, own in variants)
     same = len(cargo) == len(scene.cargo) and all(a is b for a, b in zip(cargo, scene.cargo, strict=True))
     return scene if same else replace(scene, cargo=cargo)

@@ -15,6 +15,8 @@ _MEANT: dict[tuple[str, str], str] = {
     ("", "name"): "the file's name",
     ("robot.limits", "speed_scale"): "1",
     ("motion", "duration"): "the shortest",
+    ("motion", "max_speed"): "none",
+    ("motion", "max_acceleration"): "none",
     ("motion", "max_jerk"): "2000 m/s^3",
     ("motion", "path_jerk_limit"): "from max jerk",
     ("cargo", "friction"): "the tray's",

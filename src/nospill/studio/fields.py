@@ -173,6 +173,8 @@ def _motion(draft: Draft) -> list[Field]:
         field_of(("motion", "end"), "choice", ends, "what the liquids do at the end"),
         field_of(("motion", "residual_fraction"), hint="height after the end as a part of the max slosh height"),
         field_of(("motion", "duration"), hint="the gentlest motion that takes so long, in the place of the shortest"),
+        field_of(("motion", "max_speed"), hint="bound on the speed of the tray's centre, for example 0.5 m/s"),
+        field_of(("motion", "max_acceleration"), hint="bound on its acceleration, for example 5 m/s^2"),
         field_of(("motion", "max_jerk"), hint="bound on the jerk along the path; 2000 m/s^3 unless stated"),
         field_of(("motion", "path_jerk_limit"), hint="in the place of max jerk: of the path parameter s"),
         *([field_of(("motion", "tilt_jerk_limit"), hint="bound on each tilt angle's jerk")] if free else []),

@@ -64,10 +64,10 @@ class Multipliers:
 class BlockCalls:
     """The blocks of a stage on N intervals, as expressions of the variables w and the parameters p."""
 
-    def __init__(self, stage: StageFunctions, intervals: int) -> None:
+    def __init__(self, stage: StageFunctions, intervals: int, w: MX, p: MX) -> None:
         self._stage, self._intervals = stage, intervals
         self._total = intervals * stage.layout.size + stage.layout.states
-        self.w, self.p = MX.sym("w", self._total), MX.sym("p", stage.sizes.parameters)
+        self.w, self.p = w, p
         self._threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
 
     def cost(self) -> MX:
@@ -80,7 +80,7 @@ class BlockCalls:
         tray = self._stage.tray
         costs, gradients = self._map(tray.block.cost_gradient, 1)(self._tray, self._parameters(tray.parameters))
         places = (np.arange(self._intervals)[:, None] * self._stage.layout.size + tray.variables).ravel()
-        source = np.full(self._total, len(places))
+        source = np.full(self.w.numel(), len(places))
         source[places] = np.arange(len(places))
         return ca.sum2(costs), ca.vertcat(ca.vec(gradients), 0)[source.tolist()]
 

@@ -26,6 +26,7 @@ from nospill.robots.kinematics.newton import Held, solve_joints
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.path_expression import PathPiece, path_table, piece_degree, piece_size, span_of
+from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, StageSamples, sample_stages
 from nospill.transcription.tray_state import tray_state
 
@@ -97,6 +98,11 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
         tray_quaternion=tray_quaternions(yaw, tilt[0][:, 1], tilt[0][:, 0]),
         slosh=_slosh_tracks(scene, samples, tray),
     )
+
+
+def on_grid(scene: Scene, motion: Stages, intervals: int, along: JointPath | None) -> Stages:
+    """A motion on another number of intervals, its joints solved at every node, from `along` if there is one."""
+    return with_joints_solved(scene, resample(motion, layout_of(structure_of(scene)), intervals), along)
 
 
 def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = None) -> Stages:
@@ -237,7 +243,7 @@ def smooth_where_singular(
 def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dict[str, SloshTrack]:
     structure, numbers, tracks = structure_of(scene), numbers_of(scene), {}
     for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
-        if cargo.filling is None:
+        if cargo.filling is None or cargo.is_slowed:
             continue
         displacement, function = (
             samples.displacement[:, own],

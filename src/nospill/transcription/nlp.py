@@ -16,6 +16,9 @@ import numpy as np
 
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
+from nospill.transcription.clearance_block import NUMBERS
+from nospill.transcription.clearance_planes import Groups, row_count, variable_count
+from nospill.transcription.clearance_rows import ClearanceRows
 from nospill.transcription.layout import Layout
 from nospill.transcription.stage import Block, RowIndex
 from nospill.transcription.stage_functions import StageFunctions, stage_functions
@@ -42,6 +45,8 @@ class Transcription:
         blocks: of the active rows of a stage, first row counted from the stage's start.
         end_blocks: of the active rows on the final state, first row counted from the first of them.
         rows_per_stage: gaps, equalities and active rows of a stage.
+        motion_variables: number of variables of the motion; those of planes between bodies are behind them.
+        clearance_rows: number of rows of clearance, behind all others.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
         jac_g: exact Jacobian of the constraints, in the solver's signature.
         grad_f: exact gradient of the cost, likewise.
@@ -56,6 +61,8 @@ class Transcription:
     blocks: tuple[Block, ...]
     end_blocks: tuple[Block, ...]
     rows_per_stage: int
+    motion_variables: int
+    clearance_rows: int
     nlp: dict[str, MX]
     jac_g: Any
     grad_f: Any
@@ -70,27 +77,30 @@ class Transcription:
     @property
     def variables(self) -> int:
         """Number of variables."""
-        return self.intervals * self.layout.size + self.layout.states
+        return int(self.nlp["x"].numel())
 
     def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: IndexedBackoff) -> np.ndarray:
-        """The parameter vector: numbers, scales of a stage, back-off of every row, number of intervals."""
+        """The parameters of the table: numbers, scales of a stage, back-off of every row, number of intervals."""
         fractions = [backoff.get(key, 0.0) for key in self.stage.backoff_keys]
         return np.concatenate([flatten(numbers), scales, fractions, [self.intervals]])
 
 
-def transcribe(structure: Structure, intervals: int, *, active: IndexedRows | None = None) -> Transcription:
+def transcribe(
+    structure: Structure, intervals: int, *, active: IndexedRows | None = None, clearance: Groups = ()
+) -> Transcription:
     """The transcription of a structure.
 
     Args:
         structure: what there is.
         intervals: N.
-        active: which rows take part; None for all. The judge looks at all of them in any case.
+        active: which rows of the table take part; None for all. The judge looks at all of them in any case.
+        clearance: rows of clearance.
     """
-    return _transcribe(stage_functions(structure), intervals, active)
+    return _transcribe(stage_functions(structure), intervals, active, clearance)
 
 
 @lru_cache(maxsize=32)
-def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | None) -> Transcription:
+def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | None, clearance: Groups) -> Transcription:
     whole = stage.sizes
     rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
     end_rows, end_blocks = _active_rows(whole.end_blocks, active, 0)
@@ -99,44 +109,50 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
     lower = np.concatenate([zeros, whole.lower[chosen]])
     upper = np.concatenate([zeros, whole.upper[chosen]])
 
-    given = BlockCalls(stage, intervals)
-    w, p = given.w, given.p
+    of_motion = intervals * stage.layout.size + stage.layout.states
+    w = MX.sym("w", of_motion + variable_count(clearance, intervals))
+    p = MX.sym("p", stage.sizes.parameters + NUMBERS * row_count(clearance, intervals))
+    given = BlockCalls(stage, intervals, w, p)
+    apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters :])
     gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)
     following = w[_following(stage, intervals)]
 
     def gathered(stacked: MX) -> MX:
         return ca.vertcat(stacked, stacked[gap_rows] + following)[row_order]
 
-    values, cost = gathered(given.constraints()), given.cost()
+    values, cost = apart.below(gathered(given.constraints())), given.cost()
     of_jacobian, slopes = given.constraint_jacobian()
     sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
     slopes = ca.vertcat(slopes, MX.ones(intervals * stage.layout.states))
     jac_g = ca.Function(
         "nlp_jac_g",
         [w, p],
-        [gathered(of_jacobian), MX(sparsity, slopes[order])],
+        list(apart.jacobian_below(gathered(of_jacobian), MX(sparsity, slopes[order]))),
         ["x", "p"],
         ["g", "jac_g_x"],
     )
     grad_f = ca.Function("nlp_grad_f", [w, p], list(given.cost_gradient()), ["x", "p"], ["f", "grad_f_x"])
     multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
     sparsity, order = _hessian_places(stage, intervals)
-    curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, multipliers, rows, end_rows))
+    of_table, of_apart = multipliers[: values.numel() - apart.count], multipliers[values.numel() - apart.count :]
+    curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, of_table, rows, end_rows))
     hess_lag = ca.Function(
         "nlp_hess_l",
         [w, p, weight, multipliers],
-        [MX(sparsity, curvature[order])],
+        [apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)],
         ["x", "p", "lam_f", "lam_g"],
         ["triu_hess_gamma_x_x"],
     )
     return Transcription(
         stage=stage,
         intervals=intervals,
-        lower=np.concatenate([np.tile(lower, intervals), whole.end_lower[end_rows]]),
-        upper=np.concatenate([np.tile(upper, intervals), whole.end_upper[end_rows]]),
+        lower=np.concatenate([np.tile(lower, intervals), whole.end_lower[end_rows], np.zeros(apart.count)]),
+        upper=np.concatenate([np.tile(upper, intervals), whole.end_upper[end_rows], np.full(apart.count, np.inf)]),
         blocks=blocks,
         end_blocks=end_blocks,
         rows_per_stage=len(rows),
+        motion_variables=of_motion,
+        clearance_rows=apart.count,
         nlp={"x": w, "p": p, "f": cost, "g": values},
         jac_g=jac_g,
         grad_f=grad_f,

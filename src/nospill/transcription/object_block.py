@@ -104,7 +104,9 @@ def constraint_names(point: EvaluationPoint) -> tuple[str, ...]:
 def object_block(structure: Structure, item: ObjectStructure) -> ObjectBlock:
     """The block of an object of a structure."""
     tilt, offset, yaw = structure.freedom
-    kind = replace(object_kind(structure, item), tilt_free=tilt, offset_free=offset, yaw_free=yaw)
+    kind = replace(
+        object_kind(structure, item), tilt_free=tilt, offset_free=offset, yaw_free=yaw, slowed=structure.slowed
+    )
     return _object_block(kind)
 
 
@@ -151,7 +153,7 @@ def _symbols(kind: Structure, point: EvaluationPoint, variables: int) -> _Symbol
 
 
 def _build(kind: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
-    pattern, coordinates = motion_pattern(kind.freedom), kind.objects[0].coordinates
+    pattern, coordinates = motion_pattern(kind.freedom, slowed=kind.slowed), kind.objects[0].coordinates
     count, lifted = pattern.count, LiftedVariables()
     given = _symbols(kind, EvaluationPoint.OBJECT, 4 * coordinates)
     y, length, z = SX.sym("y", count), SX.sym("h"), SX.sym("z", 4 * coordinates)

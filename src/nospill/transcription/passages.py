@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,13 @@ def stage_determinants(scene: Scene, stages: Stages) -> np.ndarray:
     """Determinant of the Jacobian at the nodes but the last, shape (N,)."""
     layout = layout_of(structure_of(scene))
     return determinants(scene.robot, stages.table[:-1, layout.joint_position], stages.self_motion)
+
+
+def bounded_as(passage: Passage, scene: Scene, motion: Stages) -> Passage | None:
+    """A passage with the determinant bounded as on a motion; None where it is bounded, or leads through."""
+    if passage.determinant is not None or passage.along is not None:
+        return None
+    return replace(passage, determinant=clearance(stage_determinants(scene, motion)))
 
 
 def keeps_branch_at_nodes(scene: Scene, stages: Stages) -> bool:

@@ -17,6 +17,7 @@ from nospill.laws.scene_parameters import initial_coordinates, numbers_of, struc
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
+from nospill.transcription.clearance_planes import NO_PLANES, Planes, plane_bounds
 from nospill.transcription.layout import Layout
 from nospill.transcription.nlp import Transcription, transcribe
 from nospill.transcription.stage import RowIndex
@@ -52,6 +53,7 @@ class Problem:
         self_motion: as in `Stages`.
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
+        planes: of the rows of clearance.
     """
 
     scene: Scene
@@ -65,11 +67,29 @@ class Problem:
     self_motion: np.ndarray | None
     rows: Mapping[RowIndex, RowId]
     backoff: Backoff
+    planes: Planes
 
     def with_more_backoff(self, step: float) -> np.ndarray:
         """Parameters with every back-off larger by a step."""
-        stepped = {row: value + step for row, value in self.backoff.items()}
-        return self.transcription.parameters(self.numbers, self.scales, _indexed(self.rows, stepped))
+        return self.parameters_of(self.numbers, {row: value + step for row, value in self.backoff.items()})
+
+    def parameters_of(self, numbers: SceneNumbers, backoff: Backoff) -> np.ndarray:
+        """Parameters with other numbers and back-off."""
+        indexed = {index: backoff.get(row, 0.0) for index, row in self.rows.items()}
+        of_table = self.transcription.parameters(numbers, self.scales, indexed)
+        return np.concatenate([of_table, self.planes.parameters(backoff)])
+
+    @property
+    def places(self) -> tuple[tuple[RowId, np.ndarray], ...]:
+        """Each row that takes part with the places (nodes, m) of its own among the constraints, some more than once."""
+        transcription, found = self.transcription, list[tuple[RowId, np.ndarray]]()
+        inside = np.arange(transcription.intervals)[:, None] * transcription.rows_per_stage
+        end = np.array([[inside.size * transcription.rows_per_stage]])
+        for first, blocks in ((inside, transcription.blocks), (end, transcription.end_blocks)):
+            for block in blocks:
+                found.append((self.rows[block.row], first + np.arange(block.first, block.first + block.count)))
+        behind = len(transcription.lower) - transcription.clearance_rows
+        return (*found, *((row, behind + places) for row, places in self.planes.places()))
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
@@ -77,7 +97,11 @@ class Problem:
         if layout.regular:
             values = determinants(self.scene.robot, table[:, layout.joint_position], self.self_motion)
             table = np.column_stack([table, values])
-        return (table / self.scales).ravel()[: self.transcription.variables]
+        found = np.zeros(self.transcription.variables)  # planes are where they were found
+        found[: self.transcription.motion_variables] = (table / self.scales).ravel()[
+            : self.transcription.motion_variables
+        ]
+        return found
 
     def duration(self, variables: np.ndarray) -> float:
         """End time of the candidate that scaled variables stand for, s."""
@@ -88,7 +112,7 @@ class Problem:
         """The candidate that scaled variables stand for."""
         size = self.transcription.layout.size
         padded = np.zeros((self.transcription.intervals + 1) * size)
-        padded[: len(variables)] = variables
+        padded[: self.transcription.motion_variables] = variables[: self.transcription.motion_variables]
         table = (padded.reshape(-1, size) * self.scales)[:, : size - self.transcription.layout.regular]
         return Stages(float(table[0, self.transcription.layout.interval]), table, self.self_motion)
 
@@ -104,6 +128,7 @@ def build_problem(
     exact_rest: bool = True,
     self_motion: np.ndarray | None = None,
     least_determinant: float | None = None,
+    planes: Planes = NO_PLANES,
 ) -> Problem:
     """The problem of a scene on a grid.
 
@@ -120,6 +145,7 @@ def build_problem(
             to it as the judge demands.
         self_motion: of a seven-joint arm, as in `Stages`.
         least_determinant: with its sign, what the determinant of the Jacobian stays beyond; None leaves it free.
+        planes: that keep bodies apart, on this grid.
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
@@ -128,26 +154,30 @@ def build_problem(
         numbers = replace(numbers, self_motion=self_motion)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
-    transcription = transcribe(structure, intervals, active=taking_part)
+    transcription = transcribe(structure, intervals, active=taking_part, clearance=planes.groups)
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(scene, structure, transcription.layout, scales, intervals, exact_rest=exact_rest)
     if least_determinant is not None:
         size = transcription.layout.size
         scales[size - 1] = least_determinant
         lower[size - 1 : intervals * size : size] = 1.0
-    return Problem(
+    of_planes = plane_bounds(transcription.variables - transcription.motion_variables)
+    lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
+    problem = Problem(
         scene=scene,
         structure=structure,
         numbers=numbers,
         transcription=transcription,
-        parameters=transcription.parameters(numbers, scales, _indexed(rows, backoff)),
+        parameters=np.zeros(0),
         scales=scales,
         lower=lower,
         upper=upper,
         self_motion=self_motion,
         rows=rows,
         backoff=backoff,
+        planes=planes,
     )
+    return replace(problem, parameters=problem.parameters_of(numbers, backoff))
 
 
 def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
@@ -155,10 +185,6 @@ def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
     for constraint in CONSTRAINTS:
         for index, subject in enumerate(constraint.subjects(scene)):
             yield index, RowId(constraint.name, subject)
-
-
-def _indexed(rows: Mapping[RowIndex, RowId], backoff: Backoff) -> dict[RowIndex, float]:
-    return {index: backoff.get(row, 0.0) for index, row in rows.items()}
 
 
 def _scales(

@@ -22,8 +22,12 @@ WIDER = 0.1
 """Part by which a limit is made wider."""
 _STEP = 1e-4
 """Part of a limit by which it is moved either way for its derivative; rows are at most quadratic in it."""
-_NUMBERS = {"friction": "planned_friction"}
-"""Key of a limit of an object -> name of its number, where that is another."""
+_NUMBERS = {
+    "friction": "planned_friction",
+    "max_speed": "max_tray_speed",
+    "max_acceleration": "max_tray_acceleration",
+}
+"""Key of a limit of an object or of the motion -> name of its number, where that is another."""
 
 
 def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict[RowId, float]:
@@ -59,10 +63,8 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
 
 def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers) -> float:
     """The part of the Lagrangian that changes with the numbers."""
-    transcription = problem.transcription
-    backoff = {index: problem.backoff.get(row, 0.0) for index, row in problem.rows.items()}
-    parameters = transcription.parameters(numbers, problem.scales, backoff)
-    values = np.asarray(transcription.constraint_function(solution.variables, parameters)).ravel()
+    parameters = problem.parameters_of(numbers, problem.backoff)
+    values = np.asarray(problem.transcription.constraint_function(solution.variables, parameters)).ravel()
     return float(solution.multipliers @ values)
 
 
@@ -74,7 +76,8 @@ def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) 
         values[problem.scene.robot.joints.index(row.subject)] *= factor
         return replace(numbers, **{key.attribute: values})
     if isinstance(key, MotionKey):
-        return replace(numbers, **{key.key: factor * getattr(numbers, key.key)})
+        name = _NUMBERS.get(key.key, key.key)
+        return replace(numbers, **{name: factor * getattr(numbers, name)})
     if isinstance(key, ObjectKey):
         name = _NUMBERS.get(key.key, key.key)
         if name in {field.name for field in fields(ObjectNumbers)}:

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.laws.scene_parameters import structure_of
+from nospill.scene.scene import Scene
 from nospill.transcription.collocation import interior
-from nospill.transcription.layout import Layout
+from nospill.transcription.layout import Layout, layout_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,11 @@ class Stages:
     def duration(self) -> float:
         """End time, s."""
         return self.interval * self.intervals
+
+
+def node_positions(scene: Scene, stages: Stages) -> np.ndarray:
+    """Joint positions (N, n), rad, at the nodes of a motion but the last one, where they are no variables."""
+    return stages.table[:-1, layout_of(structure_of(scene)).joint_position]
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,7 +67,16 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)
-    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk), 0.1, 0.8 * scene.motion.longest))
+    tray = _least_by_tray(scene, first[:, :3] * rate[:, None], unit_acceleration[:, :3])
+    return float(np.clip(max(np.sqrt(demand / allowed), fastest, jerk, tray), 0.1, 0.8 * scene.motion.longest))
+
+
+def _least_by_tray(scene: Scene, velocity: np.ndarray, acceleration: np.ndarray) -> float:
+    """Duration in which a motion keeps the limits of the tray's centre, s, from its rates (m, 3) over a second."""
+    rules, fastest, hardest = scene.motion, *(np.max(np.linalg.norm(part, axis=1)) for part in (velocity, acceleration))
+    by_speed = 0.0 if rules.max_speed is None else fastest / rules.max_speed
+    by_acceleration = 0.0 if rules.max_acceleration is None else np.sqrt(hardest / rules.max_acceleration)
+    return float(max(by_speed, by_acceleration))
 
 
 def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from nospill.collisions.along_path import least_room
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.laws.like_objects import outer_objects
 from nospill.scene.cargo import Cargo
@@ -13,9 +18,6 @@ from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
 from nospill.transcription.passages import NOT_BOUNDED, Passage
-
-_NARROWER = (1.0, 0.25, 0.1, 0.04)
-"""Parts of a corridor in which motions are tried where there are obstacles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,22 +47,34 @@ class Task:
         return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
 
     @property
+    def speeds(self) -> Mapping[VariantId, float]:
+        """Part of the planned speed at which each variant is moved."""
+        return {item.id: item.speed for own in self.variants for item in own}
+
+    @property
     def on_path(self) -> Task:
         """The same with the tray on its path, place and yaw; the certificate is about what was requested."""
         return replace(self, model=replace(self.model, motion=self.model.motion.on_path()))
 
     @property
-    def corridors(self) -> tuple[Task, ...]:
-        """The same with the corridors in which motions are looked for, one after the other until one is certified.
+    def keeps_apart(self) -> bool:
+        """Whether what may touch depends on the motion: a level tray on its path leaves an arm of six joints no choice.
 
-        Obstacles are judged and unknown to the optimiser: about a path that keeps clear of them the corridor is made
-        narrower, until a motion in it keeps clear too.
+        Then the choice of its branch has seen to it.
         """
-        rules = self.model.motion
-        if not self.scene.obstacles or rules.corridor is None:
-            return (self,)
-        narrower = (replace(rules, corridor=part * rules.corridor) for part in _NARROWER)
-        return tuple(replace(self, model=replace(self.model, motion=own)) for own in narrower)
+        choice = not self.searched_scene.motion.is_given or len(self.scene.robot.joints) > 6
+        return bool(self.scene.obstacles) and choice
+
+    def room(self, q: np.ndarray) -> dict[RowId, float]:
+        """What bodies leave of their clearance at joint positions (m, n), rad, as part of a budget; without any, {}.
+
+        Raises:
+            MissingExtraError: there are obstacles, and the library coal is not installed.
+        """
+        if not self.keeps_apart:
+            return {}
+        found = least_room(self.scene, q, within=Clearance.least_size)
+        return {RowId(Clearance.name, subject): room / Clearance.least_size for subject, room in found.items()}
 
     @property
     def searched_scene(self) -> Scene:

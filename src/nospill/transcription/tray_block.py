@@ -30,11 +30,12 @@ from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
 from nospill.transcription.stage import RowCollector, RowIndex, Rows
 from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
+from nospill.transcription.tray_state import TrayState
 
 Triplets = tuple[np.ndarray, np.ndarray]
 """Row and column of every structural nonzero, column by column."""
 
-_POINTS = (EvaluationPoint.JOINT, EvaluationPoint.CONTROL)
+_POINTS = (EvaluationPoint.JOINT, EvaluationPoint.TRAY, EvaluationPoint.CONTROL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,15 +136,24 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
     jerks, interval = stage[layout.jerks], stage[layout.interval]
     pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
-    tray = tray_motions(chains, jerks, interval, pieces, lifted, freedom=structure.freedom, gravity=numbers.gravity)
+    tray = tray_motions(
+        chains,
+        jerks,
+        interval,
+        pieces,
+        lifted,
+        freedom=structure.freedom,
+        gravity=numbers.gravity,
+        slowed=structure.slowed,
+    )
     ends = moved(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
     equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
-    rows = _rows(structure, layout, numbers, stage, given.backoff)
+    rows = _rows(structure, layout, numbers, stage, tray.start, given.backoff)
     own = ca.vertcat(gaps, equalities, rows.stacked()[0])
     cost = _cost(layout, numbers, interval, jerks, given.intervals)
 
-    pattern, columns = motion_pattern(structure.freedom), motion_columns(layout)
+    pattern, columns = motion_pattern(structure.freedom, slowed=structure.slowed), motion_columns(layout)
     weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
     gamma, curvature = SX.sym("gamma", count), SX.sym("curvature", pattern.share.nnz())
     motion = lifted.lift(tray.numbers)
@@ -180,9 +190,20 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
 
 
 def _rows(
-    structure: Structure, layout: Layout, numbers: SceneNumbers, stage: SX, backoff: Mapping[RowIndex, SX]
+    structure: Structure,
+    layout: Layout,
+    numbers: SceneNumbers,
+    stage: SX,
+    tray: TrayState,
+    backoff: Mapping[RowIndex, SX],
 ) -> RowCollector:
-    """The constraints of joints, tilt and jerks, at the node."""
+    """The constraints of joints, tray and jerks, at the node.
+
+    Of the tray's velocity the control point v + a h/2 of the interval h is bounded: with jerks that are constant over
+    intervals the speed along a line is a quadratic spline, nowhere above its control points, while between nodes that
+    keep a limit it may break it.
+    """
+    acceleration = tray.acceleration(numbers.gravity)[0]
     sample = Sample(
         structure,
         numbers,
@@ -192,6 +213,8 @@ def _rows(
         joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
         tilt=_values(stage, layout.freedom.tilt_chains),
         offset=_values(stage, layout.freedom.offset_chains),
+        tray_velocity=tray.velocity + stage[layout.interval] / 2 * acceleration,
+        tray_acceleration=acceleration,
         jerks=stage[layout.jerks],
     )
     collector = RowCollector(backoff)

@@ -1,7 +1,8 @@
 """What the objects read of the tray: the motion of its frame at four instants of an interval.
 
-Each instant has nine numbers: angular velocity, angular acceleration, specific force. On a level tray some of them
-are zero at any time; the others, stacked, are the *motion numbers* y. They follow from the *motion variables*: the
+Each instant has nine numbers: angular velocity, angular acceleration, specific force; and where objects are moved at
+another speed and the tray tilts, the vertical. On a level tray some of them are zero at any time; the others, stacked,
+are the *motion numbers* y. They follow from the *motion variables*: the
 chains of s and tilt, the length of the interval, the jerks.
 """
 
@@ -12,7 +13,7 @@ from functools import lru_cache
 
 import casadi as ca
 
-from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.core.frames import SX, VERTICAL, FrameMotion, body_motion
 from nospill.laws.parameters import Freedom
 from nospill.transcription.collocation import POINTS, advance_chain
 from nospill.transcription.layout import IntegratorChain, Layout
@@ -29,17 +30,19 @@ class MotionPattern:
     """Which numbers of the tray's motion there are and how they hang together.
 
     Attributes:
-        entries: per instant, nine entries: the index among the motion numbers, or None where the entry is zero.
+        entries: per instant, nine or twelve: the index among the motion numbers, or None where the entry is zero.
         interval: index of the length of the interval among the motion variables.
         jacobian: sparsity (motion numbers, motion variables).
         share: sparsity of the upper triangle of what an object's Hessian has of the motion numbers and, last, the
             length of the interval: no row reads two instants.
+        up: the vertical of a level tray, (3, 1); None of one that tilts, whose entries have it where it is read.
     """
 
     entries: tuple[tuple[int | None, ...], ...]
     interval: int
     jacobian: ca.Sparsity
     share: ca.Sparsity
+    up: SX | None
 
     @property
     def count(self) -> int:
@@ -49,7 +52,7 @@ class MotionPattern:
     def frames(self, numbers: SX) -> tuple[FrameMotion, ...]:
         """The motion at every instant from the motion numbers (count, 1)."""
         return tuple(
-            body_motion(ca.vertcat(*[SX(1, 1) if index is None else numbers[index] for index in instant]))
+            body_motion(ca.vertcat(*[SX(1, 1) if index is None else numbers[index] for index in instant]), up=self.up)
             for instant in self.entries
         )
 
@@ -83,21 +86,23 @@ def tray_motions(
     *,
     freedom: Freedom,
     gravity: SX,
+    slowed: bool,
 ) -> TrayMotions:
     """The tray over an interval, `pieces` the path's at each of `INSTANTS`."""
     start = tray_state(pieces[0], chains, freedom=freedom, gravity=gravity).lifted(lifted)
-    motions = [start.motion]
+    states = [start]
     for piece, fraction in zip(pieces[1:], INSTANTS[1:], strict=True):
         later = moved(chains, jerks, fraction * interval)
         later = tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in later)
-        motions.append(tray_state(piece, later, freedom=freedom, gravity=gravity).motion)
+        states.append(tray_state(piece, later, freedom=freedom, gravity=gravity))
     numbers: list[SX] = []
     entries: list[tuple[int | None, ...]] = []
-    for motion in motions:
-        places: list[int | None] = []
-        for entry in ca.vertsplit(
-            ca.densify(ca.vertcat(motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
-        ):
+    for state in states:
+        motion, places = state.motion, list[int | None]()
+        parts = [motion.angular_velocity, motion.angular_acceleration, motion.specific_force]
+        if slowed and freedom.tilt:
+            parts.append(state.rotation[2, :].T)
+        for entry in ca.vertsplit(ca.densify(ca.vertcat(*parts))):
             places.append(None if entry.is_zero() else len(numbers))
             if not entry.is_zero():
                 numbers.append(entry)
@@ -106,14 +111,21 @@ def tray_motions(
 
 
 @lru_cache(maxsize=8)
-def motion_pattern(freedom: Freedom) -> MotionPattern:
+def motion_pattern(freedom: Freedom, *, slowed: bool) -> MotionPattern:
     """The pattern of a tray with some freedom; the motion variables are all variables of this layout's stage."""
     layout = Layout(freedom, redundant=0, coordinates=0, joints=0, orders=1)
     z, lifted = SX.sym("z", layout.size), LiftedVariables()
     chains = tuple(layout.chain(z, index) for index in range(layout.chains))
     pieces = tuple(PathPiece.of(SX.sym("piece", piece_size(3))) for _ in INSTANTS)
     found = tray_motions(
-        chains, z[layout.jerks], z[layout.interval], pieces, lifted, freedom=freedom, gravity=SX.sym("g")
+        chains,
+        z[layout.jerks],
+        z[layout.interval],
+        pieces,
+        lifted,
+        freedom=freedom,
+        gravity=SX.sym("g"),
+        slowed=slowed,
     )
     count = found.numbers.numel()
     jacobian = lifted.derivatives(z, found.numbers, SX.zeros(count)).jacobian.sparsity()
@@ -123,7 +135,8 @@ def motion_pattern(freedom: Freedom) -> MotionPattern:
         pairs = [(row, column) for row in own for column in own if row >= column]
         rows, columns = [*rows, *(row for row, _ in pairs)], [*columns, *(column for _, column in pairs)]
     share = ca.Sparsity.triplet(count + 1, count + 1, columns, rows)  # their transpose: the upper triangle
-    return MotionPattern(found.entries, layout.interval, jacobian, share)
+    up = None if freedom.tilt else VERTICAL
+    return MotionPattern(found.entries, layout.interval, jacobian, share, up)
 
 
 def with_interval(slopes: SX, interval: int) -> SX:

@@ -12,7 +12,7 @@ from nospill.core.frames import FrameMotion, rotation_y
 from nospill.judge.replay import slosh_accelerations
 from nospill.laws.constraints import (
     CONSTRAINTS,
-    JUDGED_ALONE,
+    OF_BODIES,
     EndDisplacement,
     JointPosition,
     JointSpeed,
@@ -21,6 +21,8 @@ from nospill.laws.constraints import (
     Slip,
     SloshHeight,
     Tip,
+    TrayAcceleration,
+    TraySpeed,
     Trough,
     Twist,
 )
@@ -29,6 +31,7 @@ from nospill.laws.constraints.residual_height import STILL_FRACTION
 from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.robots.description.catalog import load_robot
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 
@@ -207,9 +210,39 @@ def test_joints_are_measured_against_the_nearer_limit():
         assert use(JointSpeed(), sample, joint) == pytest.approx((-0.75 * top, -top, 0.25 * top))
 
 
+def test_speeds_of_the_fr3_fall_towards_the_ends_as_its_documentation_says():
+    """Franka Control Interface documentation, Limits for Franka Research 3; no less than 1 mrad/s."""
+    robot = load_robot("franka-fr3")
+    scene = replace(read_scenario("matrix-rigid"), robot=robot)
+    structure, numbers = structure_of(scene), constants(numbers_of(scene))
+    largest = np.array([2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26])
+    offset = np.array([0.30, 0.20, 0.20, 0.30, 0.35, 0.35, 0.35])
+    factor = np.array([12.0, 5.17, 7.00, 8.00, 34.0, 11.0, 34.0])
+    upper = np.array([2.75010, 1.79180, 2.90650, -0.1458, 2.81010, 4.52050, 3.01960])
+    lower = np.array([-2.75010, -1.79180, -2.90650, -3.04810, -2.81010, 0.54092, -3.01960])
+    for part in (0.0, 0.02, 0.2, 0.5, 0.9, 1.0):
+        q = robot.lower + part * (robot.upper - robot.lower)
+        high = np.minimum(largest, np.maximum(1e-3, -offset + np.sqrt(np.maximum(0.0, factor * (upper - q)))))
+        low = np.maximum(-largest, np.minimum(-1e-3, offset - np.sqrt(np.maximum(0.0, factor * (q - lower)))))
+        for speed, limits in ((0.7 * largest, high), (-0.7 * largest, low)):
+            sample = Sample(structure, numbers, joint_position=ca.SX(ca.DM(q)), joint_speed=ca.SX(ca.DM(speed)))
+            for joint in range(7):
+                found, limit = use(JointSpeed(), sample, joint), limits[joint]
+                assert found == pytest.approx((speed[joint], limit, abs(limit) - abs(speed[joint])), rel=1e-9)
+
+
+def test_tray_is_measured_by_the_length_of_its_velocity_and_acceleration(changed_scene):
+    scene = changed_scene("matrix-rigid", {"motion.max_speed": "2 m/s", "motion.max_acceleration": "10 m/s^2"})
+    velocity, acceleration = (ca.SX(ca.DM(part)) for part in ([0.6, -0.8, 0.0], [3.0, 0.0, -12.0]))
+    structure, numbers = structure_of(scene), constants(numbers_of(scene))
+    sample = Sample(structure, numbers, tray_velocity=velocity, tray_acceleration=acceleration)
+    assert use(TraySpeed(), sample) == pytest.approx((1.0, 2.0, 1.0))
+    assert use(TrayAcceleration(), sample) == pytest.approx((153**0.5, 10.0, 10.0 - 153**0.5))
+
+
 def test_the_table_has_every_constraint_once():
     """A class that is not in the table constrains nothing."""
-    assert {type(constraint) for constraint in (*CONSTRAINTS, *JUDGED_ALONE)} == {
+    assert {type(constraint) for constraint in (*CONSTRAINTS, *OF_BODIES)} == {
         leaf for leaf in _leaves(Constraint) if leaf.__module__.startswith("nospill.")
     }  # other tests make their own
 

@@ -45,6 +45,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         liquid_depth=DEPTH,
         max_slosh_height=0.02,
         static_correction=modes.static_correction,
+        added_gravity=np.zeros(0),
         oscillators=tuple(
             OscillatorNumbers(*[getattr(mode, field.name) for field in dataclasses.fields(OscillatorNumbers)])
             for mode in modes.oscillators

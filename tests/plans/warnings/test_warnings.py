@@ -55,7 +55,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 16
+    assert len(WARNINGS) == 17
     assert found(quiet) == {}
 
 
@@ -140,6 +140,10 @@ def test_a_stated_contact_line_is_warned_of_where_the_other_one_differs(found) -
     assert ("contact line", "cup") not in both
     assert ("contact line", "cup") not in found(small | {"cargo.0.contact_line": "pinned"})
     assert ("meniscus", "cup") not in found(small | {"cargo.0.contact_line": "free", "cargo.0.liquid_height": "19 mm"})
+    assert free["contact angle", "cup"].value == pytest.approx(1.0 - 7.04 / 7.56, abs=0.01)
+    stated = found(small | {"cargo.0.contact_line": "free", "cargo.0.contact_angle": "60 deg"})
+    assert ("contact angle", "cup") not in stated and ("meniscus", "cup") not in stated
+    assert ("contact line", "cup") in stated
 
 
 @pytest.mark.parametrize(("damping", "warned"), [(0.1, False), (0.101, True)])

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nospill.robots.description.catalog import ROBOTS, load_robot, robot_table
+from nospill.robots.description.catalog import ROBOTS, load_robot, moved_robot, robot_table
 from nospill.robots.description.urdf import read_arm
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import inertia_fault
@@ -80,7 +80,7 @@ def test_every_figure_has_a_source(name):
         else:
             words = "link masses and inertias" if quantity == "inertia" else f"joint {quantity}"
             assert words in robot.not_known
-    assert set(robot.sources) == needed
+    assert set(robot.sources) == needed | ({"braking"} if robot.braking is not None else set())
     assert all(len(source) > 15 for source in robot.sources.values())
     assert robot.not_known
 
@@ -136,6 +136,16 @@ def test_rows_are_json_ready():
     (row,) = [row for row in robot_table() if row["name"] == "franka-fr3"]
     assert row["max_jerk_rad_s3"] == [5000.0] * 7
     assert row["max_torque_nm"] == [87.0] * 4 + [12.0] * 3
+    assert row["braking_deceleration_rad_s2"][1:3] == [2.585, 3.5] and row["braking_offset_rad_s"][-1] == 0.35
+
+
+def test_braking_is_that_of_the_joints_that_move_and_of_one_arm_alone():
+    arm = load_robot("franka-fr3")
+    assert [name for name in ROBOTS if load_robot(name).braking is not None] == [arm.name]
+    locked = moved_robot(arm, locked={"fr3_joint3": "0 deg"}).braking
+    assert arm.braking is not None and locked is not None
+    np.testing.assert_array_equal(locked.upper, np.delete(arm.braking.upper, 2))
+    assert (arm.braking.lower <= arm.lower).all() and (arm.braking.upper >= arm.upper).all()
 
 
 def test_page_shows_the_catalogue():

@@ -9,8 +9,9 @@ import pytest
 
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.containers.meniscus import plane_wall_rise
 from nospill.scene.containers.modes import STANDARD_GRAVITY
-from nospill.scene.containers.tension import liquid_modes, wetting_rise
+from nospill.scene.containers.tension import liquid_modes
 from nospill.scene.containers.vessels import Profile, Tapered
 from nospill.scene.liquids import LIQUIDS, Liquid
 
@@ -91,4 +92,4 @@ def test_without_tension_there_is_none() -> None:
     for line in ("free", "pinned"):
         found, plain = liquid_modes(cup, oil, 0.06, 1, contact_line=line), liquid_modes(cup, oil, 0.06, 1)
         assert found.oscillators == plain.oscillators and plain.oscillators[0].tension == 0.0
-    assert wetting_rise(WATER) == pytest.approx(3.86e-3, abs=1e-5)
+    assert plane_wall_rise(WATER) == pytest.approx(3.86e-3, abs=1e-5)

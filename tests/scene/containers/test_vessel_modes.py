@@ -143,7 +143,7 @@ def test_mesh_is_the_liquid(shape: str) -> None:
         )
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.floats(0.5, 2.5), st.tuples(*[st.floats(-1.0, 1.0)] * 2), st.floats(0.3, 0.8))
 def test_force_and_moment_of_small_motions_as_in_a_cylinder(fill, amplitudes, share) -> None:
     """Harmonic surge and pitch about the bottom below resonance: what the masses do to the container."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import casadi as ca
@@ -11,10 +11,11 @@ import pytest
 
 from nospill.core.frames import FrameMotion
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Range, figures, smooth_rows
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Range, Stop, figures, smooth_rows
 from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.robots.robot import Braking
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 
@@ -26,6 +27,8 @@ SCENES = (
     "mixed-tray",
     "matrix-liquid-corridor",
 )
+BRAKED = "matrix-rigid"
+"""The scene whose joints have to slow down towards the ends of their ranges."""
 CASES = [
     pytest.param(constraint, name, id=f"{constraint.name}-{name}") for constraint in CONSTRAINTS for name in SCENES
 ]
@@ -47,6 +50,12 @@ class Probe:
 def probe(name: str, point: EvaluationPoint) -> Probe:
     """States that break limits about as often as they keep them."""
     scene = read_scenario(name)
+    if name == BRAKED:
+        robot = scene.robot
+        every = np.ones(len(robot.joints))
+        scene = replace(
+            scene, robot=replace(robot, braking=Braking(robot.lower - 0.01, robot.upper, 2.0 * every, 0.2 * every))
+        )
     structure, numbers = structure_of(scene), constants(numbers_of(scene))
     count, joints = coordinate_count(structure), len(structure.joints)
     if point in (EvaluationPoint.OBJECT, EvaluationPoint.END):
@@ -67,6 +76,11 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         speed = 1.5 * numbers.max_speed * x[joints:]
         offset = 1.2 * numbers.corridor * x[:3]
         return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed, offset=offset), x)
+    if point is EvaluationPoint.TRAY:
+        scene = replace(scene, motion=replace(scene.motion, max_speed=0.5, max_acceleration=3.0))
+        structure, numbers = structure_of(scene), constants(numbers_of(scene))
+        x = ca.SX.sym("x", 6)
+        return Probe(scene, Sample(structure, numbers, tray_velocity=0.5 * x[:3], tray_acceleration=3.0 * x[3:]), x)
     x = ca.SX.sym("x", 2 + structure.freedom.chains)
     return Probe(scene, Sample(structure, numbers, tilt=x[:2], jerks=3000 * x[2:]), x)
 
@@ -156,6 +170,9 @@ def _fraction_left(budget: Budget) -> ca.SX:
     """Capacity, and what of it is left."""
     if isinstance(budget, Cone):
         return ca.vertcat(budget.capacity, budget.capacity - ca.norm_2(budget.demand))
+    if isinstance(budget, Stop):
+        _, limit, margin = figures(budget, False)
+        return ca.vertcat(ca.fabs(limit), margin)
     if budget.upper is None:
         return ca.vertcat(budget.scale, budget.value - budget.lower)
     half = (budget.upper - budget.lower) / 2

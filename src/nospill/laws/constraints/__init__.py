@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
+from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.corridor import Corridor
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
@@ -19,6 +20,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tilt import Tilt
 from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.tray_rates import TrayAcceleration, TraySpeed
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
 
@@ -38,6 +40,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointJerk(),
     JointTorque(),
     Tilt(),
+    TraySpeed(),
+    TrayAcceleration(),
     PathJerk(),
     TiltJerk(),
     Corridor(),
@@ -46,8 +50,16 @@ CONSTRAINTS: tuple[Constraint, ...] = (
 )
 """Every constraint that the optimiser and the judge evaluate by its expressions, in the order of the certificate."""
 
-JUDGED_ALONE: tuple[Constraint, ...] = (Clearance(),)
-"""Constraints that the judge alone evaluates, in ways of its own; their rows come after the others."""
+OF_BODIES: tuple[Constraint, ...] = (Clearance(),)
+"""Constraints on pairs of bodies, which optimiser and judge evaluate in ways of their own; their rows come after the
+others."""
 
-BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in (*CONSTRAINTS, *JUDGED_ALONE)})
+BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item in (*CONSTRAINTS, *OF_BODIES)})
 """All by name, as rows and reasons carry it."""
+
+
+OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
+"""Names of those on liquids."""
+
+OF_OBJECTS = OF_LIQUIDS | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
+"""Names of those on objects."""

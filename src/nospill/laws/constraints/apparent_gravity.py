@@ -36,10 +36,11 @@ class ApparentGravity(Constraint):
         """One range per liquid."""
         if sample.structure.fidelity != "full":
             return ()
-        gravity = sample.numbers.gravity
         budgets = []
         for item in sample.objects:
             if item.structure.liquid:
+                added, gravity = SX(item.numbers.added_gravity), sample.numbers.gravity
+                gravity = gravity + added if added.numel() else gravity
                 surface = item.motion.at(ca.vertcat(0, 0, item.numbers.liquid_height)).specific_force
                 budgets.append((Range(surface[2] / gravity, SX(LEAST_APPARENT_GRAVITY), None, SX(1)),))
         return tuple(budgets)

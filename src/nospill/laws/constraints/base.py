@@ -25,6 +25,8 @@ class EvaluationPoint(Enum):
     """objects: at every node and in the middle of every interval."""
     JOINT = "joint"
     """joint_position, joint_speed, joint_acceleration: at every node."""
+    TRAY = "tray"
+    """tray_velocity, tray_acceleration: at every node."""
     CONTROL = "control"
     """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
     END = "end"
@@ -48,7 +50,7 @@ class Role(Enum):
     CLEARANCE = "clearance"
     """Arm, tray and cargo from what they could run into."""
     TRAY = "tray"
-    """The motion of the tray: its tilt, and the smoothness of path parameter and tilt."""
+    """The motion of the tray: its tilt, speed and acceleration, and the smoothness of path parameter and tilt."""
 
 
 class RowId(NamedTuple):
@@ -146,15 +148,36 @@ class Range:
     scale: SX
 
 
-Budget = Cone | Range
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """|value| <= capacity, and slow enough to stop before either end.
+
+    That is value <= sqrt(above) - offset and -value <= sqrt(below) - offset, with squares of speeds above the offset.
+    """
+
+    value: SX
+    capacity: SX
+    below: SX
+    above: SX
+    offset: SX
+
+
+Budget = Cone | Range | Stop
 
 
 def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray]:
     """A budget less a reserve as rows with constant bounds: values (m, 1), lower (m,), upper (m,).
 
     A cone of one dimension gives two linear rows; of more, capacity^2 - |demand|^2 >= 0, valid because every capacity
-    is proportional to a pressing force that another constraint keeps positive, or constant.
+    is proportional to a pressing force that another constraint keeps positive, or constant. A way to stop is squared
+    where the value goes towards its end, so that it has a slope wherever it is at its limit.
     """
+    if isinstance(budget, Stop):
+        value = budget.value / (1 - reserve)
+        scale, offset = (budget.capacity + budget.offset) ** 2, budget.offset
+        ways = (budget.above - ca.fmax(offset + value, 0) ** 2, budget.below - ca.fmax(offset - value, 0) ** 2)
+        rows: SX = ca.vertcat(value / budget.capacity, *[way / scale for way in ways])
+        return rows, np.array([-1.0, 0.0, 0.0]), np.array([1.0, np.inf, np.inf])
     if isinstance(budget, Range):
         if budget.upper is None:
             return (budget.value - budget.lower) / budget.scale - reserve, np.zeros(1), np.full(1, np.inf)
@@ -172,6 +195,10 @@ def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
 
     Relative figures are fractions of the capacity; a capacity that has gone to zero or below gives a negative margin.
     """
+    if isinstance(budget, Stop):
+        way = ca.if_else(budget.value < 0, budget.below, budget.above)
+        least = ca.fmin(budget.capacity, ca.sqrt(way) - budget.offset)
+        return budget.value, ca.if_else(budget.value < 0, -least, least), least - ca.fabs(budget.value)
     if isinstance(budget, Range):
         low = budget.value - budget.lower
         if budget.upper is None:

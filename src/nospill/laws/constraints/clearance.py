@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Role
+from collections.abc import Mapping
+
+from nospill.core.frames import SX
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, RowId
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -10,8 +13,9 @@ from nospill.scene.scene import Scene
 class Clearance(Constraint):
     """distance >= clearance, for every pair of bodies.
 
-    The judge finds the distances of bodies itself (`judge.clearance`). The optimiser has no row of it: along a given
-    path a level tray leaves an arm of six joints no choice but that of its branch, which is made before.
+    The judge finds the distances of bodies itself (`judge.clearance`). Which pairs there are, and the planes by which
+    the optimiser keeps them apart, is geometry of the arm (`collisions`), not of a sample: the rows are made beside
+    those of the table, by `clearance_budget`.
     """
 
     name = "clearance"
@@ -20,12 +24,27 @@ class Clearance(Constraint):
     evaluated_at = EvaluationPoint.JOINT
     in_words = "clearance of {subject}"
     description = "Distance of two bodies above its limit at all times: the obstacle's `clearance`, or contact."
+    backoff = 2e-3
     least_size = 0.1  # m; a pair farther apart than this is of no concern
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """None in the optimiser."""
+        """None that a sample tells of."""
         return ()
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
-        """None in the optimiser."""
+        """None that a sample tells of."""
         return ()
+
+
+def clearance_budget(distance: SX, limit: SX) -> Range:
+    """A distance, m, from a plane between two bodies is at least a limit, m; a budget is `least_size`."""
+    return Range(distance, limit, None, SX(Clearance.least_size))
+
+
+def clearance_backoff(room: Mapping[RowId, float]) -> dict[RowId, float]:
+    """First back-off of each pair, which leaves no less than both ends of the motion have, where the arm has to be.
+
+    Args:
+        room: what the ends leave above the limit, as a part of `least_size`.
+    """
+    return {row: min(max(own, 0.0), Clearance.backoff) for row, own in room.items()}

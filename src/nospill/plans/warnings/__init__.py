@@ -11,6 +11,7 @@ from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
 from nospill.plans.warnings.controller import behind_the_command
 from nospill.plans.warnings.liquids import (
+    contact_angle,
     contact_line,
     crest,
     damping,
@@ -33,6 +34,7 @@ WARNINGS: tuple[Warn, ...] = (
     distance_to_the_rim,
     surface_tension,
     contact_line,
+    contact_angle,
     meniscus,
     damping,
     density,

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from nospill.core.units import format_quantity
+from nospill.errors import ModelError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.containers.meniscus import meniscus_in
+from nospill.scene.containers.meniscus import WETTED, meniscus_in
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
-from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.containers.tension import ContactLine, liquid_modes
 from nospill.scene.liquids import Liquid
 
 LINEAR_CREST = 1.0 / 3.0
@@ -113,8 +115,7 @@ def contact_line(facts: Facts) -> Iterator[PlanWarning]:
         pinned = cargo.tolerance is not None and cargo.tolerance.pinned
         if filling.contact_line != "free" or pinned:
             continue
-        other = liquid_modes(cargo.container, filling.liquid, filling.liquid_height, 1, contact_line="pinned")
-        ratio = min(item.frequency for item in other.oscillators) / _slowest(filling).frequency - 1.0
+        ratio = _other_frequency(cargo, filling, "pinned", filling.contact_angle) / _slowest(filling).frequency - 1.0
         if ratio > FREQUENCY_SHIFT:
             text = (
                 f"a contact line that is pinned and not free raises the first frequency by {100 * ratio:.2g} %; "
@@ -123,18 +124,45 @@ def contact_line(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("contact line", cargo.name, text, ratio, FREQUENCY_SHIFT)
 
 
+def contact_angle(facts: Facts) -> Iterator[PlanWarning]:
+    """No contact angle is stated, and a wall that the liquid wets would make it slower."""
+    for cargo, filling in _fillings(facts):
+        round_section = isinstance(cargo.container.footprint, DiscFootprint)
+        if not filling.contact_line or filling.contact_angle is not None or not round_section:
+            continue
+        shift = 1.0 - _other_frequency(cargo, filling, filling.contact_line, WETTED) / _slowest(filling).frequency
+        if shift > FREQUENCY_SHIFT:
+            text = (
+                f"the first frequency is that of a surface at a right angle to the wall; a liquid that wets the wall "
+                f"swings {100 * shift:.2g} % slower; state contact_angle."
+            )
+            yield PlanWarning("contact angle", cargo.name, text, shift, FREQUENCY_SHIFT)
+
+
+def _other_frequency(cargo: Cargo, filling: Filling, line: ContactLine, angle: float | None) -> float:
+    """Of the slowest mode with another contact line or angle, rad/s; that of the filling where there is none."""
+    level = filling.liquid_height
+    try:
+        other = liquid_modes(cargo.container, filling.liquid, level, 1, contact_line=line, contact_angle=angle)
+    except ModelError:  # too shallow for its meniscus
+        return _slowest(filling).frequency
+    return min(item.frequency for item in other.oscillators)
+
+
 def meniscus(facts: Facts) -> Iterator[PlanWarning]:
     """Where the vessel is small, the liquid that stands higher at the wall may reach the rim."""
     for cargo, filling in _fillings(facts):
         room = cargo.container.height - filling.liquid_height - filling.max_slosh_height
         if not filling.contact_line:
             continue
-        rise, drop = meniscus_in(cargo.container, filling.liquid, filling.liquid_height)
-        if rise > room:
+        rise, drop = meniscus_in(cargo.container, filling.liquid, filling.liquid_height, filling.contact_angle)
+        if rise > room + _ROUNDING:
+            stands = f"at its contact angle the liquid stands {_mm(rise)} higher at the wall"
+            if filling.contact_angle is None:
+                stands = f"a liquid that wets the wall stands up to {_mm(rise)} higher there"
             text = (
-                f"a liquid that wets the wall stands up to {_mm(rise)} higher there at rest and {_mm(drop)} lower on "
-                f"the axis, and max_slosh_height leaves {_mm(max(room, 0.0))} to the rim; liquid_height is that of a "
-                "flat surface."
+                f"{stands} at rest and {_mm(drop)} lower on the axis, and max_slosh_height leaves "
+                f"{_mm(max(room, 0.0))} to the rim; liquid_height is that of a flat surface."
             )
             yield PlanWarning("meniscus", cargo.name, text, rise, room)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from importlib import resources
 from typing import Any
 
@@ -15,7 +15,7 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
-from nospill.robots.robot import LinkCapsule, LinkMesh, PackagedMeshes, Robot
+from nospill.robots.robot import Braking, LinkCapsule, LinkMesh, PackagedMeshes, Robot
 
 ROBOTS: dict[str, str] = {
     "comau-smart-six": "comau-smart-six",
@@ -72,6 +72,7 @@ def load_robot(name: str) -> Robot:
             for item in facts["capsules"]
         ),
         meshes=_packaged(facts["meshes"]) if "meshes" in facts else None,
+        braking=_braking(facts["braking"]) if "braking" in facts else None,
     )
 
 
@@ -109,6 +110,7 @@ def moved_robot(
         max_jerk=of_kept(robot.max_jerk),
         max_torque=of_kept(robot.max_torque),
         home=of_kept(robot.home),
+        braking=_braking_of(robot.braking, kept),
         notes=(*robot.notes, *arm.notes),
     )
 
@@ -118,8 +120,8 @@ def robot_table() -> list[dict[str, Any]]:
 
     Returns:
         Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
-        max_speed_deg_s, max_acceleration_rad_s2, max_jerk_rad_s3, max_torque_nm (None where nobody states it),
-        inertias_known, home_deg, base_frame, sources, not_known.
+        max_speed_deg_s, braking_deceleration_rad_s2, braking_offset_rad_s, max_acceleration_rad_s2, max_jerk_rad_s3,
+        max_torque_nm (None where nobody states it), inertias_known, home_deg, base_frame, sources, not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 
@@ -136,6 +138,8 @@ def _row(robot: Robot) -> dict[str, Any]:
         "lower_deg": _degrees(robot.lower),
         "upper_deg": _degrees(robot.upper),
         "max_speed_deg_s": _degrees(robot.max_speed),
+        "braking_deceleration_rad_s2": None if robot.braking is None else robot.braking.deceleration.tolist(),
+        "braking_offset_rad_s": None if robot.braking is None else robot.braking.offset.tolist(),
         "max_acceleration_rad_s2": None if robot.max_acceleration is None else robot.max_acceleration.tolist(),
         "max_jerk_rad_s3": None if robot.max_jerk is None else robot.max_jerk.tolist(),
         "max_torque_nm": None if robot.max_torque is None else robot.max_torque.tolist(),
@@ -145,6 +149,17 @@ def _row(robot: Robot) -> dict[str, Any]:
         "sources": dict(robot.sources),
         "not_known": list(robot.not_known),
     }
+
+
+def _braking(table: Mapping[str, Any]) -> Braking:
+    keys = ("lower_rad", "upper_rad", "deceleration_rad_s2", "offset_rad_s")
+    return Braking(*(read_only(table[key]) for key in keys))
+
+
+def _braking_of(braking: Braking | None, kept: Sequence[int]) -> Braking | None:
+    if braking is None:
+        return None
+    return Braking(*(read_only(getattr(braking, part.name)[kept]) for part in fields(Braking)))
 
 
 def _packaged(table: Mapping[str, Any]) -> PackagedMeshes:

@@ -62,6 +62,21 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
 
 
+def frame_in_frame(chain: BodyChain, inner: int, q: SX) -> tuple[SX, SX]:
+    """Position (3, 1), m, and axes (3, 3) of one joint's frame (as in `bodies`) in the frame of another one before it.
+
+    Args:
+        chain: the arm.
+        inner: number of the moving joints before the other frame, 0 for the base.
+        q: (k, 1) positions of the joints between the two, rad.
+    """
+    position, rotation = SX.zeros(3), SX.eye(3)
+    for index, body in enumerate(chain.bodies[inner : inner + q.numel()]):
+        position = position + rotation @ _constant(body.position)
+        rotation = rotation @ _constant(_squared(body.rotation)) @ _about_z(q[index])
+    return position, rotation
+
+
 def _squared(rotation: np.ndarray) -> np.ndarray:
     """A rotation whose entries near 0 and 1 are 0 and 1: files write right angles with a dozen digits."""
     nearest = np.round(rotation)

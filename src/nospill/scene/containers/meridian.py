@@ -77,6 +77,12 @@ class Meridian:
         cubics = self.wetted(min(max(level, self.bottom), self.rim[1]))
         return float(cubics[-1][-1].sum(axis=0)[0]) if cubics else 0.0
 
+    def lean(self, level: float) -> float:
+        """Angle of the wall from upright at a height in m, rad: positive where it opens; of the piece below."""
+        cubics = self.wetted(min(max(level, self.bottom), self.rim[1]))
+        along = np.arange(4.0) @ cubics[-1][-1]
+        return math.atan2(float(along[0]), float(along[1]))
+
     def widest(self, level: float) -> float:
         """Largest radius below a height in m, m."""
         return max(float(np.max(_sampled(piece)[:, 0])) for piece in self.wetted(level))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -110,3 +110,21 @@ class SloshModes:
             for axis in ("x", "y")
         ]
         return read_only(self.quasi_static_gain - carried)
+
+    def with_oscillators(self, oscillators: tuple[Oscillator, ...]) -> SloshModes:
+        """The same liquid with other modal masses; the fixed part leaves its mass, centre and inertia as they were."""
+
+        def sums(mass: float, height: float, modes: tuple[Oscillator, ...]) -> np.ndarray:
+            parts = [(mass, height), *((mode.mass, mode.height) for mode in modes)]
+            return np.array([sum(m * z**power for m, z in parts) for power in (0, 1, 2)])
+
+        before, moved = sums(self.fixed_mass, self.fixed_height, self.oscillators), sums(0.0, 0.0, oscillators)
+        mass, moment, _ = before - moved
+        inertia = self.fixed_inertia + before[2] - moved[2] - moment**2 / mass
+        return replace(
+            self,
+            oscillators=oscillators,
+            fixed_mass=float(mass),
+            fixed_height=float(moment / mass),
+            fixed_inertia=read_only(inertia),
+        )

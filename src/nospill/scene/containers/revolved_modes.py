@@ -21,6 +21,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from nospill.core.arrays import read_only
+from nospill.errors import ModelError
 from nospill.scene.containers.meridian import Meridian
 from nospill.scene.containers.meridian_mesh import MeridianMesh, mesh_liquid
 
@@ -71,7 +72,12 @@ def revolved_modes(meridian: Meridian, level: float, count: int) -> RevolvedMode
     Raises:
         ModelError: the region is too intricate, or too many modes are asked for.
     """
-    return solve_modes(meridian, level, _FEW if count <= _MOST_OF_FEW else max(_MANY, 4 * count))
+    return solve_modes(meridian, level, surface_elements(count))
+
+
+def surface_elements(count: int) -> int:
+    """Elements along the surface's radius for so many modes."""
+    return _FEW if count <= _MOST_OF_FEW else max(_MANY, 4 * count)
 
 
 @lru_cache(maxsize=512)
@@ -87,9 +93,9 @@ def solve_modes(
         ModelError: the region is too intricate.
     """
     mesh = mesh_liquid(meridian, level, surface_elements, refinement=refinement)
-    stiffness, turning = _volume_terms(mesh, level)
+    stiffness, turning = volume_terms(mesh, level)
     own = np.unique(mesh.surface)
-    surface_mass, surface_stiffness = _surface_terms(mesh, own)
+    surface_mass, surface_stiffness = surface_terms(mesh, own)
     solve = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
     unit = np.zeros((len(mesh.nodes), len(own)))
     unit[own, np.arange(len(own))] = 1.0
@@ -129,13 +135,22 @@ def _shape(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return value, np.stack([by_x, by_y], axis=2)
 
 
-def _volume_terms(mesh: MeridianMesh, level: float) -> tuple[sp.csc_array, np.ndarray]:
-    """The matrix of a and the right side of Zhukovsky's problem, z from the level."""
+def volume_terms(mesh: MeridianMesh, level: float) -> tuple[sp.csc_array, np.ndarray]:
+    """The matrix of a and the right side of Zhukovsky's problem, z from the level.
+
+    Raises:
+        ModelError: an element is turned inside out.
+    """
     value, derivative = _shape(_QUADRATURE)
     corners = mesh.nodes[mesh.triangles]
     place = np.einsum("qi,tix->tqx", value, corners)
     jacobian = np.einsum("qiy,tix->tqxy", derivative, corners)
     area = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    if not np.all(area > 0.0):
+        raise ModelError(
+            "the liquid's shape is too intricate for the slosh model; give another fill, a plainer profile or no "
+            "contact_angle"
+        )
     inverse = np.linalg.inv(jacobian)
     slope = np.einsum("qiy,tqyx->tqix", derivative, inverse)
     r, z = place[..., 0], place[..., 1] - level
@@ -154,13 +169,26 @@ def _volume_terms(mesh: MeridianMesh, level: float) -> tuple[sp.csc_array, np.nd
     return sp.csc_array(matrix), np.bincount(index.ravel(), turning.ravel(), size)
 
 
-def _line(mesh: MeridianMesh, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Along quadratic edges, at Gauss points: what is integrated of a potential x u.
+@dataclass(frozen=True, slots=True)
+class Edges:
+    """What is integrated along e quadratic edges at q Gauss points.
 
-    Returns:
-        Shape functions (q, 3); derivatives of r times them by the length (e, q, 3); radius (e, q), m; weights (e, q)
-        that sum to the length, m.
+    Attributes:
+        value: (q, 3) shape functions.
+        slope: (e, q, 3) derivatives of r times them by the length.
+        radius: (e, q) m.
+        weight: (e, q) that sum to the length, m.
+        upright: (e, q) dr over the length: the cosine of the edge's slope.
     """
+
+    value: np.ndarray
+    slope: np.ndarray
+    radius: np.ndarray
+    weight: np.ndarray
+    upright: np.ndarray
+
+
+def _along(mesh: MeridianMesh, edges: np.ndarray) -> Edges:
     t = _EDGE_NODES
     value = np.stack([t * (t - 1) / 2, t * (t + 1) / 2, 1 - t * t], axis=1)
     derivative = np.stack([t - 0.5, t + 0.5, -2 * t], axis=1)
@@ -168,27 +196,33 @@ def _line(mesh: MeridianMesh, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray
     radius = np.einsum("qi,ei->eq", value, points[..., 0])
     tangent = np.einsum("qi,eix->eqx", derivative, points)
     length = np.linalg.norm(tangent, axis=-1)
-    along = (value * tangent[..., :1] + radius[..., None] * derivative) / length[..., None]
-    return value, along, radius, length * _EDGE_WEIGHTS
+    slope = (value * tangent[..., :1] + radius[..., None] * derivative) / length[..., None]
+    return Edges(value, slope, radius, length * _EDGE_WEIGHTS, tangent[..., 0] / length)
 
 
-def _surface_terms(mesh: MeridianMesh, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Over the surface, in its own nodes: s, and the integral of grad_xy(x u).grad_xy(x v)."""
-    value, radial, radius, length = _line(mesh, mesh.surface)
-    weight = np.pi * radius * length
-    mass = np.einsum("eq,qi,qj->eij", weight * radius**2, value, value)
-    gradient = np.einsum("eq,eqi,eqj->eij", weight, radial, radial) + np.einsum("eq,qi,qj->eij", weight, value, value)
+def surface_terms(mesh: MeridianMesh, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Over the surface z = f(r), in its own nodes: s, and what surface tension holds it with.
+
+    With W^2 = 1 + f'^2, pi times the integrals of r^2 u v and of (r u)'(r v)'/W^3 + u v/W, both r dr; the latter is the
+    integral of grad_xy(x u).grad_xy(x v) where the surface is flat.
+    """
+    edges = _along(mesh, mesh.surface)
+    weight = np.pi * edges.radius * edges.weight * edges.upright
+    mass = np.einsum("eq,qi,qj->eij", weight * edges.radius**2, edges.value, edges.value)
+    weight = weight * edges.upright
+    held = np.einsum("eq,eqi,eqj->eij", weight, edges.slope, edges.slope)
+    held += np.einsum("eq,qi,qj->eij", weight, edges.value, edges.value)
     place = np.searchsorted(own, mesh.surface)
     found = np.zeros((2, len(own), len(own)))
-    for matrix, element in zip(found, (mass, gradient), strict=True):
+    for matrix, element in zip(found, (mass, held), strict=True):
         np.add.at(matrix, (place[:, :, None], place[:, None, :]), element)
     return found[0], found[1]
 
 
 def _wall_dissipation(mesh: MeridianMesh, potentials: np.ndarray) -> np.ndarray:
     """Integral of the squared velocity along the wetted wall for every mode, (n,)."""
-    value, slope, radius, length = _line(mesh, mesh.wall)
+    edges = _along(mesh, mesh.wall)
     own = potentials[mesh.wall]
-    along = np.einsum("eqi,ein->eqn", slope, own)
-    around = np.einsum("qi,ein->eqn", value, own)
-    return np.einsum("eq,eqn->n", np.pi * radius * length, along**2 + around**2)
+    along = np.einsum("eqi,ein->eqn", edges.slope, own)
+    around = np.einsum("qi,ein->eqn", edges.value, own)
+    return np.einsum("eq,eqn->n", np.pi * edges.radius * edges.weight, along**2 + around**2)

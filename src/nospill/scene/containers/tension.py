@@ -8,6 +8,8 @@ gravity's part grows with the apparent gravity, so it stays the stiffness and th
 A contact line that is pinned adds the force that keeps the surface at the wall where it is. In the modes of the free
 line, of mass m_n and height C_n at the wall, the frequencies are then the roots of sum C_n^2/(m_n (omega_n^2 -
 omega^2)) = 0, one between each two of the free line's.
+
+Where another contact angle is stated for a round vessel, the modes are those below its curved surface (`curved_modes`).
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.containers.meniscus import capillary_length
+from nospill.scene.containers.meridian import Meridian
 from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
@@ -34,6 +38,8 @@ _MANY = 48
 _KNOWN = 20
 """Modes of a vessel that is no prism that elements give at once."""
 _STEPS = 60
+_UNMOVED = 1e-6
+"""Part of the liquid's mass below which a mode is not moved by a surge, and has no place."""
 _FASTEST = 2000.0
 """rad/s; modes that surface tension would make faster swing at this. No arm excites them: they stand where the apparent
 gravity puts them, a few micrometres high."""
@@ -47,6 +53,7 @@ def liquid_modes(
     *,
     damping: float | None = None,
     contact_line: ContactLine = "",
+    contact_angle: float | None = None,
 ) -> SloshModes:
     """The modes of a liquid in a container, with surface tension where the contact line is stated.
 
@@ -57,13 +64,17 @@ def liquid_modes(
         count: modes in each direction.
         damping: ratio of the slowest mode; the formula's when left out.
         contact_line: "free" or "pinned"; empty for gravity alone.
+        contact_angle: at which the surface at rest meets the wall of a round vessel, rad; None for a flat surface.
 
     Raises:
         ScenarioError: as for `Container.slosh_modes`, likewise ModelError.
     """
     modes = container.slosh_modes(liquid, level, count, damping=damping)
-    if not contact_line or liquid.surface_tension == 0.0:
+    if not contact_line or capillary_length(liquid) == 0.0:
         return modes
+    meridian = None if contact_angle is None else _meridian(container)
+    if meridian is not None and contact_angle is not None:
+        return _curved(modes, meridian, liquid, contact_angle, pinned=contact_line == "pinned")
     free = with_tension(modes, liquid)
     if contact_line == "free":
         return replace(free, oscillators=tuple(map(_bounded, free.oscillators)))
@@ -92,16 +103,44 @@ def _many(container: Container, liquid: Liquid, level: float, count: int) -> Slo
 
 def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
     """Modes with the spring of surface tension, and the quasi-static gain of a surface that meets the wall squarely."""
-    length = math.sqrt(liquid.surface_tension / (liquid.density * STANDARD_GRAVITY))
+    length = capillary_length(liquid)
     round_section = "y" in modes.oscillators[0].directions and "x" in modes.oscillators[0].directions
     gain = [_gain(half, length, round_section=round_section) for half in modes.quasi_static_gain.tolist()]
     oscillators = tuple(_stretched(item, length) for item in modes.oscillators)
     return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain))
 
 
-def wetting_rise(liquid: Liquid) -> float:
-    """How much higher a liquid stands at a plane wall that it wets than far from it, m [Landau, Lifshitz, sec. 61]."""
-    return math.sqrt(2.0 * liquid.surface_tension / (liquid.density * STANDARD_GRAVITY))
+def _meridian(container: Container) -> Meridian | None:
+    """Of a round vessel."""
+    if isinstance(container, Cylinder):
+        edge = (container.radius, 0.0)
+        return Meridian((((0.0, 0.0), edge), (edge, (container.radius, container.height))))
+    return container.meridian if isinstance(container, Vessel) else None
+
+
+def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool) -> SloshModes:
+    """Modes below the curved surface at rest, with the damping of the flat one; the rest of the liquid follows."""
+    from nospill.scene.containers.curved_modes import curved_modes  # only few vessels need the solver
+
+    found = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
+    squares = STANDARD_GRAVITY * (found.pinned if pinned else found.curvature + found.tension)
+    masses = liquid.density * found.volume
+    heights = np.where(masses > _UNMOVED * modes.liquid_mass, found.height, modes.liquid_height)
+    oscillators = tuple(
+        _bounded(
+            replace(
+                item,
+                frequency=math.sqrt(squares[n]),
+                tension=float(squares[n] - STANDARD_GRAVITY * found.curvature[n]),
+                mass=float(masses[n]),
+                height=float(heights[n]),
+                surface_gain=float(found.surface_gain[n]),
+            )
+        )
+        for n, item in enumerate(modes.oscillators)
+    )
+    gain = read_only(np.full(2, found.quasi_static_gain))
+    return replace(modes.with_oscillators(oscillators), quasi_static_gain=gain)
 
 
 def _bounded(item: Oscillator) -> Oscillator:

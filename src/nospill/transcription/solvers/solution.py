@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.transcription.problem import Problem
 from nospill.transcription.stages import Stages
 
@@ -25,7 +26,8 @@ class Solution:
         bound_multipliers: (n,) of the variables' bounds.
         objective: t_e + sum k mean(u^2), s.
         violation: largest scaled constraint violation.
-        slack: per active (constraint, subject), least distance of its rows from their bounds, as part of the budget.
+        slack: per active (constraint, subject), least distance of its rows from their bounds, as part of the budget; of
+            clearance none.
         converged: whether the solver met its tolerances.
         status: a sentence.
         iterations: of the solver.
@@ -68,12 +70,8 @@ def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     """`Solution.slack` from the values (m,) of the constraints."""
     transcription = problem.transcription
     distance = np.minimum(values - transcription.lower, transcription.upper - values)
-    stages, end = np.split(distance, [transcription.intervals * transcription.rows_per_stage])
-    least = np.min(stages.reshape(-1, transcription.rows_per_stage), axis=0)
     slack: dict[RowId, float] = {}
-    for blocks, distances in ((transcription.blocks, least), (transcription.end_blocks, end)):
-        for block in blocks:
-            key = problem.rows[block.row]
-            own = float(np.min(distances[block.first : block.first + block.count]))
-            slack[key] = min(own, slack.get(key, np.inf))
+    for row, places in problem.places:
+        if row.constraint != Clearance.name:  # whose planes stand anywhere between the bodies
+            slack[row] = min(float(np.min(distance[places])), slack.get(row, np.inf))
     return slack

@@ -36,7 +36,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         problem: what to solve; its scenario names the linear solver.
         start: on the problem's grid.
         options: limits, tolerances and start.
-        warm: an earlier answer of a problem of the same shape, whose multipliers are used.
+        warm: an earlier answer, whose multipliers are used where its problem was of the same shape.
 
     Raises:
         ScenarioError: the linear solver is not known or not available.
@@ -54,7 +54,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         "lbg": transcription.lower,
         "ubg": transcription.upper,
     }
-    if warm is not None:
+    if warm is not None and len(warm.multipliers) == len(transcription.lower):
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
     (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
     result, stats = _attempt(problem, settings | own, arguments, options)

@@ -1,0 +1,126 @@
+"""What is judged beside the scene as stated: variants of its objects, and the motion at other speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
+from nospill.judge.replay import MINIMUM_RATE, Replay, replay
+from nospill.judge.traces import constraint_traces
+from nospill.judge.verdict import Row, Trace, worst_row
+from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
+from nospill.laws.constraints.joint_torque import JointTorque
+from nospill.laws.like_objects import outer_objects
+from nospill.motion.at_speed import SlowedMotion, at_speed
+from nospill.motion.interpolation import JointMotion
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import Corner, corner_scenes, is_uncertain
+from nospill.scene.variants import speed_text
+
+_OF_SLOWED = 0.25
+"""Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
+
+_NEAR = 0.01
+"""Part of a limit below which what two speeds of the grid leave free is more than a speed between them takes."""
+
+
+def corner_rows(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+    played: Replay | None = None,
+) -> tuple[Row, ...]:
+    """Rows of every constraint on every variant of the objects; none where all numbers are certain at one speed.
+
+    Args:
+        trajectory: the record, with its holds.
+        scene: what it must keep to.
+        motion: what the receiver's joints do; the spline through the recorded positions when left out.
+        rate: Hz, the least rate of the grid.
+        played: the replay of the scene as stated; with it, joint torques under the worst load too.
+    """
+    traces = corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
+    return tuple(replace(worst_row(trace), variant=variant) for trace, variant in traces)
+
+
+def corner_traces(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None, rate: float, played: Replay | None
+) -> Iterator[tuple[Trace, str]]:
+    """The traces behind `corner_rows`, one at a time, each with the variant it is of."""
+    corners, uses = list(corner_scenes(scene)), dict[RowId, dict[float, float]]()
+    for corner in corners:
+        for trace, text in _played(trajectory, corner, motion, rate):
+            yield trace, text
+            use = uses.setdefault(RowId(trace.constraint, trace.subject), {})
+            use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
+    for speed in _between(uses.values()):
+        nearest = min((corner.speed for corner in corners), key=lambda own: abs(own - speed))
+        for corner in corners:
+            if corner.speed == nearest:
+                yield from _played(trajectory, replace(corner, speed=speed), motion, rate)
+    if scene.motion.speeds:
+        yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
+    if is_uncertain(scene) and played is not None:
+        yield from ((trace, WORST_LOAD) for trace in worst_load_traces(scene, played))
+
+
+def _played(
+    trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float
+) -> Iterator[tuple[Trace, str]]:
+    """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
+    speed, scene = corner.speed, corner.scene
+    if speed == 1.0:
+        own = replay(trajectory, scene, motion=motion, rate=rate)
+        traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
+    else:
+        scene = replace(scene, cargo=outer_objects(scene))
+        slow, own = _slowed(trajectory, scene, speed, motion, rate)
+        traces = constraint_traces(slow, scene, own, points=OF_OBJECTS)
+        traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
+    for trace in traces:
+        if trace.subject in corner.texts:
+            yield trace, corner.texts[trace.subject]
+
+
+def _slowed(
+    trajectory: Trajectory, scene: Scene, speed: float, motion: JointMotion | None, rate: float
+) -> tuple[Trajectory, Replay]:
+    """The record of a motion at a part of its speed, and its replay."""
+    slow = at_speed(trajectory, speed)
+    joints = None if motion is None else SlowedMotion(motion, speed)
+    return slow, replay(slow, scene, motion=joints, rate=_OF_SLOWED * rate)
+
+
+def _torques(
+    trajectory: Trajectory, scene: Scene, least: float, motion: JointMotion | None, rate: float
+) -> Iterator[tuple[Trace, str]]:
+    """Torques at the least speed: they are linear in its square, so that between it and the planned one they are less.
+
+    Under the worst load where masses may be off.
+    """
+    slow, own = _slowed(trajectory, replace(scene, cargo=()), least, motion, rate)
+    traces = constraint_traces(slow, scene, own, points=[EvaluationPoint.JOINT])
+    traces = (*traces, *worst_load_traces(scene, own)) if is_uncertain(scene) else traces
+    for trace in traces:
+        if trace.constraint == JointTorque.name:
+            yield replace(trace, t=trace.t * least), speed_text(least)
+
+
+def _between(uses: Iterable[Mapping[float, float]]) -> tuple[float, ...]:
+    """Speeds between those of the grid at which a use just below its limit is largest: vertices of parabolas."""
+    found = set[float]()
+    for use in uses:
+        speeds = sorted(use)
+        for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
+            before, most, after = (use[speed] for speed in (first, middle, last))
+            curvature = before - 2.0 * most + after
+            if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and curvature < 0.0:
+                offset = 0.5 * (before - after) / curvature
+                found.add(round(middle + offset * (last - middle if offset > 0.0 else middle - first), 6))
+    return tuple(sorted(found, reverse=True))

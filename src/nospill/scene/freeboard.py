@@ -1,0 +1,69 @@
+"""How high a liquid may swing where a scenario does not say it: to the rim less a reserve, along the wall."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from nospill.scene.containers.base import Container
+from nospill.scene.containers.leaning import edge_of_plane
+from nospill.scene.containers.meniscus import meniscus_in
+from nospill.scene.containers.tension import ContactLine
+from nospill.scene.containers.vessel import Vessel
+from nospill.scene.liquids import Liquid
+
+_SAME = 2e-6
+"""m; to which `edge_of_plane` is met."""
+
+
+def default_slosh_height(
+    container: Container,
+    liquid: Liquid,
+    level: float,
+    *,
+    reserve: float,
+    contact_line: ContactLine = "",
+    contact_angle: float | None = None,
+) -> float:
+    """Greatest crest, m, that leaves a reserve of the freeboard, upright and along the wall.
+
+    In a vessel that opens, the edge of the liquid runs up the slope: the crest is then that of a plane surface whose
+    edge leaves the reserve of the way along the wall from the surface at rest to the rim. Where a contact line is
+    stated, what the meniscus at rest takes of the freeboard counts as filled.
+
+    Args:
+        container: of any shape.
+        liquid: in it.
+        level: of the flat surface at rest, m.
+        reserve: fraction of the freeboard.
+        contact_line: as for the modes.
+        contact_angle: rad; None for the highest meniscus.
+
+    Returns:
+        m; negative where the meniscus takes all.
+    """
+    room = container.height - level
+    if contact_line:
+        room -= max(meniscus_in(container, liquid, level, contact_angle).rise, 0.0)
+    if not isinstance(container, Vessel) or room <= 0.0:
+        return (1.0 - reserve) * room
+    return _on_a_slope(container, level, reserve, room)
+
+
+@lru_cache(maxsize=512)
+def _on_a_slope(vessel: Vessel, level: float, reserve: float, room: float) -> float:
+    from scipy.optimize import brentq
+
+    upright = (1.0 - reserve) * room
+    above = vessel.meridian.points
+    above = np.vstack([(vessel.section(level).radius, level), above[above[:, 1] > level]])
+    way = float(np.sum(np.linalg.norm(np.diff(above, axis=0), axis=1)))
+    wanted = reserve * way + (vessel.height - level - room)
+
+    def spare(crest: float) -> float:
+        return edge_of_plane(vessel, level, crest).along_wall - wanted
+
+    if spare(upright) >= -_SAME:
+        return upright
+    return float(brentq(spare, 0.0, upright, xtol=_SAME / 10))  # type: ignore[arg-type]

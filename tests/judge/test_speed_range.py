@@ -1,0 +1,82 @@
+"""Motions that must hold at every speed of a range: what is judged, and at which speeds others join the problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.judge.certificate import judge_motion
+from nospill.judge.other_speeds import uses_at
+from nospill.judge.speed_peaks import peaks
+from nospill.judge.tracks import variant_tracks
+from nospill.judge.verdict import Row
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import Role
+from nospill.scene.scene import SPEED_STEP
+from nospill.scene.variants import variants_by_object
+
+
+def with_range(scene, least: float, greatest: float = 1.0):
+    return replace(scene, motion=replace(scene.motion, speed_range=(least, greatest)))
+
+
+def test_speeds_of_a_range_are_close_to_each_other(smooth_motion: Callable) -> None:
+    scene = with_range(smooth_motion("mixed-tray").scene, 0.25)
+    speeds = scene.motion.speeds
+    assert speeds[-1] == 0.25 and speeds[0] < 1.0
+    steps = np.diff(np.log([1.0, *speeds]))
+    assert np.all(steps < 0.0) and np.all(steps > -SPEED_STEP - 1e-4)
+    assert with_range(scene, 0.5, 0.8).motion.speeds[0] == 0.8
+    assert replace(scene.motion, speed_range=None).speeds == ()
+
+
+def test_solids_are_tried_at_both_ends_and_liquids_at_every_speed(smooth_motion: Callable) -> None:
+    scene = with_range(smooth_motion("mixed-tray").scene, 0.9)
+    count = len(scene.motion.speeds)
+    families = {own[0].name: own for own in variants_by_object(scene)}
+    assert len(families["cup"]) == 1 + count and len(families["bottle"]) == 3
+    assert families["cup"][-1].id == ("cup", "90 % of the speed")
+    assert families["cup"][-1].moved.speed == 0.9 and families["cup"][0].moved is scene.cargo[0]
+
+
+def test_rows_of_a_range_are_the_uses_at_its_speeds(smooth_motion: Callable) -> None:
+    """Against the look at other speeds, which knows nothing of variants."""
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.9)
+    judgement = judge_motion(motion.trajectory, scene)
+    for speed in scene.motion.speeds[::4]:
+        (use,) = uses_at(motion.trajectory, motion.scene, [speed])
+        text = f"{100 * speed:.4g} % of the speed"
+        rows = [row for row in judgement.corners if row.variant == text]  # further ones are between the speeds
+        first = {(row.constraint, row.subject): row for row in reversed(rows)}.values()
+        liquid = max(row.use for row in first if BY_NAME[row.constraint].role is Role.LIQUID)
+        assert liquid == pytest.approx(use.liquid, rel=1e-6)
+    worst = max((row for row in judgement.corners if row.constraint == "slosh height"), key=lambda row: row.use)
+    assert 0.0 <= worst.at_s <= motion.trajectory.end_time + 1e-9  # on the planned motion's clock
+    torque = [row for row in judgement.corners if row.constraint == "joint torque"]
+    assert {row.variant for row in torque} <= {"90 % of the speed"}
+
+
+def test_liquids_of_slow_motions_start_a_problem_in_its_own_time(smooth_motion: Callable) -> None:
+    """Rates of displacements on the clock of the planned motion."""
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.5)
+    chosen = ("cup", "50 % of the speed")
+    track = variant_tracks(motion.trajectory, scene, {chosen: "slow"})["slow"]
+    found = np.gradient(track.displacement, motion.trajectory.t, axis=0)[2:-2]
+    assert np.allclose(found, track.velocity[2:-2], atol=2e-2 * np.abs(track.velocity).max())
+
+
+def test_peaks_are_local_and_of_the_worst_object() -> None:
+    speeds = {("a", ""): 1.0} | {(name, str(speed)): speed / 10 for name in "ab" for speed in range(1, 10)}
+
+    def row(name: str, speed: int, use: float, constraint: str = "slip") -> Row:
+        return Row(constraint, name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, str(speed))
+
+    uses = {1: 0.2, 2: 0.5, 3: 0.9, 4: 0.8, 5: 0.8, 6: 1.5, 7: 1.2, 8: 0.1, 9: 0.4}
+    rows = [row("a", speed, use) for speed, use in uses.items()] + [row("b", 7, 1.7), row("b", 3, 0.1)]
+    found = {(item.subject, item.variant) for item in peaks([*rows, row("a", 5, 2.0, "tip")], speeds)}
+    assert found == {("a", "3"), ("b", "7"), ("a", "9"), ("a", "5")}

@@ -1,0 +1,30 @@
+"""A plan for a range of speeds keeps its limits at all of them; the one for its own speed does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.judge.other_speeds import uses_at
+from nospill.planning.planner import plan
+from nospill.scene.scene import Scene
+
+
+@pytest.mark.slow
+def test_a_cup_at_every_speed_of_a_range(changed_scene: Callable[..., Scene]) -> None:
+    scene = changed_scene("pp-two-cups", {"planning.intervals": 40, "planning.starts": 1})
+    scene = replace(scene, cargo=scene.cargo[:1])
+    nominal = plan(scene)
+    ranged = plan(replace(scene, motion=replace(scene.motion, speed_range=(0.8, 1.0))))
+    assert ranged.certificate.ok and ranged.judgement is not None
+    assert {row.variant for row in ranged.judgement.corners} >= {"80 % of the speed"}
+    speeds = np.random.default_rng(1).uniform(0.8, 1.0, 12)
+    most = [
+        max(max(use.liquid, use.contact) for use in uses_at(found.trajectory, scene, speeds))
+        for found in (nominal, ranged)
+    ]
+    assert most[0] > 1.1 and most[1] < 1.005
+    assert 1.0 < ranged.duration / nominal.duration < 1.1

@@ -1,0 +1,166 @@
+"""Rows of clearance: they agree with coal and with differences, and what keeps to them is apart."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from nospill.collisions.distances import Distances, separation
+from nospill.collisions.pairs import Pair, scene_pairs
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.clearance import Clearance
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
+from nospill.scenario import read_scenario
+from nospill.scene.scene import Scene
+from nospill.transcription.clearance_block import LIMIT, PLANE, clearance_block
+from nospill.transcription.clearance_planes import Planes, separating
+from nospill.transcription.problem import Problem, build_problem
+from nospill.transcription.task import Task
+
+pytest.importorskip("coal")
+
+SUBJECTS = ("tray to column", "left to column", "wrist_3_link to forearm_link", "forearm_link to table")
+POSE = np.array([0.4, -1.5, 1.8, -0.3, 1.2, 0.1])
+INTERVALS = 4
+
+
+@cache
+def scene() -> Scene:
+    return read_scenario("cups-around-a-column")
+
+
+def pairs_of(subject: str) -> list[Pair]:
+    return [pair for pair in scene_pairs(scene()) if pair.subject == subject]
+
+
+def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tuple[float, float]]:
+    """By number of the pair, least row of the body that its plane is fixed to and of the other, at one configuration.
+
+    The planes are the same at all places.
+    """
+    least: dict[int, list[float]] = {}
+    for group, numbers in zip(planes.groups, planes.numbers, strict=True):
+        between = group.between
+        z = np.concatenate([q[between.inner : between.outer], turned])
+        for plane, own in zip(group.planes, numbers[0], strict=True):
+            value = float(clearance_block(between).value(z, own))
+            found = least.setdefault(plane.pair, [np.inf, np.inf])
+            found[between.count > 0] = min(found[between.count > 0], value)
+    return {number: (fixed, other) for number, (fixed, other) in least.items()}
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
+    random = np.random.default_rng(1)
+    compared = 0
+    for _ in range(12):
+        q = POSE + random.uniform(-0.7, 0.7, 6)
+        frames = joint_frames(arm_chain(scene().robot), q[None])
+        found = separating(scene(), [RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)))
+        plain, turned = (rows_of(found, q, z) for z in (np.zeros(PLANE), random.uniform(-0.4, 0.4, PLANE)))
+        for number, pair in enumerate(pairs_of(subject)):
+            here = np.zeros(1, dtype=int)
+            of_coal, direction = Distances(pair.first, pair.second).at(frames, here)
+            # of a cup coal has a polyhedron about it
+            distance = float(separation(pair.first, pair.second, frames, here, direction, np.zeros(1))[0])
+            assert of_coal[0] == pytest.approx(distance, abs=1e-6 if "left" not in subject else 2e-4)
+            # a disc that faces its plane reaches a thousandth of its radius too far, to the safe side
+            spare = 1e-3 * sum(float(np.max(body.shape.discs)) for body in (pair.first, pair.second))
+            fixed, other = (Clearance.least_size * value for value in plain[number])
+            if distance > pair.limit:
+                compared += 1
+                assert fixed + other == pytest.approx(distance - pair.limit, abs=spare + 1e-6)
+                assert fixed == pytest.approx(other, abs=2e-4)  # in the middle of what is left
+            assert Clearance.least_size * sum(turned[number]) <= distance - pair.limit + 1e-6
+    assert compared > 5
+
+
+def test_derivatives_of_a_row_agree_with_differences() -> None:
+    random = np.random.default_rng(2)
+    planes = separating(scene(), [RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
+    for group, numbers in zip(planes.groups, planes.numbers, strict=True):
+        block, count = clearance_block(group.between), group.between.count + PLANE
+        z = np.concatenate([POSE[group.between.inner : group.between.outer], np.zeros(PLANE)])
+        z += random.uniform(-0.2, 0.2, count)
+        for own in numbers[0, :3]:
+            steps = 1e-5 * np.eye(count)
+            slopes = [
+                np.array(block.slope(z + step, own)[1]) - np.array(block.slope(z - step, own)[1]) for step in steps
+            ]
+            values = [float(block.value(z + step, own)) - float(block.value(z - step, own)) for step in steps]
+            np.testing.assert_allclose(np.asarray(block.slope(z, own)[1]).ravel(), np.array(values) / 2e-5, atol=1e-7)
+            hessian = np.hstack(slopes) / 2e-5
+            upper = np.concatenate([hessian[: column + 1, column] for column in range(count)])
+            np.testing.assert_allclose(np.asarray(block.curvature(z, own, 1.0)).ravel(), upper, atol=1e-6)
+
+
+def problem() -> Problem:
+    model = scene().with_one_mode()
+    q = POSE + np.linspace(0.0, 0.3, INTERVALS)[:, None]
+    rows = [RowId(Clearance.name, name) for name in SUBJECTS]
+    backoff = {rows[0]: 0.05}
+    planes = separating(scene(), rows, q)
+    return build_problem(model, INTERVALS, nominal_duration=1.0, backoff=backoff, planes=planes, active=set(rows))
+
+
+def test_assembled_derivatives_against_automatic_differentiation() -> None:
+    found, random = problem(), np.random.default_rng(3)
+    transcription = found.transcription
+    w = random.uniform(-0.1, 0.1, transcription.variables)
+    w[transcription.layout.interval :: transcription.layout.size] = 1.0
+    p = found.parameters
+    x, q = ca.MX.sym("x", len(w)), ca.MX.sym("p", len(p))
+    values = transcription.constraint_function(x, q)
+    own = slice(len(transcription.lower) - transcription.clearance_rows, len(transcription.lower))
+    g, jacobian = transcription.jac_g(w, p)
+    expected = ca.Function("j", [x, q], [ca.jacobian(values[own], x)])(w, p)
+    np.testing.assert_allclose(np.array(g[own]), np.array(ca.Function("g", [x, q], [values[own]])(w, p)), atol=1e-12)
+    np.testing.assert_allclose(np.array(ca.DM(jacobian)[own, :]), np.array(expected), atol=1e-9)
+    multipliers = np.zeros(len(transcription.lower))
+    multipliers[own] = random.normal(size=transcription.clearance_rows)
+    hessian, _ = ca.hessian(ca.dot(values, multipliers), x)
+    given = transcription.hess_lag(w, p, 0.0, multipliers)
+    expected = ca.Function("h", [x, q], [ca.triu(hessian)])(w, p)
+    np.testing.assert_allclose(np.array(ca.DM(given)), np.array(expected), atol=1e-8)
+
+
+def test_each_row_finds_its_own_rows_with_its_back_off() -> None:
+    found = problem()
+    variables = np.zeros(found.transcription.variables)
+    before, after = (
+        np.asarray(found.transcription.constraint_function(variables, parameters)).ravel()
+        for parameters in (found.parameters, found.with_more_backoff(0.01))
+    )
+    places = dict(found.places)
+    moved = np.flatnonzero(np.abs(after - before) > 1e-9)
+    own = places[RowId(Clearance.name, SUBJECTS[0])]
+    np.testing.assert_array_equal(np.sort(own.ravel()), moved)
+    np.testing.assert_allclose((before - after)[own], 0.01)
+    assert own.shape == (INTERVALS - 1, 2 * 8)  # the corners of the tray, for the planes before and after each node
+    assert len(places) == len(SUBJECTS) and len({*np.concatenate([item.ravel() for item in places.values()])}) == sum(
+        item.size for item in places.values()
+    )
+
+
+def test_the_plane_of_a_half_space_does_not_turn() -> None:
+    planes = separating(scene(), [RowId(Clearance.name, SUBJECTS[3])], np.tile(POSE, (INTERVALS, 1)))
+    plain, turned = (rows_of(planes, POSE, np.array([tilt, tilt, 0.0])) for tilt in (0.0, 1.0))
+    for number, (fixed, other) in plain.items():
+        assert fixed + other > 0.0
+        # the normal only gets shorter
+        assert sum(turned[number]) <= fixed + other
+
+
+def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
+    free = Task.of(scene())
+    assert free.keeps_apart and set(SUBJECTS) <= {row.subject for row in free.room(POSE[None])}
+    level = Task.of(read_scenario("cups-past-a-column"))
+    assert not level.keeps_apart and level.room(POSE[None]) == {}
+    planes = separating(scene(), [RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
+    for group, rows, numbers in zip(planes.groups, planes.rows, planes.numbers, strict=True):
+        for row, own in zip(rows, numbers[0], strict=True):
+            limit = pairs_of(row.subject)[0].limit if group.between.count else 0.0
+            assert own[LIMIT] == limit
