@@ -34,9 +34,9 @@ _PLACES = 201
 def freest_way(scene: Scene) -> Scene:
     """The scene with a way in the place of one that its path leaves open.
 
-    It is the fastest of the plain ways, straight and in arcs, if nothing is in the way of the level tray on it; else
-    the fastest clear one of the others and of those that are found by sampling; where there is none, the plain one with
-    most room, and the certificate decides then.
+    It is the fastest of the plain ways and detours on which nothing is in the way of the level tray; where none is
+    clear, the fastest of those that are found by sampling; where there is none either, the one with most room, and the
+    certificate decides then.
 
     Raises:
         ScenarioError: the arm can follow no way; or an obstacle is in the way of the tray at an end.
@@ -52,28 +52,28 @@ def freest_way(scene: Scene) -> Scene:
         if found is None:
             raise
         return found[1]
-    freest, clear = (-np.inf, scene), None
+    freest = (-np.inf, scene)
     for number, candidate in enumerate(candidates):
         paths = joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
         if number == 0:
             require_free_ends(candidate, paths[0])
-        rooms = [item.room for item in nearest_of(candidate, paths)]
-        if max(rooms) >= 0.0:
-            if number == 0:
-                return candidate
-            clear = next(path.speed_figure for path, room in zip(paths, rooms, strict=True) if room >= 0.0), candidate
-            break
-        freest = max(freest, (max(rooms), candidate), key=lambda item: item[0])
-    found = min(filter(None, (clear, sampled_way_of(scene))), key=lambda item: item[0], default=None)
-    return _with_most_room(freest[1]) if found is None else found[1]
+        room = max(item.room for item in nearest_of(candidate, paths))
+        if room >= 0.0:
+            return candidate
+        freest = max(freest, (room, candidate), key=lambda item: item[0])
+    found = sampled_way_of(scene)
+    return _with_most_room(freest[1], len(candidates)) if found is None else found[1]
 
 
-def _with_most_room(scene: Scene) -> Scene:
+def _with_most_room(scene: Scene, tried: int) -> Scene:
     """The scene itself, if the motion may leave its way so far that the certificate must decide."""
     try:
         free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
     except NoSolutionError as error:
-        text = f"{error}; {len(SEEDS)} random searches found no way round, over or under it"
+        text = (
+            f"{error}; the {tried} ways that were tried, round the base and over or under, are all blocked, "
+            f"and {len(SEEDS)} random searches found no other"
+        )
         raise NoSolutionError(text, error.reason) from None
     return scene
 

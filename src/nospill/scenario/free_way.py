@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import product
 
 import numpy as np
 
@@ -18,6 +19,9 @@ _POINTS = 13
 """Of an arc about the base."""
 _NEAR_THE_AXIS = 0.05
 """m; nearer to the base's axis there is no direction to turn from."""
+_NEARER = (0.0, -0.1, -0.2, -0.3, 0.15)
+_HIGHER = (0.0, 0.2, 0.4, -0.2)
+"""How much farther from the axis, and higher, detours are half way, in parts of the arm's reach."""
 
 
 def has_free_way(scene: Scene) -> bool:
@@ -29,8 +33,9 @@ def has_free_way(scene: Scene) -> bool:
 def ways(scene: Scene) -> list[Scene]:
     """The scene with each way that the arm can follow in the place of the open one, the fastest first.
 
-    The straight line from start to goal, and arcs about the base's vertical axis either way round, on which distance
-    from the axis and height change evenly. They are compared by the speed figures of their joint paths.
+    The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
+    distance from the axis and height change evenly; where there are obstacles, detours lead by half way nearer to the
+    axis or farther from it, and higher or lower. They are compared by the speed figures of their joint paths.
 
     Raises:
         ScenarioError: the arm can follow none; tells of the line.
@@ -46,16 +51,18 @@ def ways(scene: Scene) -> list[Scene]:
 
 
 def _arcs(scene: Scene) -> Iterator[Scene]:
+    bumps = [*product(_NEARER, _HIGHER)] if scene.obstacles else [(0.0, 0.0)]
     foot, _ = base_pose(scene.robot.urdf)
     (x0, y0, z0), (x1, y1, z1) = scene.path.at([0.0, 1.0])[:, :3] - foot
     if min(math.hypot(x0, y0), math.hypot(x1, y1)) < _NEAR_THE_AXIS:
         return
     first, turn = math.atan2(y0, x0), math.remainder(math.atan2(y1, x1) - math.atan2(y0, x0), math.tau)
-    share = np.linspace(0.0, 1.0, _POINTS)
-    for angle in (turn, turn - math.copysign(math.tau, turn)):
+    share, reach = np.linspace(0.0, 1.0, _POINTS), scene.robot.reach or 1.0
+    rise = 16.0 * share**2 * (1 - share) ** 2
+    for angle, (out, up) in product((turn, turn - math.copysign(math.tau, turn)), bumps):
         directions = first + share * angle
-        distances = (1 - share) * math.hypot(x0, y0) + share * math.hypot(x1, y1)
-        heights = (1 - share) * z0 + share * z1
+        distances = (1 - share) * math.hypot(x0, y0) + share * math.hypot(x1, y1) + out * reach * rise
+        heights = (1 - share) * z0 + share * z1 + up * reach * rise
         points = np.column_stack([distances * np.cos(directions), distances * np.sin(directions), heights])
         points[[0, -1]] = (x0, y0, z0), (x1, y1, z1)
         with suppress(ScenarioError):  # points that coincide make no way

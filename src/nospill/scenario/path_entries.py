@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Literal
@@ -271,7 +272,7 @@ class FreeTable(PathTable):
         poses = np.column_stack([self.way, self.way_yaw])
         return path_through_poses(poses, None if self.way_joint is None else np.array(self.way_joint))
 
-    def _check_way_yaw(self, way: list[tuple[float, float, float]], way_yaw: list[float]) -> None:
+    def _check_way_yaw(self, way: Sequence[object], way_yaw: Sequence[float]) -> None:
         for key, values in (("way_yaw", way_yaw), ("way_joint", self.way_joint)):
             if values is not None and len(values) != len(way):
                 raise ScenarioError(
