@@ -35,8 +35,9 @@ def ways(scene: Scene) -> list[Scene]:
     """The scene with each way that the arm can follow in the place of the open one, the fastest first.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
-    distance from the axis and height change evenly; where there are obstacles and six joints, detours
-    lead by half way nearer to the axis or farther from it, and higher or lower. They are compared by the speed figures of their joint paths.
+    distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
+    nearer to the axis or farther from it, and higher or lower. They are compared by the speed figures of their joint
+    paths.
 
     Raises:
         ScenarioError: the arm can follow none; tells of the line.
