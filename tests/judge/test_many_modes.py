@@ -271,6 +271,18 @@ def test_full_model_beside_a_published_certificate(smooth_motion: Callable) -> N
     assert with_full_model(certificate, motion.trajectory, motion.scene) is certificate
 
 
+def test_full_model_looks_at_solids_too(smooth_motion: Callable) -> None:
+    """Slip and twist draw on the same friction there: without liquids too, a published plan may slide."""
+    motion = smooth_motion("matrix-rigid", stretch=0.4)
+    published = judge_motion(motion.trajectory, motion.scene).certificate
+    full = judge_motion(motion.trajectory, full_scene(motion.scene)).certificate
+    found = with_full_model(published, motion.trajectory, motion.scene).full_model
+    contact = ("lift", "slip", "tip", "twist")
+    assert found and found == tuple(row for row in full.rows if row.constraint in contact and not row.ok)
+    assert "slips" in full_model_note(replace(published, full_model=found))
+    assert with_full_model(full, motion.trajectory, full_scene(motion.scene)).full_model == ()
+
+
 def test_twenty_modes_beside_a_certificate_with_one(smooth_motion: Callable) -> None:
     tilting = smooth_motion("mixed-tray", stretch=0.8)
     one = judge_motion(tilting.trajectory, tilting.scene).certificate

@@ -24,9 +24,9 @@ def infeasible_with_more(worst: Row, duration: float) -> NoSolutionError:
         worst: what that motion breaks.
         duration: of that motion, s.
     """
-    advice = "Narrow the tolerance or relax that limit." if worst.variant else "Relax that limit."
+    advice = "Narrow the tolerance, state" if worst.variant else "State"
     return NoSolutionError(
         f"No motion found, though there is one of {duration:.3g} s for some of the objects and variants: "
-        f"there {describe(worst)}. {advice}",
+        f"there {describe(worst)}. {advice} a longer motion.duration or relax that limit.",
         Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
     )

@@ -306,9 +306,11 @@ def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
 def _no_time_to_plan(scene: Scene, last: Answer | None) -> NoSolutionError:
     """The error for a search that was ended; says what its last attempt breaks most."""
     nearest = _nearest(last)
-    further = "Give it more time, relax that limit or take another end condition." if nearest else "Give it more time."
+    slower = "state a longer motion.duration" if scene.motion.duration is None else "a longer motion.duration"
+    further = f"{slower}, relax that limit or take another end condition" if nearest else slower
     return NoSolutionError(
-        f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. {further}",
+        f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. "
+        f"Give it more time, {further}.",
         Reason(NOT_CONVERGED, "planning", "max_plan_time"),
     )
 

@@ -79,7 +79,7 @@ class ClearanceBlock:
 @lru_cache(maxsize=64)
 def clearance_block(between: Between) -> ClearanceBlock:
     """The block of a pair of joints."""
-    made, _, _ = codegen.functions("clearance", between, lambda: (_build(between), None))
+    made, _, _ = codegen.functions("plane", between, lambda: (_build(between), None))
     return ClearanceBlock(made["value"], made["slope"], made["curvature"])
 
 

@@ -206,6 +206,19 @@ def test_objects_reach_behind_the_plane_of_a_wall(found, judgement: Judgement) -
     assert warnings["below the base", "cup"].value == pytest.approx(0.02 - 0.0991, abs=1e-6)
 
 
+@pytest.mark.parametrize(("tolerance", "warned"), [("20 mrad", True), ("40 mrad", False), (None, False)])
+def test_a_controller_that_would_stop(found, judgement: Judgement, tolerance: str | None, warned: bool) -> None:
+    """A joint with a lag is behind its command by its speed times the lag."""
+    most = np.max(np.abs(judgement.replay.joint_speed), axis=0)
+    lag = 0.03 / float(np.max(most))
+    late = {"lag": f"{lag!r} s"} | ({} if tolerance is None else {"tracking_tolerance": tolerance})
+    warnings = {key: item for key, item in found({"controller": late}).items() if key[0] == "tracking"}
+    fastest = f"joint_{int(np.argmax(most)) + 1}"
+    assert (("tracking", fastest) in warnings) == warned == bool(warnings)
+    if warned:
+        assert warnings["tracking", fastest].value == pytest.approx(0.03, rel=1e-3)
+
+
 @pytest.mark.parametrize("key", ["friction_reserve", "footprint_reserve", "freeboard_reserve"])
 def test_a_reserve_of_zero(found, key: str) -> None:
     name = key.replace("_", " ")

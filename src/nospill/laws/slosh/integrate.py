@@ -17,7 +17,7 @@ SX = ca.SX
 
 _CHUNK = 200
 _TOLERANCE = 1e-7
-_LARGEST_REFINEMENT = 16
+_LARGEST_REFINEMENT = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integr
         displacements: how many of the states, the first ones, are displacements in m.
 
     Raises:
-        ModelError: they do not agree at 16 times the coarsest grid.
+        ModelError: they do not agree at 64 times the coarsest grid.
     """
     refinement, coarse = 1, solve(1)
     while True:
