@@ -12,6 +12,7 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.search import try_joint_paths
+from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scenario.reader import scene_from_table
 from nospill.scene.scene import Scene
 
@@ -34,8 +35,9 @@ def ways(scene: Scene) -> list[Scene]:
     """The scene with each way that the arm can follow in the place of the open one, the fastest first.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
-    distance from the axis and height change evenly; where there are obstacles, detours lead by half way nearer to the
-    axis or farther from it, and higher or lower. They are compared by the speed figures of their joint paths.
+    distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
+    nearer to the axis or farther from it, and higher or lower. They are compared by the speed figures of their joint
+    paths.
 
     Raises:
         ScenarioError: the arm can follow none; tells of the line.
@@ -51,7 +53,9 @@ def ways(scene: Scene) -> list[Scene]:
 
 
 def _arcs(scene: Scene) -> Iterator[Scene]:
-    bumps = [*product(_NEARER, _HIGHER)] if scene.obstacles else [(0.0, 0.0)]
+    # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
+    detours = bool(scene.obstacles) and redundant_joint(scene.robot) is None
+    bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
     foot, _ = base_pose(scene.robot.urdf)
     (x0, y0, z0), (x1, y1, z1) = scene.path.at([0.0, 1.0])[:, :3] - foot
     if min(math.hypot(x0, y0), math.hypot(x1, y1)) < _NEAR_THE_AXIS:
