@@ -34,7 +34,7 @@ class StandIn:
 
     duration = 1.8431
     message = "certified"
-    motion = SimpleNamespace(hold_before=0.0, hold_after=0.0)
+    motion = SimpleNamespace(hold_before=0.0, hold_after=0.0, speed_range=None)
     robot = SimpleNamespace(name="arm", notes=(), joints=("joint_1", "joint_2"))
     scene = SimpleNamespace(name="tea", robot=robot, motion=motion, path=SimpleNamespace(notes=()), cargo=())
     held_back = "friction of c1 is at its limit for 31 % of the time"
