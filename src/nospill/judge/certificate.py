@@ -45,6 +45,11 @@ class Judgement:
     corner_use: Mapping[RowId, np.ndarray] = field(default_factory=dict)
 
     @property
+    def leaves_room(self) -> bool:
+        """Whether every row holds and leaves what a finer grid may find."""
+        return self.certificate.ok and all(row.shortfall <= 0.0 for row in self.variant_rows)
+
+    @property
     def variant_rows(self) -> tuple[Row, ...]:
         """The rows of every variant of every object, and the rows that are of no object."""
         rows = self.certificate.rows

@@ -11,6 +11,8 @@ from nospill.scene.variants import VariantId
 def peaks(rows: Iterable[Row], speeds: Mapping[VariantId, float]) -> list[Row]:
     """Of every constraint, the row of the worst object at each speed at which the largest use has a local maximum.
 
+    Like objects have theirs at the same speeds: one of them stands for all until a certificate says otherwise.
+
     Args:
         rows: of variants, at any speeds.
         speeds: of every variant.

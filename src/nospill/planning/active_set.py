@@ -180,10 +180,7 @@ class ActiveSet:
         return self._outside(judgement.variant_rows, 1.0 - _NEAR_MEMBER)
 
     def _outside(self, rows: Iterable[Row], use: float) -> frozenset[VariantId]:
-        """Of every constraint and object the variant outside the problem with the largest use, if above `use`.
-
-        At other speeds of every constraint alone, one at each peak: like objects have theirs at the same speeds.
-        """
+        """Of every constraint and object the variant outside with the largest use above `use`; `peaks` over speeds."""
         speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OF_OBJECTS]
         planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
         slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]

@@ -80,17 +80,17 @@ class Judged:
 
 
 def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
-    """Judge everything, solve some, add what is violated, until the certificate holds or nothing is left to act on.
+    """Judge everything, solve some, add what is violated, until the certificate holds with room for a finer grid.
 
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _judged(candidate, log)
     tightened = grown = 0
-    while not judged.judgement.certificate.ok and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
-        before = judged.candidate
+    while not judged.judgement.leaves_room and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
+        before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
-        if active is before.active:
+        if active is before.active or (certified and active.scene is not before.active.scene):
             break
         log.rounds += 1
         if active.scene is before.active.scene:
@@ -110,9 +110,12 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
                     break
                 raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
         try:
-            judged = _judged(better, log, else_from=start)
+            following = _judged(better, log, else_from=start)
         except NoSolutionError:
             break  # of a motion that cannot be played nothing is known: the one before stands
+        if certified and not following.judgement.certificate.ok:
+            break
+        judged = following
     return judged
 
 
