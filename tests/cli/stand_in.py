@@ -116,7 +116,7 @@ class StandIn:
             "plans.approach": {"judge_whole": judge_whole},
             "plans.settling": {"settling_time": lambda *_: 0.0, "AFTER_APPROACH": ""},
             "plans.warnings": {"plan_warnings": plan_warnings},
-            "plans.warnings.speeds": {"other_speeds": lambda _: ()},
+            "plans.warnings.speeds": {"other_speeds": lambda *_: ()},
             "judge.other_speeds": {"uses_at": lambda *_: ()},
             "plots": {"save_figures": save_figures, "FIRST_FIGURES": FIRST_FIGURES},
         }
