@@ -109,9 +109,8 @@ def test_whatever_a_process_does_is_a_line(
     code: str, limit: float, kind: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "stand_in.py").write_text(code)
-    monkeypatch.setattr(campaign_process, "CASE", "stand_in")
     monkeypatch.setattr(campaign_process, "ROOT", str(tmp_path))
-    found = campaign_process.run_job(Job(5, limit))
+    found = campaign_process.run_job(Job(5, limit, module="stand_in"))
     assert found["seed"] == 5 and found["kind"] == kind and reason in found["reason"]
     assert found.get("structure") == ("s" if "structure" in code else None)
 
