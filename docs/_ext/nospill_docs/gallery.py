@@ -117,7 +117,8 @@ def _moment(places: Places, name: str, folder: Path) -> Path:
 
 def _card(number: int, name: str, about: str, summary: dict[str, Any]) -> str:
     page = f"{number:02d}-{name}"
-    held = "".join(f"; {summary[key]}" for key in ("held_back", "full_model") if summary[key])
+    said = (summary["held_back"], summary["certificate"]["full_model"])
+    held = "".join(f"; {text}" for text in said if text)
     return (
         f"## {number}. [{name}]({page}.md)\n\n{about[:1].upper()}{about[1:]}.\n\n"
         f"```{{figure}} {page}/moment.png\n:alt: the tray of {name} in the middle of its motion\n:width: 70%\n"
@@ -140,7 +141,7 @@ def _player(name: str) -> str:
 
 def _page(number: int, name: str, about: str, scenario: str, folder: Path, pictures: list[str], scene: bool) -> str:
     summary = _summary(folder)
-    heights = summary["max_slosh_height_m"]
+    heights, beside = summary["max_slosh_height_m"], summary["certificate"]["full_model"]
     facts = [
         ("status", summary["status"]),
         ("duration", f"{summary['duration_s']:.3f} s"),
@@ -150,7 +151,7 @@ def _page(number: int, name: str, about: str, scenario: str, folder: Path, pictu
             "greatest use of a joint speed",
             percent(summary["max_joint_speed_use"], summary["max_joint_speed_use"] <= 1.0),
         ),
-        *([("beside the certificate", summary["full_model"])] if summary["full_model"] else []),
+        *([("beside the certificate", beside)] if beside else []),
         *((f"liquid in {cup}, greatest height", f"{1e3 * height:.2f} mm") for cup, height in heights.items()),
     ]
     still = f"```{{image}} {number:02d}-{name}/moment.png\n:alt: the tray of {name} in its motion\n```\n\n"
