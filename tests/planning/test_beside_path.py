@@ -59,7 +59,7 @@ def test_a_seventh_joint_and_limits_of_acceleration(changed_scene) -> None:
         "path": {"type": "line", "start": [0.45, -0.25, 0.45], "end": [0.45, 0.25, 0.45], "yaw": "free"},
         "motion": {"tilt": "fixed", "end": "residual"},
         "tray": {"size": [0.2, 0.15], "friction": 0.45, "offset": 0.05},
-        "planning": {"slosh_modes": 1},
+        "planning": {"slosh_modes": 1, "intervals": 50},
     }
     cup = {**read_scenario("pp-two-cups").source["cargo"][0], "at": [0.0, 0.0]}  # type: ignore[index]
     given = plan({"cargo": [cup], **table, "path": {**table["path"], "yaw": [0.0, 0.0]}})

@@ -37,7 +37,7 @@ PLACES: dict[str, dict[str, Any]] = {
 }
 """Where each arm stands so that the arc is in its reach; two hang from the ceiling."""
 
-TILTING = ("kuka-kr6-r900", "franka-fr3")
+TILTING = ("franka-fr3",)
 """Of six joints and of seven."""
 
 
