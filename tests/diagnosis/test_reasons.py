@@ -52,12 +52,6 @@ def refusal(scene: Scene) -> NoSolutionError:
 @pytest.mark.parametrize(
     ("name", "changes", "named", "key"),
     [
-        (
-            "matrix-rigid",
-            {"robot": {"model": "comau-smart-six", "limits": {"speed": "4 deg/s"}}},
-            "joint speed of joint_1",
-            "robot.limits.speed",
-        ),
         ("matrix-rigid", {"motion.path_jerk_limit": 0.001}, "path jerk of path", "motion.path_jerk_limit"),
         (
             "matrix-liquid",
