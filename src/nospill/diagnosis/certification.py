@@ -24,7 +24,7 @@ def infeasible_with_more(worst: Row, duration: float) -> NoSolutionError:
         worst: what that motion breaks.
         duration: of that motion, s.
     """
-    advice = "Narrow the tolerance, state" if worst.variant else "State"
+    advice = "Narrow the tolerance or the range of speeds, state" if worst.variant else "State"
     return NoSolutionError(
         f"No motion found, though there is one of {duration:.3g} s for some of the objects and variants: "
         f"there {describe(worst)}. {advice} a longer motion.duration or relax that limit.",

@@ -25,7 +25,7 @@ _OF_SLOWED = 0.25
 """Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
 
 _NEAR = 0.01
-"""Part of a limit below which what two speeds of the grid leave free is more than a speed between them takes."""
+"""Part of a limit; a use nearer to it than that at two speeds of the grid may exceed it between them (0.6 % seen)."""
 
 
 def corner_rows(

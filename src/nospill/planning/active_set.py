@@ -16,7 +16,7 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.speed_peaks import peaks
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS, OF_LIQUIDS, OF_OBJECTS
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
@@ -172,7 +172,7 @@ class ActiveSet:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
         if self.task.scene.planned_modes == 1:
             return frozenset()
-        broken = {row.subject for row in rows if row.constraint in OF_LIQUIDS and row.shortfall > 0.0}
+        broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members).intersection(broken)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
@@ -181,7 +181,7 @@ class ActiveSet:
 
     def _outside(self, rows: Iterable[Row], use: float) -> frozenset[VariantId]:
         """Of every constraint and object the variant outside with the largest use above `use`; `peaks` over speeds."""
-        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OF_OBJECTS]
+        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OBJECT_NAMES]
         planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
         slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
         found = [*condensed(row for row in planned if row.use > use), *peaks(slowed, speeds)]
@@ -194,7 +194,7 @@ class ActiveSet:
         none, unless only the members' own rows are wanted.
         """
         for row in rows:
-            if row.constraint not in OF_OBJECTS:
+            if row.constraint not in OBJECT_NAMES:
                 yield row
             elif _variant(row) in self.members:
                 yield replace(row, subject=self.names[_variant(row)], variant="")

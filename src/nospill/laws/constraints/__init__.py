@@ -58,8 +58,8 @@ BY_NAME: Mapping[str, Constraint] = MappingProxyType({item.name: item for item i
 """All by name, as rows and reasons carry it."""
 
 
-OF_LIQUIDS = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
+LIQUID_NAMES = frozenset(item.name for item in CONSTRAINTS if item.role is Role.LIQUID)
 """Names of those on liquids."""
 
-OF_OBJECTS = OF_LIQUIDS | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
+OBJECT_NAMES = LIQUID_NAMES | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
 """Names of those on objects."""
