@@ -17,12 +17,15 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import problem_about
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from, started_from
 from nospill.plans.log import Log
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
+from nospill.transcription.starting_motions import smooth_start
 from nospill.transcription.task import Task
+from tests.builders import joint_path_of
 
 Q = np.zeros((2, 6))
 
@@ -78,6 +81,32 @@ def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else(
     assert [item.modes for item in structure_of(grown.scene).objects] == [3, 1, 3, 0]
     again = grown.after(judgement(*broken))
     assert again.scene is grown.scene and again.backoff[RowId("residual height", "box")] > 0.4
+
+
+def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far(changed_scene: Callable[..., Scene]) -> None:
+    scene = changed_scene("mixed-tray", {"planning.slosh_modes": 20})
+    residual = RowId("residual height", "box")
+
+    def after(active: ActiveSet, use: float) -> ActiveSet:
+        return active.after(judgement(row(*residual, 1.0 - use)))
+
+    refined = after(ActiveSet.of(Task.of(scene), Q), 9.0)
+    assert refined.smoother == 1.0 and refined.refined == {"box"}  # with one mode in the problem anything may be over
+    assert after(refined, 2.9).smoother == 1.0  # back-off may do
+    rough = after(refined, 5.0)
+    assert rough.smoother == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
+    assert after(after(rough, 5.0), 90.0).smoother == 1e4  # at most
+
+    tight = refined.with_backoff({residual: 0.85})
+    six = after(tight, 1.2)
+    assert (six.modes, six.smoother) == (6, 1.0) and six.backoff[residual] < 0.1
+    assert after(six.with_backoff({residual: 0.85}), 1.2).smoother == 2.0
+    assert after(six.with_backoff({residual: 0.85}), 0.99).smoother == 1.0
+
+    motion = smooth_start(refined.scene, joint_path_of(scene), 40)
+    plain, smooth = (problem_about(item, motion).numbers for item in (refined, rough))
+    for name in ("path_jerk_weight", "tilt_jerk_weight"):
+        assert getattr(smooth, name) == pytest.approx(25.0 * getattr(plain, name)) and getattr(plain, name) > 0.0
 
 
 def test_published_liquids_keep_the_modes_that_are_stated(changed_scene: Callable[..., Scene]) -> None:

@@ -38,6 +38,8 @@ _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _TOO_MUCH, _MOST_MODES = 0.8, 6
 """Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
+_ROUGH, _LEAST_FACTOR, _SMOOTHEST = 3.0, 2.0, 1e4
+"""Use of such a row from which the weights of the jerks grow instead; factor on them, at once and in all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,7 @@ class ActiveSet:
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
+        smoother: factor on those weights, above 1 where modes that the problem does not carry swing too far at the end.
     """
 
     task: Task
@@ -66,6 +69,7 @@ class ActiveSet:
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
     expected: float | None = None
+    smoother: float = 1.0
 
     @classmethod
     def of(
@@ -131,18 +135,21 @@ class ActiveSet:
     def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
-        Modes join first, of the liquids that break a limit; then members, of every constraint and object the worst
-        variant that is violated and not in the problem. Where none is missing, violated rows join, and those in the
-        problem get a larger back-off.
+        Modes join first, of the liquids that break a limit; where those that are left out swing too far at the end, the
+        jerks weigh more. Then members join, of every constraint and object the worst variant that is violated and not
+        in the problem. Where none is missing, violated rows join, and those in the problem get a larger back-off.
         """
         rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
             return self.joined(self.members, refined, judgement)
+        over = self._over_at_end(rows) if refined else 0.0
         modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
-        if refined and modes > self.modes and max(map(self.backoff.__getitem__, self._final)) > _TOO_MUCH:
+        if 1.0 < over <= _ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
+        if over > 1.0 and self.smoother < _SMOOTHEST:
+            return replace(self, smoother=min(max(over**2, _LEAST_FACTOR) * self.smoother, _SMOOTHEST))
         missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT))
         if missing:
             return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
@@ -165,7 +172,8 @@ class ActiveSet:
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
-        grown = replace(grown.with_backoff(self.backoff).with_backoff(residual), expected=self.expected)
+        grown = grown.with_backoff(self.backoff).with_backoff(residual)
+        grown = replace(grown, expected=self.expected, smoother=self.smoother)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
@@ -174,6 +182,16 @@ class ActiveSet:
             return frozenset()
         broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members).intersection(broken)
+
+    def _over_at_end(self, rows: Iterable[Row]) -> float:
+        """The largest use of a row on the final state where more back-off would not do; 0 where it may.
+
+        It is the modes that the problem does not carry which are over, and jumps of the jerk that make them swing.
+        """
+        uses = ((RowId(row.constraint, row.subject), row.use) for row in self._on_members(rows, own=True))
+        over = {row: use for row, use in uses if row in self._final and use > 1.0}
+        most, tightest = max(over.values(), default=0.0), max(map(self.backoff.__getitem__, over), default=0.0)
+        return most if most > _ROUGH or tightest > _TOO_MUCH else 0.0
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

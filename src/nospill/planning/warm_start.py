@@ -37,7 +37,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(active, expected=earlier.duration)
+            active = replace(active, expected=earlier.duration, smoother=last.active.smoother)
             found = _solved_again(active, last.stages, log, warm=last.solution)
             if found is not None:
                 return found

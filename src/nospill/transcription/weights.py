@@ -20,14 +20,21 @@ _MUCH_SHORTER = 0.6
 _NAMES = ("path_jerk_weight", "tilt_jerk_weight")
 
 
-def jerk_weights(scene: Scene, duration: float) -> dict[str, float]:
-    """Weights by name, for a motion that is expected to take `duration`, s; of a given duration nothing else counts."""
+def jerk_weights(scene: Scene, duration: float, smoother: float = 1.0) -> dict[str, float]:
+    """Weights by name; of a motion of a given duration nothing else counts.
+
+    Args:
+        scene: which may state them.
+        duration: that the motion is expected to take, s.
+        smoother: factor on all of them.
+    """
     if scene.motion.duration is not None:
         found = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
     else:
         usual = min(_SMOOTHNESS * duration**7, _LARGEST)
         stated = {name: getattr(scene.planning, name) for name in _NAMES}
         found = {name: usual if weight is None else weight for name, weight in stated.items()}
+    found = {name: smoother * weight for name, weight in found.items()}
     return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.way**2}
 
 
