@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,9 +11,9 @@ import pytest
 
 from nospill.judge.certificate import judge_motion
 from nospill.judge.other_speeds import uses_at
-from nospill.judge.speed_peaks import peaks
 from nospill.judge.tracks import variant_tracks
 from nospill.judge.verdict import Row
+from nospill.judge.worst_speeds import beside, evenly, peaks
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role
 from nospill.scene.scene import SPEED_STEP
@@ -80,3 +81,26 @@ def test_peaks_are_local_and_of_the_worst_object() -> None:
     rows = [row("a", speed, use) for speed, use in uses.items()] + [row("b", 7, 1.7), row("b", 3, 0.1)]
     found = {(item.subject, item.variant) for item in peaks([*rows, row("a", 5, 2.0, "tip")], speeds)}
     assert found == {("a", "3"), ("b", "7"), ("a", "9"), ("a", "5")}
+
+
+def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
+    """Between 1/v = 1.25 and 4 in steps of at most 0.5: seven speeds, each the nearest of those that were judged."""
+    values = [round(0.8 * 0.99**index, 6) for index in range(117)]
+    speeds = {(name, f"{value}"): value for name in "ab" for value in values}
+
+    def row(name: str, value: float, use: float) -> Row:
+        return Row("residual height", name, "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, f"{value}")
+
+    rows = [row("a", value, 2.0) for value in values] + [row("b", value, 3.0) for value in values if value < 0.4]
+    found = evenly(rows, speeds, 0.5)
+    slowness = np.array([1.0 / speeds[item.subject, item.variant] for item in found])
+    assert len(found) == math.ceil((1 / values[-1] - 1 / values[0]) / 0.5) + 1
+    assert np.abs(np.diff(slowness)).max() < 0.5 * 1.05 and slowness.max() == pytest.approx(1 / values[-1])
+    assert all((item.subject == "b") == (item.use == 3.0) == (float(item.variant) < 0.4) for item in found)
+    assert evenly([], speeds, 0.5) == []
+
+    members = [("a", ""), *(("a", f"{value}") for value in values[:20:5])]
+    known = speeds | {("a", ""): 1.0}
+    assert beside(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
+    assert beside(values[50], members, known) == [("a", f"{values[15]}")]
+    assert beside(values[7], members[:1], known) == []
