@@ -37,7 +37,7 @@ def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
 
 def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
     """The part of a judgement that an active set reads."""
-    replay: Any = SimpleNamespace(joint_position=Q)
+    replay: Any = SimpleNamespace(joint_position=Q, t=np.array([0.0, 1.0]))
     return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, 1.0, corners)
 
 

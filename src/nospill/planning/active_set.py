@@ -14,9 +14,9 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
+from nospill.judge.variant_rows import attributed, missing
 from nospill.judge.verdict import Row, condensed
-from nospill.judge.worst_speeds import beside, evenly, peaks
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS, LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, LIQUID_NAMES
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
@@ -33,8 +33,6 @@ _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
-_SLIGHT_OF_SLOWED = 0.1
-"""The same of slowed liquids between two speeds that are in it: the back-off of those two is cheaper than one more."""
 _MORE, _LEAST, _MOST, _MOST_AT_END = 1.5, 3e-4, 0.1, 0.3
 _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
@@ -152,9 +150,9 @@ class ActiveSet:
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
         if over > 1.0 and self.smoother < _SMOOTHEST:
             return replace(self, smoother=min(max(over**2, _LEAST_FACTOR) * self.smoother, _SMOOTHEST))
-        missing = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
-        if missing:
-            return self.joined(self.members | missing, refined | {name for name, _ in missing if refined}, judgement)
+        outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
+        if outside:
+            return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
         joining, backoff = set[RowId](), dict(self.backoff)
         for row in condensed(self._on_members(row for row in rows if row.shortfall > 0.0)):
             key = RowId(row.constraint, row.subject)
@@ -200,43 +198,10 @@ class ActiveSet:
         return self._outside(judgement.variant_rows, 1.0 - _NEAR_MEMBER, judgement)
 
     def _outside(self, rows: Iterable[Row], use: float, judgement: Judgement) -> frozenset[VariantId]:
-        """Of every constraint and object the variant outside with the largest use above `use`; at other speeds, peaks.
-
-        Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
-        """
-        speeds, of_objects = self.task.speeds, [row for row in rows if row.constraint in OBJECT_NAMES]
-        planned = [row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in self.members]
-        slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
-        solid = [row for row in slowed if row.constraint not in LIQUID_NAMES]
-        liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
-        found: list[Row] = []
-        if liquid and all(speeds[member] == 1.0 for member in self.members):
-            slowest = min(mode.frequency for item in self.task.model.cargo for mode in item.oscillators)
-            even = evenly(liquid, speeds, np.pi / (slowest * np.ptp(judgement.replay.t)))
-            found = [row for row in even if row.use > use]
-        if not found:
-            found = [row for row in peaks(liquid, speeds) if row.use > use + _SLIGHT_OF_SLOWED] + peaks(solid, speeds)
-        found += condensed(row for row in planned if row.use > use)
-        return frozenset(_variant(row) for row in found if row.use > use).difference(self.members)
+        """Variants outside of which a constraint has a use above `use`."""
+        t, cargo = judgement.replay.t, self.task.model.cargo
+        return missing(rows, self.members, self.task.speeds, above=use, t=t, cargo=cargo)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
-        """Rows by the names that their subjects have in the problem.
-
-        What is not in the problem is attributed to the members of the same object, or to all members where there are
-        none, unless only the members' own rows are wanted; at another speed, to the slowed members next to it.
-        """
-        speeds = self.task.speeds
-        for row in rows:
-            if row.constraint not in OBJECT_NAMES:
-                yield row
-            elif _variant(row) in self.members:
-                yield replace(row, subject=self.names[_variant(row)], variant="")
-            elif not own:
-                same = [item for item in self.members if item[0] == row.subject]
-                speed = speeds[_variant(row)]
-                for member in (speed < 1.0 and beside(speed, self.members, speeds)) or same or self.members:
-                    yield replace(row, subject=self.names[member], variant="")
-
-
-def _variant(row: Row) -> VariantId:
-    return row.subject, row.variant
+        """Rows by the names that their subjects have in the problem; `own`: of the members alone."""
+        return attributed(rows, self.names, self.task.speeds, own=own)

@@ -1,0 +1,88 @@
+"""Rows of variants of objects, beside a problem that holds some: which are missing, and whom the others concern."""
+
+A variant that a problem holds is called a member.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.judge.verdict import Row, condensed
+from nospill.judge.worst_speeds import beside, evenly, peaks
+from nospill.laws.constraints import LIQUID_NAMES, OBJECT_NAMES
+from nospill.scene.cargo import Cargo
+from nospill.scene.variants import VariantId
+
+_SLIGHT_OF_SLOWED = 0.1
+"""Part of its limit by which a liquid between two speeds of a problem may exceed it before it joins: the back-off of
+those two is cheaper than one member more."""
+
+
+def missing(
+    rows: Iterable[Row],
+    members: Collection[VariantId],
+    speeds: Mapping[VariantId, float],
+    *,
+    above: float,
+    t: np.ndarray,
+    cargo: Iterable[Cargo],
+) -> frozenset[VariantId]:
+    """Of every constraint and object the variant outside a problem with the largest use; at other speeds, the peaks.
+
+    Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
+
+    Args:
+        rows: of a judged motion.
+        members: of the problem.
+        speeds: of every variant, as part of the planned one.
+        above: the use from which a variant is missing.
+        t: (m,) s, of the motion.
+        cargo: whose modes swing.
+    """
+    of_objects = [row for row in rows if row.constraint in OBJECT_NAMES]
+    slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
+    solid = [row for row in slowed if row.constraint not in LIQUID_NAMES]
+    liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
+    found: list[Row] = []
+    if liquid and all(speeds[member] == 1.0 for member in members):
+        slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
+        found = [row for row in evenly(liquid, speeds, np.pi / (slowest * np.ptp(t))) if row.use > above]
+    if not found:
+        found = [row for row in peaks(liquid, speeds) if row.use > above + _SLIGHT_OF_SLOWED] + peaks(solid, speeds)
+    planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in members)
+    found += condensed(row for row in planned if row.use > above)
+    return frozenset(_variant(row) for row in found if row.use > above).difference(members)
+
+
+def attributed(
+    rows: Iterable[Row], names: Mapping[VariantId, str], speeds: Mapping[VariantId, float], *, own: bool
+) -> Iterator[Row]:
+    """Rows by the names that their subjects have in a problem.
+
+    What is not in it is attributed to the members of the same object, or to all where there are none; at another speed,
+    to the slowed members next to it.
+
+    Args:
+        rows: of a judged motion.
+        names: what the members are called.
+        speeds: of every variant, as part of the planned one.
+        own: whether only the members' own rows are wanted.
+    """
+    for row in rows:
+        variant = _variant(row)
+        if row.constraint not in OBJECT_NAMES:
+            yield row
+        elif variant in names:
+            yield replace(row, subject=names[variant], variant="")
+        elif not own:
+            same = [member for member in names if member[0] == row.subject]
+            next_to = beside(speeds[variant], names, speeds) if speeds[variant] < 1.0 else []
+            for member in next_to or same or names:
+                yield replace(row, subject=names[member], variant="")
+
+
+def _variant(row: Row) -> VariantId:
+    return row.subject, row.variant
