@@ -1,4 +1,4 @@
-"""Rows of variants of objects, beside a problem that holds some: which are missing, and whom the others concern."""
+"""Rows of variants of objects, beside a problem that holds some: which are missing, and whom the others concern.
 
 A variant that a problem holds is called a member.
 """
