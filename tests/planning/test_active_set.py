@@ -91,17 +91,17 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far(changed_
         return active.after(judgement(row(*residual, 1.0 - use)))
 
     refined = after(ActiveSet.of(Task.of(scene), Q), 9.0)
-    assert refined.smoother == 1.0 and refined.refined == {"box"}  # with one mode in the problem anything may be over
-    assert after(refined, 2.9).smoother == 1.0  # back-off may do
+    assert refined.refined == {"box"} and refined.jerk_weight_factor == 1.0  # with one mode anything may be over
+    assert after(refined, 2.9).jerk_weight_factor == 1.0  # back-off may do
     rough = after(refined, 5.0)
-    assert rough.smoother == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
-    assert after(after(rough, 5.0), 90.0).smoother == 1e4  # at most
+    assert rough.jerk_weight_factor == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
+    assert after(after(rough, 5.0), 90.0).jerk_weight_factor == 1e4  # at most
 
-    tight = refined.with_backoff({residual: 0.85})
+    tight = refined.with_backoff({residual: 0.55})
     six = after(tight, 1.2)
-    assert (six.modes, six.smoother) == (6, 1.0) and six.backoff[residual] < 0.1
-    assert after(six.with_backoff({residual: 0.85}), 1.2).smoother == 2.0
-    assert after(six.with_backoff({residual: 0.85}), 0.99).smoother == 1.0
+    assert (six.modes, six.jerk_weight_factor) == (6, 1.0) and six.backoff[residual] < 0.1
+    assert after(six.with_backoff({residual: 0.55}), 1.2).jerk_weight_factor == 2.0
+    assert after(six.with_backoff({residual: 0.55}), 0.99).jerk_weight_factor == 1.0
 
     motion = smooth_start(refined.scene, joint_path_of(scene), 40)
     plain, smooth = (problem_about(item, motion).numbers for item in (refined, rough))

@@ -21,6 +21,7 @@ from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.tightening import tightened_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -33,12 +34,11 @@ _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
-_MORE, _LEAST, _MOST, _MOST_AT_END = 1.5, 3e-4, 0.1, 0.3
 _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
-_TOO_MUCH, _MOST_MODES = 0.8, 6
+_TOO_MUCH, _MOST_MODES = 0.5, 6
 """Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
-_ROUGH, _LEAST_FACTOR, _SMOOTHEST = 3.0, 2.0, 1e4
+_ROUGH, _LEAST_FACTOR, _MOST_WEIGHT = 3.0, 2.0, 1e4
 """Use of such a row from which the weights of the jerks grow instead; factor on them, at once and in all."""
 
 
@@ -57,7 +57,7 @@ class ActiveSet:
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
-        smoother: factor on those weights, above 1 where modes that the problem does not carry swing too far at the end.
+        jerk_weight_factor: on those weights, above 1 where modes outside the problem swing too far at the end.
     """
 
     task: Task
@@ -69,7 +69,7 @@ class ActiveSet:
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
     expected: float | None = None
-    smoother: float = 1.0
+    jerk_weight_factor: float = 1.0
 
     @classmethod
     def of(
@@ -148,8 +148,9 @@ class ActiveSet:
         if 1.0 < over <= _ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
-        if over > 1.0 and self.smoother < _SMOOTHEST:
-            return replace(self, smoother=min(max(over**2, _LEAST_FACTOR) * self.smoother, _SMOOTHEST))
+        if over > 1.0 and self.jerk_weight_factor < _MOST_WEIGHT:
+            heavier = max(over**2, _LEAST_FACTOR) * self.jerk_weight_factor
+            return replace(self, jerk_weight_factor=min(heavier, _MOST_WEIGHT))
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
@@ -157,10 +158,8 @@ class ActiveSet:
         for row in condensed(self._on_members(row for row in rows if row.shortfall > 0.0)):
             key = RowId(row.constraint, row.subject)
             if key in self.rows:
-                most = _MOST_AT_END if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END else _MOST
-                step = min(_MORE * row.shortfall / row.size + _LEAST, most)
-                unused = max(0.0, slack.get(key, 0.0)) / 2  # of a cone it is a difference of squares
-                backoff[key] += min(step + unused, (1.0 - backoff[key]) / 2)
+                excess, point = row.shortfall / row.size, BY_NAME[row.constraint].evaluated_at
+                backoff[key] = tightened_backoff(backoff[key], excess, slack.get(key, 0.0), point)
             elif key in backoff:
                 joining.add(key)
         if not joining and backoff == self.backoff:
@@ -173,7 +172,7 @@ class ActiveSet:
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
         grown = grown.with_backoff(self.backoff).with_backoff(residual)
-        grown = replace(grown, expected=self.expected, smoother=self.smoother)
+        grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -86,7 +86,7 @@ def problem_about(active: ActiveSet, motion: Stages) -> Problem:
         active.scene,
         motion.intervals,
         nominal_duration=active.expected or motion.duration,
-        smoother=active.smoother,
+        jerk_weight_factor=active.jerk_weight_factor,
         backoff=active.backoff,
         active=active.rows,
         payload=active.task.payload,

@@ -79,6 +79,7 @@ def _planned(
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
+        jerk_weight_factor=judged.candidate.active.jerk_weight_factor,
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
     )

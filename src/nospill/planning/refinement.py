@@ -94,7 +94,8 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
             break
         log.rounds += 1
         if active.scene is before.active.scene:
-            tightened, start = tightened + (active.smoother == before.active.smoother), before.stages
+            tightened += active.jerk_weight_factor == before.active.jerk_weight_factor
+            start = before.stages
             better = _tightened(before, active, log)
             if better is None:
                 break
@@ -138,7 +139,7 @@ def _judged(candidate: Candidate, log: Log, else_from: Stages | None = None) -> 
 
 def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
-    same = active.rows == before.active.rows and active.smoother == before.active.smoother
+    same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
     again = solved(active, before.stages, log, near_optimum(barrier, most), warm=before.solution if same else None)
     if not again.has_converged:

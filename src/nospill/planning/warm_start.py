@@ -37,7 +37,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(active, expected=earlier.duration, smoother=last.active.smoother)
+            active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
             found = _solved_again(active, last.stages, log, warm=last.solution)
             if found is not None:
                 return found
@@ -50,7 +50,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
-    active = replace(active, expected=earlier.duration)
+    active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
     return _solved_again(active, started_from(active, earlier.trajectory), log, warm=None)
 
 

@@ -263,6 +263,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),
     "rounds": _Kept("report", "rounds"),
     "backoff": _Kept("report", "backoff", from_json=_fractions),
+    "jerk_weight_factor": _Kept("report", "jerk_weight_factor"),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
     "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),

@@ -87,6 +87,7 @@ class PlanningReport:
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
             that hold the motion back longest.
         compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
+        jerk_weight_factor: on the weights of the jerks, above 1 where faster modes of a liquid had to be kept calm.
     """
 
     plan_time: float
@@ -102,6 +103,7 @@ class PlanningReport:
     linear_solvers: tuple[str, ...] = ()
     savings: dict[str, float] = field(default_factory=dict)
     compared: dict[str, float] = field(default_factory=dict)
+    jerk_weight_factor: float = 1.0
 
 
 def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:

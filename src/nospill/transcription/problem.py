@@ -122,7 +122,7 @@ def build_problem(
     intervals: int,
     *,
     nominal_duration: float,
-    smoother: float = 1.0,
+    jerk_weight_factor: float = 1.0,
     backoff: Backoff,
     active: Set[RowId] | None = None,
     payload: Sequence[Cargo] | None = None,
@@ -137,7 +137,7 @@ def build_problem(
         scene: the task.
         intervals: N.
         nominal_duration: expected end time, s, for the scales, and for the weights of the jerks that are not stated.
-        smoother: factor on those weights.
+        jerk_weight_factor: on those weights.
         backoff: fraction of each budget kept from the optimiser.
         active: which rows take part, on the final state as elsewhere; None for all.
         payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;
@@ -151,7 +151,7 @@ def build_problem(
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
-    numbers = replace(numbers, **jerk_weights(scene, nominal_duration, smoother))
+    numbers = replace(numbers, **jerk_weights(scene, nominal_duration, jerk_weight_factor))
     if self_motion is not None:
         numbers = replace(numbers, self_motion=self_motion)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}

@@ -20,13 +20,13 @@ _MUCH_SHORTER = 0.6
 _NAMES = ("path_jerk_weight", "tilt_jerk_weight")
 
 
-def jerk_weights(scene: Scene, duration: float, smoother: float = 1.0) -> dict[str, float]:
+def jerk_weights(scene: Scene, duration: float, jerk_weight_factor: float = 1.0) -> dict[str, float]:
     """Weights by name; of a motion of a given duration nothing else counts.
 
     Args:
         scene: which may state them.
         duration: that the motion is expected to take, s.
-        smoother: factor on all of them.
+        jerk_weight_factor: on all of them.
     """
     if scene.motion.duration is not None:
         found = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
@@ -34,7 +34,7 @@ def jerk_weights(scene: Scene, duration: float, smoother: float = 1.0) -> dict[s
         usual = min(_SMOOTHNESS * duration**7, _LARGEST)
         stated = {name: getattr(scene.planning, name) for name in _NAMES}
         found = {name: usual if weight is None else weight for name, weight in stated.items()}
-    found = {name: smoother * weight for name, weight in found.items()}
+    found = {name: jerk_weight_factor * weight for name, weight in found.items()}
     return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.way**2}
 
 
