@@ -199,6 +199,20 @@ def test_self_motion_leaves_the_flange_where_it_is() -> None:
         assert np.abs(kinematics(arm).jacobians(q)[0] @ direction).max() < 1e-12
 
 
+def test_the_direction_of_the_self_motion_is_the_best_one_for_all_of_a_way() -> None:
+    """A way of the Franka FR3 along which the self-motion turns by so much that its mean stands square to one end."""
+    arm, way = load_robot("franka-fr3"), np.linspace(0.0, 1.0, 101)[:, None]
+    start, end = (np.radians(row) for row in ([33, 30, -20, -60, 30, 90, 30], [47, 13, -120, -173, -120, 186, 29]))
+    q = start + (end - start) * way
+    vectors = np.linalg.svd(kinematics(arm).jacobians(q), full_matrices=True)[2][:, -1]
+    vectors *= np.cumprod(np.append(1.0, np.sign(np.sum(vectors[1:] * vectors[:-1], axis=1))))[:, None]
+    least = np.min(vectors @ self_motion(arm, q))
+    mean = vectors.mean(axis=0)
+    assert least > 0.2 > np.min(vectors @ mean) / np.linalg.norm(mean)
+    others = np.random.default_rng(5).normal(size=(10_000, 7)) + 3.0 * self_motion(arm, q)
+    assert np.max(np.min(others @ vectors.T, axis=1) / np.linalg.norm(others, axis=1)) < least + 1e-9
+
+
 def test_determinants_agree_with_their_expression() -> None:
     import casadi as ca
 

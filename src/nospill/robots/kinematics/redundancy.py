@@ -2,9 +2,10 @@
 
 With a pose given, one parameter of seven joints is free. To find solutions one joint is held: the six others then form
 an ordinary arm. To carry a motion, planner and exporter use the value of a combination of the joints, direction . q: it
-parametrises the self-motion as long as the null vector of the Jacobian is not square to the direction, so the mean null
-vector along the way is taken. A single joint would do it too, but every joint has places within the workspace where the
-self-motion leaves it at rest, and there a motion would have a singularity that the arm does not have.
+parametrises the self-motion as long as the null vector of the Jacobian is not square to the direction, so the direction
+is taken that stays farthest from square to all null vectors along the way. A single joint would do it too, but every
+joint has places within the workspace where the self-motion leaves it at rest, and there a motion would have a
+singularity that the arm does not have.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from nospill.robots.robot import Robot
 
 _SAMPLES = 200
 _HELD_POSITIONS = 13
+_NO_SIDE = 1e-3
+"""Distance of the null vectors' hull from zero below which it counts as holding it."""
 
 
 def redundant_joint(robot: ArmChain) -> int | None:
@@ -54,13 +57,23 @@ def _conditioning(arm: Kinematics, index: int) -> float:
 
 
 def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
-    """Mean direction (n,) of the self-motion along joint positions (m, n), a unit vector; seven joints."""
+    """Direction (n,) whose least product with the self-motion along joint positions (m, n) is greatest; seven joints.
+
+    It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the hull
+    holds zero, since then no direction has a product of one sign with all of them.
+    """
+    from scipy.optimize import nnls  # slow to load, and for seven joints alone
+
     jacobians = kinematics(robot).jacobians(q)
     vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
     turned = np.where(np.einsum("ij,ij->i", vectors[1:], vectors[:-1]) < 0, -1.0, 1.0)
-    signs = np.concatenate([[1.0], np.cumprod(turned)])
-    mean = (signs[:, None] * vectors).mean(axis=0)
-    return mean / np.linalg.norm(mean)
+    vectors *= np.concatenate([[1.0], np.cumprod(turned)])[:, None]
+    # weights >= 0 with the least |sum w v|^2 + (1 - sum w)^2: but for their sum those of the nearest point
+    weights, _ = nnls(np.vstack([vectors.T, np.ones(len(q))]), np.append(np.zeros(q.shape[1]), 1.0))
+    nearest = weights @ vectors
+    if np.linalg.norm(nearest) < _NO_SIDE * weights.sum():
+        nearest = vectors.mean(axis=0)
+    return nearest / np.linalg.norm(nearest)
 
 
 class _NamedChain:
