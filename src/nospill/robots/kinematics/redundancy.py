@@ -59,8 +59,8 @@ def _conditioning(arm: Kinematics, index: int) -> float:
 def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
     """Direction (n,) whose least product with the self-motion along joint positions (m, n) is greatest; seven joints.
 
-    It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the hull
-    holds zero, since then no direction has a product of one sign with all of them.
+    It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the
+    hull holds zero, since then no direction has a product of one sign with all of them.
     """
     from scipy.optimize import nnls  # slow to load, and for seven joints alone
 
