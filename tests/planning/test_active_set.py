@@ -97,11 +97,14 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far(changed_
     assert rough.jerk_weight_factor == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
     assert after(after(rough, 5.0), 90.0).jerk_weight_factor == 1e4  # at most
 
-    tight = refined.with_backoff({residual: 0.55})
+    tight = refined.with_backoff({residual: 0.85})
     six = after(tight, 1.2)
     assert (six.modes, six.jerk_weight_factor) == (6, 1.0) and six.backoff[residual] < 0.1
-    assert after(six.with_backoff({residual: 0.55}), 1.2).jerk_weight_factor == 2.0
-    assert after(six.with_backoff({residual: 0.55}), 0.99).jerk_weight_factor == 1.0
+    assert after(six.with_backoff({residual: 0.85}), 1.2).jerk_weight_factor == 2.0
+    assert after(six.with_backoff({residual: 0.85}), 0.99).jerk_weight_factor == 1.0
+    once = after(refined, 1.2)
+    assert (once.modes, once.excess) == (3, pytest.approx(0.2)) and after(once, 1.1).modes == 3  # back-off helps
+    assert after(once, 1.13).modes == 6  # it leaves two thirds of the excess
 
     motion = smooth_start(refined.scene, joint_path_of(scene), 40)
     plain, smooth = (problem_about(item, motion).numbers for item in (refined, rough))

@@ -12,7 +12,8 @@ import numpy as np
 
 from nospill.judge.verdict import Row, condensed
 from nospill.judge.worst_speeds import beside, evenly, peaks
-from nospill.laws.constraints import LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints.base import RowId
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
 
@@ -82,6 +83,11 @@ def attributed(
             next_to = beside(speeds[variant], names, speeds) if speeds[variant] < 1.0 else []
             for member in next_to or same or names:
                 yield replace(row, subject=names[member], variant="")
+
+
+def uses_at_end(rows: Iterable[Row]) -> dict[RowId, float]:
+    """Uses of the rows on the final state among some rows."""
+    return {RowId(row.constraint, row.subject): row.use for row in rows if row.constraint in END_NAMES}
 
 
 def _variant(row: Row) -> VariantId:

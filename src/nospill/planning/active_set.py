@@ -14,14 +14,14 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
-from nospill.judge.variant_rows import attributed, missing
+from nospill.judge.variant_rows import attributed, missing, uses_at_end
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS, LIQUID_NAMES
-from nospill.laws.constraints.base import EvaluationPoint, RowId
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
+from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.constraints.tightening import tightened_backoff
+from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, tightened_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -36,10 +36,10 @@ _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
 _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
-_TOO_MUCH, _MOST_MODES = 0.5, 6
-"""Back-off of a row on the final state from which its liquid gets twice the modes, and the most of those."""
-_ROUGH, _LEAST_FACTOR, _MOST_WEIGHT = 3.0, 2.0, 1e4
-"""Use of such a row from which the weights of the jerks grow instead; factor on them, at once and in all."""
+_MOST_MODES = 6
+"""Most modes of a liquid in a problem."""
+_LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
+"""Factor on the weights of the jerks, at once and in all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +58,7 @@ class ActiveSet:
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
         jerk_weight_factor: on those weights, above 1 where modes outside the problem swing too far at the end.
+        excess: largest part of its limit by which a row on the final state was over it before the last back-off.
     """
 
     task: Task
@@ -70,6 +71,7 @@ class ActiveSet:
     backoff: Mapping[RowId, float]
     expected: float | None = None
     jerk_weight_factor: float = 1.0
+    excess: float = 0.0
 
     @classmethod
     def of(
@@ -113,7 +115,7 @@ class ActiveSet:
     @property
     def _final(self) -> frozenset[RowId]:
         """Rows on the final state."""
-        return frozenset(row for row in self.possible if BY_NAME[row.constraint].evaluated_at is EvaluationPoint.END)
+        return frozenset(row for row in self.possible if row.constraint in END_NAMES)
 
     def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left."""
@@ -143,9 +145,10 @@ class ActiveSet:
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
             return self.joined(self.members, refined, judgement)
-        over = self._over_at_end(rows) if refined else 0.0
+        at_end = uses_at_end(self._on_members(rows, own=True))
+        over = beyond_backoff(at_end, self.backoff, self.excess) if refined else 0.0
         modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
-        if 1.0 < over <= _ROUGH and modes > self.modes:
+        if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
         if over > 1.0 and self.jerk_weight_factor < _MOST_WEIGHT:
@@ -164,7 +167,7 @@ class ActiveSet:
                 joining.add(key)
         if not joining and backoff == self.backoff:
             return self
-        return replace(self, rows=self.rows | joining, backoff=backoff)
+        return replace(self, rows=self.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0)
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
@@ -181,16 +184,6 @@ class ActiveSet:
             return frozenset()
         broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members).intersection(broken)
-
-    def _over_at_end(self, rows: Iterable[Row]) -> float:
-        """The largest use of a row on the final state where more back-off would not do; 0 where it may.
-
-        It is the modes that the problem does not carry which are over, and jumps of the jerk that make them swing.
-        """
-        uses = ((RowId(row.constraint, row.subject), row.use) for row in self._on_members(rows, own=True))
-        over = {row: use for row, use in uses if row in self._final and use > 1.0}
-        most, tightest = max(over.values(), default=0.0), max(map(self.backoff.__getitem__, over), default=0.0)
-        return most if most > _ROUGH or tightest > _TOO_MUCH else 0.0
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from nospill.laws.constraints.apparent_gravity import ApparentGravity
 from nospill.laws.constraints.base import Constraint as Constraint
-from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.base import EvaluationPoint, Role
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.corridor import Corridor
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
@@ -63,3 +63,6 @@ LIQUID_NAMES = frozenset(item.name for item in CONSTRAINTS if item.role is Role.
 
 OBJECT_NAMES = LIQUID_NAMES | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
 """Names of those on objects."""
+
+END_NAMES = frozenset(item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.END)
+"""Names of those on the final state."""

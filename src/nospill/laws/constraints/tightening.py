@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import EvaluationPoint
+from collections.abc import Mapping
+
+from nospill.laws.constraints.base import EvaluationPoint, RowId
 
 _MORE, _LEAST = 1.5, 3e-4
 _MOST, _MOST_AT_END = 0.1, 0.3
+ROUGH = 3.0
+"""Use of a row on the final state from which no number of modes in the problem would do."""
+_TOO_MUCH, _STUCK = 0.8, 0.6
+"""Back-off of such a row, and part of its excess that a round of back-off has left, from which more of it would not."""
 
 
 def tightened_backoff(backoff: float, excess: float, unused: float, point: EvaluationPoint) -> float:
@@ -20,3 +26,19 @@ def tightened_backoff(backoff: float, excess: float, unused: float, point: Evalu
     most = _MOST_AT_END if point is EvaluationPoint.END else _MOST
     step = min(_MORE * excess + _LEAST, most)
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
+
+
+def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float], excess: float) -> float:
+    """The largest use of a row on the final state where more back-off would not do; 0 where it may.
+
+    Modes that the problem does not carry are over by themselves then, and jumps of the jerk make them swing.
+
+    Args:
+        at_end: uses of the rows on the final state, as judged.
+        backoff: fraction of each budget that the problem kept.
+        excess: by which they were over before that, as a fraction of the limit; 0 where they were not, or not known.
+    """
+    over = {row: use for row, use in at_end.items() if use > 1.0}
+    most, tightest = max(over.values(), default=0.0), max((backoff[row] for row in over), default=0.0)
+    stuck = 0.0 < _STUCK * excess < most - 1.0
+    return most if most > ROUGH or tightest > _TOO_MUCH or stuck else 0.0
