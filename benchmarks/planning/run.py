@@ -154,7 +154,7 @@ def measurements(bench: Bench) -> list[Measurement]:
     """Everything, in the order in which a round goes through it."""
     task = bench.task
     found = [
-        Measurement("baseline liquid", "baseline", lambda: task("baseline", "liquid")),
+        Measurement("baseline liquid", "baseline", lambda: task("baseline", "liquid"), once=True),
         Measurement("baseline rigid", "baseline-rigid", lambda: task("baseline", "rigid")),
         Measurement("toppra, rigid on a level tray", "toppra", lambda: task("toppra", "matrix-rigid")),
     ]
