@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -178,11 +179,15 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
     bars.set_xlabel("time / s")
     if keys:
         bars.legend(fontsize=7)
-    for label, unit, marker in (("cups", " cup", "o"), ("intervals", "N = ", "s")):
+    for label, name, marker in (
+        ("equal cups", r"(\d+) cups?", "o"),
+        ("different cups", r"(\d+) different cups", "^"),
+        ("intervals", r"N = (\d+)", "s"),
+    ):
         points = sorted(
-            (int("".join(filter(str.isdigit, key))), value["seconds"])
+            (int(match[1]), value["seconds"])
             for key, value in found.items()
-            if unit in key and "seconds" in value
+            if (match := re.fullmatch(name, key)) and "seconds" in value
         )
         if points:
             growth.loglog(*zip(*points, strict=True), marker=marker, label=label)
