@@ -200,7 +200,7 @@ def test_self_motion_leaves_the_flange_where_it_is() -> None:
 
 
 def test_the_direction_of_the_self_motion_is_the_best_one_for_all_of_a_way() -> None:
-    """A way of the Franka FR3 along which the self-motion turns by so much that its mean stands square to one end."""
+    """A way of the Franka FR3 along which the self-motion turns so far that its mean is orthogonal to it."""
     arm, way = load_robot("franka-fr3"), np.linspace(0.0, 1.0, 101)[:, None]
     start, end = (np.radians(row) for row in ([33, 30, -20, -60, 30, 90, 30], [47, 13, -120, -173, -120, 186, 29]))
     q = start + (end - start) * way

@@ -57,7 +57,7 @@ class ActiveSet:
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
-        jerk_weight_factor: on those weights, above 1 where modes outside the problem swing too far at the end.
+        jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
     """
 

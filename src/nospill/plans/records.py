@@ -87,7 +87,7 @@ class PlanningReport:
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
             that hold the motion back longest.
         compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
-        jerk_weight_factor: on the weights of the jerks, above 1 where faster modes of a liquid had to be kept calm.
+        jerk_weight_factor: factor on the weights of the jerks, above 1 where fast modes of a liquid had to be damped.
     """
 
     plan_time: float

@@ -137,7 +137,7 @@ def build_problem(
         scene: the task.
         intervals: N.
         nominal_duration: expected end time, s, for the scales, and for the weights of the jerks that are not stated.
-        jerk_weight_factor: on those weights.
+        jerk_weight_factor: factor on those weights.
         backoff: fraction of each budget kept from the optimiser.
         active: which rows take part, on the final state as elsewhere; None for all.
         payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;

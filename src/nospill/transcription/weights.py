@@ -26,7 +26,7 @@ def jerk_weights(scene: Scene, duration: float, jerk_weight_factor: float = 1.0)
     Args:
         scene: which may state them.
         duration: that the motion is expected to take, s.
-        jerk_weight_factor: on all of them.
+        jerk_weight_factor: factor on all of them.
     """
     if scene.motion.duration is not None:
         found = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)

@@ -2,9 +2,9 @@
 
 With a pose given, one parameter of seven joints is free. To find solutions one joint is held: the six others then form
 an ordinary arm. To carry a motion, planner and exporter use the value of a combination of the joints, direction . q: it
-parametrises the self-motion as long as the null vector of the Jacobian is not square to the direction, so the direction
-is taken that stays farthest from square to all null vectors along the way. A single joint would do it too, but every
-joint has places within the workspace where the self-motion leaves it at rest, and there a motion would have a
+parametrises the self-motion as long as the null vector of the Jacobian is not orthogonal to the direction; so the
+direction is taken whose least product with the null vectors along the way is greatest. A single joint would do it too,
+but every joint has places within the workspace where the self-motion leaves it at rest, and there a motion would have a
 singularity that the arm does not have.
 """
 
@@ -62,7 +62,7 @@ def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
     It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the
     hull holds zero, since then no direction has a product of one sign with all of them.
     """
-    from scipy.optimize import nnls  # slow to load, and for seven joints alone
+    from scipy.optimize import nnls  # slow to load, for seven joints alone; paths have loaded it
 
     jacobians = kinematics(robot).jacobians(q)
     vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
