@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nospill.collisions.level_arm import LevelArm
-from nospill.collisions.sampled_ways import SampledWay, sampled_way, shortened
+from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 
@@ -15,13 +15,20 @@ pytest.importorskip("coal")
 CUP = {"name": "cup", "shape": "cylinder", "radius": 0.03, "height": 0.08, "mass": 0.2, "centre_of_mass_height": 0.03}
 
 
-def arm_of(model: str, start: list[float], goal: list[float], *obstacles: dict[str, object]) -> LevelArm:
+def arm_of(
+    model: str,
+    start: list[float],
+    goal: list[float],
+    *obstacles: dict[str, object],
+    via: list[list[float]] | None = None,
+) -> LevelArm:
     table = {
         "robot": {"model": model},
         "tray": {"size": [0.16, 0.12], "offset": 0.08, "friction": 0.4},
         "cargo": [{**CUP, "at": [0.0, 0.0]}],
         "obstacle": [*obstacles],
-        "path": {"type": "free", "start": {"position": start}, "goal": {"position": goal, "yaw": 0.3}},
+        "path": {"type": "free", "start": {"position": start}, "goal": {"position": goal, "yaw": 0.3}}
+        | ({"via": [{"position": place} for place in via]} if via else {}),
     }
     return LevelArm(scene_from_table(table, name="sampled"), spare=0.01)
 
@@ -31,8 +38,8 @@ def searched(request: pytest.FixtureRequest) -> tuple[LevelArm, SampledWay]:
     column = {"name": "column", "shape": "cylinder", "at": [0.5, 0.0, 0.5], "radius": 0.05, "height": 1.0}
     arm = arm_of(request.param, [0.45, -0.35, 0.45], [0.45, 0.35, 0.45], column)
     found = sampled_way(arm, seed=0, samples=2000)
-    assert found is not None
-    return arm, found
+    assert found is not None and len(found) == 1
+    return arm, found[0]
 
 
 def test_the_way_leads_from_start_to_goal_level_and_clear(searched: tuple[LevelArm, SampledWay]) -> None:
@@ -48,7 +55,7 @@ def test_the_way_leads_from_start_to_goal_level_and_clear(searched: tuple[LevelA
 def test_the_same_seed_finds_the_same_way(searched: tuple[LevelArm, SampledWay]) -> None:
     arm, way = searched
     again = sampled_way(arm, seed=0, samples=2000)
-    assert again is not None and np.array_equal(again.q, way.q)
+    assert again is not None and np.array_equal(again[0].q, way.q)
 
 
 def test_shortening_takes_time_away(searched: tuple[LevelArm, SampledWay]) -> None:
@@ -62,3 +69,17 @@ def test_a_goal_that_the_arm_cannot_reach_gives_none() -> None:
     floor = {"name": "floor", "shape": "halfspace", "at": [0.0, 0.0, -0.5]}
     arm = arm_of("ur5e", [0.45, -0.35, 0.45], [2.0, 0.0, 0.4], floor)
     assert sampled_way(arm, seed=0, samples=50) is None
+
+
+def test_a_way_through_places_is_one_way_of_several_legs() -> None:
+    column = {"name": "column", "shape": "cylinder", "at": [0.5, 0.0, 0.5], "radius": 0.05, "height": 1.0}
+    places = [[0.3, -0.1, 0.6], [0.3, 0.2, 0.3]]
+    arm = arm_of("ur5e", [0.45, -0.35, 0.45], [0.45, 0.35, 0.45], column, via=places)
+    legs = sampled_way(arm, seed=0, samples=2000)
+    assert legs is not None and len(legs) == 3
+    for leg, place in zip(legs, places, strict=False):
+        assert np.allclose(leg.poses[-1, :3], place)
+    way = joined(legs)
+    assert arm.clear(way.poses, way.q).all()
+    assert np.abs(arm.apart(way.q[1:], way.q[:-1])).max() < 0.3
+    assert len(way.q) == sum(len(leg.q) for leg in legs) - 2

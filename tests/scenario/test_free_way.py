@@ -64,7 +64,7 @@ def test_out_of_reach_is_told_of_the_line() -> None:
         ({"start": {**START, "jaw": 1.0}}, r'\[path.start\]: unknown key "jaw"; allowed here: position, yaw'),
         ({"start": [1.0, 2.0, 3.0]}, r"\[path\]: start is not a table"),
         ({"goal": {"position": [1.0, 2.0]}}, r"\[path.goal\]: position \[1.0, 2.0\] has 2 values where 3 are needed"),
-        ({"yaw": "free"}, r'\[path\]: unknown key "yaw"; allowed here: corridor, type, start, goal, way'),
+        ({"yaw": "free"}, r'\[path\]: unknown key "yaw"; allowed here: corridor, type, start, goal, via, region, way'),
         ({"corridor": "0 mm"}, "it must be at least 0.1 mm"),
         ({"way": [[0.154, -0.6, 1.22], [0.2, 0.0, 1.2]]}, "way: its end at the goal is 602 mm away from it"),
     ],

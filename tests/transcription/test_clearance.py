@@ -8,8 +8,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.collisions.bodies import region_bodies
 from nospill.collisions.distances import Distances, separation
 from nospill.collisions.pairs import Pair, scene_pairs
+from nospill.collisions.planes import reaching
+from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
@@ -61,6 +64,7 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
         frames = joint_frames(arm_chain(scene().robot), q[None])
         found = separating(scene(), [RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)))
         plain, turned = (rows_of(found, q, z) for z in (np.zeros(PLANE), random.uniform(-0.4, 0.4, PLANE)))
+        room: list[float] = []
         for number, pair in enumerate(pairs_of(subject)):
             here = np.zeros(1, dtype=int)
             of_coal, direction = Distances(pair.first, pair.second).at(frames, here)
@@ -69,12 +73,19 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
             assert of_coal[0] == pytest.approx(distance, abs=1e-6 if "left" not in subject else 2e-4)
             # a disc that faces its plane reaches a thousandth of its radius too far, to the safe side
             spare = 1e-3 * sum(float(np.max(body.shape.discs)) for body in (pair.first, pair.second))
+            room.append(distance - pair.limit)
+            if pair.second.shape.kind == "halfspace":
+                continue
             fixed, other = (Clearance.least_size * value for value in plain[number])
             if distance > pair.limit:
                 compared += 1
                 assert fixed + other == pytest.approx(distance - pair.limit, abs=spare + 1e-6)
                 assert fixed == pytest.approx(other, abs=2e-4)  # in the middle of what is left
             assert Clearance.least_size * sum(turned[number]) <= distance - pair.limit + 1e-6
+        if found.moved == 0:  # of half-spaces: their surfaces are the planes, which no variable moves
+            compared += 1
+            assert not found.bounds(INTERVALS).any()
+            assert plain[0] == (np.inf, pytest.approx(min(room) / Clearance.least_size, abs=1e-5))
     assert compared > 5
 
 
@@ -164,3 +175,17 @@ def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
         for row, own in zip(rows, numbers[0], strict=True):
             limit = pairs_of(row.subject)[0].limit if group.between.count else 0.0
             assert own[LIMIT] == limit
+
+
+@pytest.mark.parametrize(
+    ("max_tilt", "normal", "rows"), [(0.0, (0, 0, 1), 1), (0.0, (1, 0, 0), 4), (0.2, (0, 0, 1), 9)]
+)
+def test_of_the_load_those_points_have_rows_that_reach_farthest(max_tilt: float, normal: tuple, rows: int) -> None:
+    random, (load, _) = np.random.default_rng(5), region_bodies(scene())
+    kept = reaching(load, np.array(normal, dtype=float), max_tilt)
+    assert len(kept) <= rows < len(load.points)
+    yaw, pitch, roll = random.uniform(-1, 1, (3, 200)) * np.array([[np.pi], [max_tilt], [max_tilt]])
+    directions = np.array(normal) @ matrices(tray_quaternions(yaw, pitch, roll))
+    across = np.sqrt(np.maximum(1 - directions[:, 2:] ** 2, 0.0))
+    reach = directions @ load.shape.points.T + across * load.shape.discs
+    assert np.max(reach.max(axis=1) - reach[:, kept].max(axis=1)) < 1e-3

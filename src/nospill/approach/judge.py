@@ -54,7 +54,8 @@ def judge_segment(
     rows = [*_joint_rows(record, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]
     uneven = np.abs(np.diff(record.t) * record.rate - 1.0)
     rows.append(limit_row("even sampling", "time", "1", 1e-4, record.t[1:], uneven))
-    rows += clearance_rows(scene, grid, *(played(grid, order) for order in range(3)), loaded=segment.loaded)
+    bare = replace(scene, regions=())  # they are about the motion
+    rows += clearance_rows(bare, grid, *(played(grid, order) for order in range(3)), loaded=segment.loaded)
     if segment.loaded:
         rows += _cargo_rows(segment, scene, played)
     named = tuple(replace(row, constraint=APPROACH + row.constraint) for row in rows)

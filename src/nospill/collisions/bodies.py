@@ -18,7 +18,7 @@ from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import Scene
 from nospill.scene.tray import TRAY_THICKNESS
 
-TRAY, HOLDER = "tray", "holder"
+TRAY, HOLDER, LOAD = "tray", "holder", "tray and cargo"
 HOLDER_RADIUS = 0.025
 """m; the tray stands on a round bar from the flange to the middle of its underside."""
 
@@ -34,6 +34,7 @@ class Body:
         position: (3,) origin of that frame in the joint's frame, m.
         rotation: (3, 3) axes of the same.
         obstacle: of which it is the solid; None for what the arm is and carries.
+        of_region: whether it is beside a side of a region, from which tray and cargo keep away, as one.
         on_path: whether it is the tray or stands on it, and so goes where the path leads whatever the arm does.
     """
 
@@ -44,6 +45,7 @@ class Body:
     rotation: np.ndarray
     obstacle: Obstacle | None = None
     on_path: bool = False
+    of_region: bool = False
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -59,6 +61,21 @@ class Body:
     def radius(self) -> float:
         """Of the ball about it, m; infinite for a half-space."""
         return self.shape.radius
+
+
+def region_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, tuple[Body, ...]]:
+    """Tray and cargo as one body, their hull, and the half-spaces beside the sides of all regions."""
+    parts = _on_path(scene, scene.cargo if loaded else ())
+    tray = parts[0]
+    points = [(item.points - tray.position) @ tray.rotation for item in parts]
+    shape = hull_shape(np.concatenate(points), np.concatenate([item.shape.discs for item in parts]))
+    load = Body(LOAD, tray.joint, shape, tray.position, tray.rotation, on_path=True)
+    sides = [
+        Body(side.name, 0, side.shape, side.position, side.rotation, side, of_region=True)
+        for region in scene.regions
+        for side in region.sides
+    ]
+    return load, tuple(sides)
 
 
 def scene_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, ...]:
@@ -78,19 +95,27 @@ def scene_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, ...]:
 
 def _carried(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     """Holder, tray and cargo in the frame of the last joint."""
+    chain = arm_chain(scene.robot)
+    tray, *objects = _on_path(scene, cargo)
+    flange, under = chain.flange_position, tray.position - TRAY_THICKNESS / 2 * tray.rotation[:, 2]
+    gap = under - flange
+    if float(np.linalg.norm(gap)) <= 2 * HOLDER_RADIUS:
+        return [tray, *objects]
+    # its round ends stay between flange and board
+    inner = gap * (1.0 - 2.0 * HOLDER_RADIUS / float(np.linalg.norm(gap)))
+    middle = flange + gap / 2
+    ends = np.array([middle - inner / 2, middle + inner / 2])
+    return [tray, _capsule(PlacedCapsule(HOLDER, len(chain.bodies), ends, HOLDER_RADIUS)), *objects]
+
+
+def _on_path(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
+    """Tray and cargo in the frame of the last joint."""
     chain, tool = arm_chain(scene.robot), scene.tray.tool
-    last, flange, axes = len(chain.bodies), chain.flange_position, chain.flange_rotation
-    position, rotation = flange + axes @ tool.position, axes @ tool.rotation
+    last, axes = len(chain.bodies), chain.flange_rotation
+    position, rotation = chain.flange_position + axes @ tool.position, axes @ tool.rotation
     up, (length, width) = rotation[:, 2], scene.tray.size
     board = box_shape((float(length), float(width), TRAY_THICKNESS))
     found = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
-    gap = position - TRAY_THICKNESS * up - flange
-    if float(np.linalg.norm(gap)) > 2 * HOLDER_RADIUS:
-        # its round ends stay between flange and board
-        inner = gap * (1.0 - 2.0 * HOLDER_RADIUS / float(np.linalg.norm(gap)))
-        middle = flange + gap / 2
-        ends = np.array([middle - inner / 2, middle + inner / 2])
-        found.append(_capsule(PlacedCapsule(HOLDER, last, ends, HOLDER_RADIUS)))
     for item in cargo:
         turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
         place = position + rotation @ item.place

@@ -38,7 +38,8 @@ class LevelArm:
 
         Args:
             scene: with obstacles, or without.
-            spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends.
+            spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends and near
+                places on the way.
 
         Raises:
             MissingExtraError: the library coal is not installed.
@@ -46,6 +47,7 @@ class LevelArm:
         self.scene, self.robot = scene, scene.robot
         self._configurations, self._spare = Configurations(scene), spare
         self.ends = scene.path.at(np.array([0.0, 1.0]))
+        self._near = np.array([*self.ends[:, :3], *(item.position for item in scene.motion.via)])
         self.redundant = redundant_joint(scene.robot)
         self._turning = scene.robot.upper - scene.robot.lower >= TURN
 
@@ -76,7 +78,7 @@ class LevelArm:
 
     def clear(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Whether nothing is in the way (m,) of configurations (m, n), rad, that hold the tray at poses (m, 4)."""
-        away = np.linalg.norm(poses[:, None, :3] - self.ends[:, :3], axis=2).min(axis=1)
+        away = np.linalg.norm(poses[:, None, :3] - self._near, axis=2).min(axis=1)
         return self._configurations.clear(q, self._spare * np.minimum(away / _NEAR_ENDS, 1.0))
 
     def apart(self, q: np.ndarray, other: np.ndarray) -> np.ndarray:

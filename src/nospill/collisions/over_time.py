@@ -35,7 +35,7 @@ def nearest_over_time(scene: Scene, q: np.ndarray) -> tuple[NearestOverTime, ...
     Raises:
         MissingExtraError: the library coal is not installed.
     """
-    if not scene.obstacles:
+    if not scene.keeps_distances:
         return ()
     frames, every = joint_frames(arm_chain(scene.robot), q), np.arange(len(q))
     groups: dict[str, list[Pair]] = {}

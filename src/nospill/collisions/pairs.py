@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from nospill.collisions.bodies import Body, scene_bodies
+from nospill.collisions.bodies import Body, region_bodies, scene_bodies
 from nospill.collisions.distances import Distances
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
@@ -65,7 +65,11 @@ class SampledPair:
 
 
 def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
-    """The pairs that are judged: everything that moves with every obstacle, and the arm with itself and its load."""
+    """The pairs that are judged.
+
+    Tray and cargo, as one, with what is beside each side of every region; where there are obstacles, everything that
+    moves with each of them, and the arm with itself and its load.
+    """
     return _pairs(scene, loaded)[0]
 
 
@@ -85,6 +89,10 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[tuple[Pair, ...], tuple[SampledP
         for body in own
         if body.joint
     ]
+    load, sides = region_bodies(scene, loaded=loaded)
+    around += [Pair(load, item, 0.0) for item in sides]
+    if not scene.obstacles:
+        return tuple(around), ()
     against = [Pair(second, first, 0.0) for first, second in combinations(own, 2) if first.joint != second.joint]
     table = _sampled(scene, against)
     kept = [pair for pair in against if table[pair.subject].judged]

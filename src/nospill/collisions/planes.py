@@ -11,6 +11,7 @@ import numpy as np
 from nospill.collisions.bodies import Body
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import Pair
+from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.robots.kinematics.frames import JointFrames
 
 
@@ -32,6 +33,32 @@ def planes(pair: Pair, frames: JointFrames, samples: np.ndarray) -> tuple[np.nda
     found, directions = Distances(pair.first, pair.second).at(frames, samples)
     normals = (directions[:, None] @ frames.rotation[pair.second.joint][samples])[:, 0]
     return normals, -_support(pair.second, -normals), found
+
+
+_TURNS, _TILTS = 72, 3
+"""Attitudes at which points are compared: turns, and tilts about either axis."""
+_SAME = 1e-9
+"""m; points that reach equally far but for this are one."""
+
+
+def reaching(body: Body, normal: np.ndarray, max_tilt: float) -> np.ndarray:
+    """Which points (k,) of a body that turns, and tilts by at most `max_tilt`, rad, reach farthest along a direction.
+
+    Level, all points of one height reach equally far up: one of them is enough, and more would be the same row again.
+
+    Args:
+        body: on the tray, whose z is its own.
+        normal: (3,) unit vector in the base frame.
+        max_tilt: about either axis; 0 for a level tray.
+    """
+    turns, tilts = np.linspace(0.0, 2.0 * np.pi, _TURNS, endpoint=False), np.linspace(-max_tilt, max_tilt, _TILTS)
+    pitch, roll = np.meshgrid(tilts, tilts) if max_tilt else (np.zeros(1), np.zeros(1))
+    yaw, pitch, roll = (part.ravel() for part in np.broadcast_arrays(turns[:, None], pitch.ravel(), roll.ravel()))
+    directions = normal @ matrices(tray_quaternions(yaw, pitch, roll))
+    shape = body.shape
+    reach = directions @ shape.points.T + np.sqrt(np.maximum(1.0 - directions[:, 2:] ** 2, 0.0)) * shape.discs
+    best = np.isclose(reach, reach.max(axis=1, keepdims=True), rtol=0.0, atol=_SAME)
+    return np.unique(np.argmax(best, axis=1))
 
 
 def _support(body: Body, directions: np.ndarray) -> np.ndarray:

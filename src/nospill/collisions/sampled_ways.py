@@ -3,13 +3,15 @@
 A node is a configuration of the arm with a level tray; a step from node to node is a straight line of the tray's
 centre with an even turn, which the arm follows on its branch by the closed form of its inverse kinematics; the
 redundant joint of seven moves evenly too. What is found is therefore a way that the arm can follow as
-`robots.joint_paths` follows it. Trees grow from every branch at the start and every branch at the goal at once.
+`robots.joint_paths` follows it. Trees grow from every branch at the start and every branch at the goal at once. A way
+that passes places is searched from each to the next, the tray turned anyhow there.
 
 Source: Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path planning", ICRA 2000.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +34,8 @@ _EVERY = 6
 """Looks from node to node of a tree."""
 _SPEED = 1.0
 """m/s; a metre between trays counts as so much time of the joints."""
+_YAWS = 8
+"""Turns of the tray at a place on the way, evenly all round from that between start and goal."""
 _SHORTER = 0.99
 """Part of its time that a straight piece may take at most to take the place of another one."""
 
@@ -103,19 +107,40 @@ class _Draws:
         return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
-def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> SampledWay | None:
+def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> list[SampledWay] | None:
     """A way from the start of a scene's path to its end, not shortened; None where none is found.
 
     Args:
         arm: in its scene.
         seed: of the random numbers.
-        samples: poses that are drawn before it gives up.
+        samples: poses that are drawn from one place to the next before it gives up.
+
+    Returns:
+        From the start to the first place on the way, from there to the next and so on, each from the configuration in
+        which the one before ends.
     """
-    random, ends = np.random.default_rng(seed), arm.ends
-    roots = _rooted(arm, ends[:1]), _rooted(arm, ends[1:] + np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1])
+    random, found = np.random.default_rng(seed), list[SampledWay]()
+    start, goal = arm.ends
+    here = _rooted(arm, start[None])
+    turned = np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1]
+    for number, place in enumerate(arm.scene.motion.via, start=1):
+        yaw = start[3] + (goal[3] - start[3]) * number / (len(arm.scene.motion.via) + 1)
+        poses = np.array([[*place.position, yaw + turn] for turn in np.linspace(0.0, TURN, _YAWS, endpoint=False)])
+        leg = _between(arm, random, here, _rooted(arm, poses), samples)
+        if leg is None:
+            return None
+        found.append(leg)
+        here = _Tree(leg.poses[-1:], leg.q[-1:])
+    leg = _between(arm, random, here, _rooted(arm, goal + turned), samples)
+    return None if leg is None else [*found, leg]
+
+
+def _between(arm: LevelArm, random: np.random.Generator, start: _Tree, goal: _Tree, samples: int) -> SampledWay | None:
+    """A way from a root of a tree to one of another."""
+    roots = start, goal
     if not all(tree.roots for tree in roots):
         return None
-    draw = _Draws(arm, random, ends)
+    draw = _Draws(arm, random, np.array([start.poses[0], goal.poses[0]]))
     for number in range(samples):
         here, there = roots if number % 2 == 0 else roots[::-1]
         if random.random() < _TO_ROOTS:
@@ -173,6 +198,13 @@ def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int |
         return None
     kept = np.unique(np.append(np.arange(_EVERY - 1, len(found), _EVERY), len(found) - 1))
     return tree.add(poses[kept], found[kept], nearest)
+
+
+def joined(legs: Sequence[SampledWay]) -> SampledWay:
+    """One way of several, each of which begins where the one before ends."""
+    first, *others = legs
+    poses, q = [first.poses, *(leg.poses[1:] for leg in others)], [first.q, *(leg.q[1:] for leg in others)]
+    return SampledWay(np.concatenate(poses), np.concatenate(q))
 
 
 def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> SampledWay:

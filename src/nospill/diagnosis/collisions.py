@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nospill.collisions.along_path import Nearness, nearest_along
-from nospill.collisions.bodies import TRAY, Body
+from nospill.collisions.bodies import LOAD, TRAY, Body
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
@@ -29,7 +29,7 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
         NoSolutionError: something is in the way on every joint path, and the tray is level; names it.
         MissingExtraError: the library coal is not installed.
     """
-    if not scene.obstacles:
+    if not scene.keeps_distances:
         return list(candidates)
     require_free_ends(scene, candidates[0])
     found = nearest_of(scene, candidates)
@@ -89,6 +89,8 @@ def _in_words(nearness: Nearness, where: str) -> str:
     pair = nearness.pair
     distance = nearness.room + pair.limit
     first, second = _named(pair.first), _named(pair.second)
+    if pair.second.of_region:
+        return f"{first} reach {_shown(-distance)} out of {second} {where}"
     if distance < 0.0:
         return f"{first} enters {second} by {_shown(-distance)} {where}"
     return f"{first} comes within {_shown(distance)} of {second} {where}, and {_shown(pair.limit)} must be kept"
@@ -96,7 +98,7 @@ def _in_words(nearness: Nearness, where: str) -> str:
 
 def _named(body: Body) -> str:
     """An obstacle or object by its own name, in quotes; a part of the arm, or the tray, without."""
-    own = body.obstacle is not None or (body.on_path and body.name != TRAY)
+    own = body.obstacle is not None or (body.on_path and body.name not in (TRAY, LOAD))
     return as_written(body.name) if own else f"the {body.name}"
 
 

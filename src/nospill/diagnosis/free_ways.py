@@ -6,7 +6,7 @@ import numpy as np
 
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.level_arm import LEVER, LevelArm
-from nospill.collisions.sampled_ways import SampledWay, sampled_way, shortened
+from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
 from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import free_paths, nearest_of, places_of, require_free_ends
 from nospill.errors import NoSolutionError, ScenarioError
@@ -21,6 +21,8 @@ SAMPLES = 2000
 _SHORTCUTS = 100
 _SMOOTHINGS = (0.1, 0.05, 0.02, 0.01, 0.004)
 """m; how far a smooth curve may be from a sampled way, the smoothest that is clear is taken."""
+_OF_RADIUS = 0.8
+"""Part of the radius about a place on the way that smoothing may take at most."""
 _SPARES = (0.015, 0.0)
 """m; room that sampled ways keep from obstacles beside what must be kept, so that there is room for a smooth curve."""
 _DENSE = 161
@@ -43,7 +45,7 @@ def freest_way(scene: Scene) -> Scene:
         NoSolutionError: no way is clear, and the tray is level; tells of the one with most room.
         MissingExtraError: the library coal is not installed.
     """
-    if not scene.obstacles:
+    if not scene.keeps_distances:
         return ways(scene)[0]
     try:
         candidates = ways(scene)
@@ -91,8 +93,11 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     for spare in _SPARES:
         arm = LevelArm(scene, spare=spare)
         for seed in SEEDS:
-            way = sampled_way(arm, seed=seed, samples=SAMPLES)
-            found = None if way is None else _smooth(scene, arm, shortened(arm, way, seed=seed, tries=_SHORTCUTS))
+            legs = sampled_way(arm, seed=seed, samples=SAMPLES)
+            if legs is None:
+                continue
+            short = [shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs]
+            found = _smooth(scene, arm, joined(short))
             if found is not None and (best is None or found[0] < best[0]):
                 best = found
         if best is not None:
@@ -107,13 +112,17 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
     along_it = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     dense = np.linspace(0.0, along_it[-1], _DENSE)
     points = np.column_stack([np.interp(dense, along_it, column) for column in points.T])
-    for smoothing in _SMOOTHINGS:
+    widest = min((_OF_RADIUS * item.radius for item in scene.motion.via), default=_SMOOTHINGS[0])
+    for smoothing in dict.fromkeys(min(own, widest) for own in _SMOOTHINGS):
         curve = smooth_curve(points, smoothing)
         if curve is None:
             continue
         values = curve.pieces(np.linspace(0.0, 1.0, _POINTS)) / [1.0, 1.0, 1.0, LEVER, LEVER]
         values[[0, -1], :3] = arm.ends[:, :3]
-        found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
+        try:
+            found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
+        except ScenarioError:  # between its points it passes a place too far away
+            continue
         seen: set[tuple[float, ...]] = set()
         for path in try_joint_paths(found.robot, found.path, tool=found.tray.tool).paths:
             branch = places_of(path)

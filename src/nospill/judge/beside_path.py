@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.judge.replay import Replay
+from nospill.judge.verdict import Trace
+from nospill.laws.constraints.via import PassedPlace
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
@@ -20,3 +22,15 @@ def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> np.nd
     """From the path at the recorded s to the tray's centre as the joints carry it (m, 3), m, on the replay's grid."""
     s = np.clip(between_samples(trajectory, played)[0], 0.0, 1.0)
     return played.tray.position - scene.path.at(s)[:, :3]
+
+
+def passing_traces(scene: Scene, played: Replay) -> list[Trace]:
+    """Of each place that the tray passes: how near its centre comes, at the one instant when it is nearest."""
+    found = []
+    for item in scene.motion.via:
+        distance = np.linalg.norm(played.tray.position - item.position, axis=1)
+        least = int(np.argmin(distance))
+        value, limit = distance[least : least + 1], np.array([item.radius])
+        at = played.t[least : least + 1]
+        found.append(Trace(PassedPlace.name, item.name, PassedPlace.unit, at, value, limit, limit - value))
+    return found

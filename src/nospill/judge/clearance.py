@@ -32,7 +32,7 @@ def clearance_rows(
     Raises:
         MissingExtraError: the library coal is not installed.
     """
-    if not scene.obstacles:
+    if not scene.keeps_distances:
         return []
     motion = SampledMotion(arm_chain(scene.robot), t, q, qd, qdd)
     return [_row(found) for found in least_distances(motion, scene_pairs(scene, loaded=loaded))]

@@ -14,7 +14,7 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
 from nospill.judge.after_end import residual_height
-from nospill.judge.beside_path import played_offset
+from nospill.judge.beside_path import passing_traces, played_offset
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws import codegen
@@ -78,7 +78,8 @@ def constraint_traces(
         EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
-    return tuple(_played_on(traces, scene, inputs[EvaluationPoint.END][1]))
+    passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
+    return (*_played_on(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
 
 
 def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:

@@ -136,6 +136,15 @@ class BrakingNumbers:
 
 
 @dataclass(frozen=True, slots=True)
+class ViaNumbers:
+    """Of each place that the tray passes: s on the path, radius, m, and the length of the path, m; (k,) each."""
+
+    parameter: Number
+    radius: Number
+    way: Number
+
+
+@dataclass(frozen=True, slots=True)
 class SceneNumbers:
     """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
 
@@ -164,6 +173,7 @@ class SceneNumbers:
     max_tray_speed: Number
     max_tray_acceleration: Number
     corridor: Number
+    via: ViaNumbers
     path_jerk_limit: Number
     tilt_jerk_limit: Number
     offset_jerk_limit: Number
@@ -230,6 +240,7 @@ class Structure:
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
         slowed: whether objects are in it that are moved at another speed, and read where up is.
+        vias: how many places the tray passes.
     """
 
     fidelity: Fidelity
@@ -249,6 +260,7 @@ class Structure:
     tray_limits: tuple[str, ...] = ()
     braking: bool = False
     slowed: bool = False
+    vias: int = 0
 
     @property
     def freedom(self) -> Freedom:
@@ -396,6 +408,7 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         max_tray_speed=scalar,
         max_tray_acceleration=scalar,
         corridor=scalar,
+        via=ViaNumbers(*[np.zeros(structure.vias)] * 3),
         path_jerk_limit=scalar,
         tilt_jerk_limit=scalar,
         offset_jerk_limit=scalar,

@@ -41,6 +41,7 @@ class Sample:
         tilt: (2, 1), theta_x and theta_y, rad.
         offset: (3, 1), from the path to the tray's centre, base axes, m.
         tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m/s, m/s^2; only where limited.
+        path_parameter: s; only where the tray passes places.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
             (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
     """
@@ -57,6 +58,7 @@ class Sample:
     tray_velocity: SX | None = None
     tray_acceleration: SX | None = None
     jerks: SX | None = None
+    path_parameter: SX | None = None
 
 
 SloshStates = tuple[tuple[OscillatorState, ...], ...]

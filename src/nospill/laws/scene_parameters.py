@@ -17,6 +17,7 @@ from nospill.laws.parameters import (
     OscillatorNumbers,
     SceneNumbers,
     Structure,
+    ViaNumbers,
     flatten,
 )
 from nospill.robots.description.urdf_tree import rotation_of
@@ -44,6 +45,7 @@ def structure_of(scene: Scene) -> Structure:
         joint_limits=joint_limits(scene.robot),
         redundant=len(scene.robot.joints) > 6,
         offset_free=scene.motion.corridor is not None,
+        vias=len(scene.motion.via),
         yaw_free=scene.motion.yaw_free,
         tray_limits=_tray_limits(scene.motion),
         braking=scene.robot.braking is not None,
@@ -133,6 +135,7 @@ def _numbers(scene: Scene) -> SceneNumbers:
         max_tray_speed=scene.motion.max_speed or 0.0,
         max_tray_acceleration=scene.motion.max_acceleration or 0.0,
         corridor=scene.motion.corridor or 0.0,
+        via=_via_numbers(scene),
         path_jerk_limit=scene.motion.path_jerk_limit,
         tilt_jerk_limit=scene.motion.tilt_jerk_limit,
         offset_jerk_limit=scene.motion.path_jerk_limit * scene.way,
@@ -142,6 +145,12 @@ def _numbers(scene: Scene) -> SceneNumbers:
         residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
+
+
+def _via_numbers(scene: Scene) -> ViaNumbers:
+    passed = scene.motion.via
+    parameters, radii = (np.array([getattr(item, name) for item in passed]) for name in ("parameter", "radius"))
+    return ViaNumbers(parameters, radii, np.full(len(passed), scene.path.length))
 
 
 def _braking_numbers(robot: Robot) -> BrakingNumbers:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
+from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.search import try_joint_paths
@@ -17,7 +18,7 @@ from nospill.scenario.reader import scene_from_table
 from nospill.scene.scene import Scene
 
 _POINTS = 13
-"""Of an arc about the base."""
+"""Of an arc about the base, from place to place."""
 _NEAR_THE_AXIS = 0.05
 """m; nearer to the base's axis there is no direction to turn from."""
 _NEARER = (0.0, -0.1, -0.2, -0.3, 0.15)
@@ -36,8 +37,8 @@ def ways(scene: Scene) -> list[Scene]:
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
     distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
-    nearer to the axis or farther from it, and higher or lower. They are compared by the speed figures of their joint
-    paths.
+    nearer to the axis or farther from it, and higher or lower. With places between them a smooth curve through all, in
+    the base's axes or in angle, distance and height. They are compared by the speed figures of their joint paths.
 
     Raises:
         ScenarioError: the arm can follow none; tells of the line.
@@ -54,21 +55,28 @@ def ways(scene: Scene) -> list[Scene]:
 
 def _arcs(scene: Scene) -> Iterator[Scene]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
-    detours = bool(scene.obstacles) and redundant_joint(scene.robot) is None
+    detours = scene.keeps_distances and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
     foot, _ = base_pose(scene.robot.urdf)
-    (x0, y0, z0), (x1, y1, z1) = scene.path.at([0.0, 1.0])[:, :3] - foot
-    if min(math.hypot(x0, y0), math.hypot(x1, y1)) < _NEAR_THE_AXIS:
+    ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
+    places = np.array([ends[0], *(item.position for item in scene.motion.via), ends[1]]) - foot
+    distances = np.hypot(places[:, 0], places[:, 1])
+    if np.min(distances) < _NEAR_THE_AXIS:
         return
-    first, turn = math.atan2(y0, x0), math.remainder(math.atan2(y1, x1) - math.atan2(y0, x0), math.tau)
-    share, reach = np.linspace(0.0, 1.0, _POINTS), scene.robot.reach or 1.0
-    rise = 16.0 * share**2 * (1 - share) ** 2
-    for angle, (out, up) in product((turn, turn - math.copysign(math.tau, turn)), bumps):
-        directions = first + share * angle
-        distances = (1 - share) * math.hypot(x0, y0) + share * math.hypot(x1, y1) + out * reach * rise
-        heights = (1 - share) * z0 + share * z1 + up * reach * rise
-        points = np.column_stack([distances * np.cos(directions), distances * np.sin(directions), heights])
-        points[[0, -1]] = (x0, y0, z0), (x1, y1, z1)
+    directions = np.arctan2(places[:, 1], places[:, 0])
+    turns = [math.remainder(turn, math.tau) for turn in np.diff(directions).tolist()]
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    knots = np.append(0.0, np.cumsum(lengths) / np.sum(lengths))
+    share = np.linspace(0.0, 1.0, _POINTS)
+    at = np.append(0.0, np.concatenate([first + share[1:] * (last - first) for first, last in pairwise(knots)]))
+    rise = np.append(0.0, np.tile(16.0 * share[1:] ** 2 * (1.0 - share[1:]) ** 2, len(turns)))  # from place to place
+    for angles, (out, up) in product(product(*[(turn, turn - math.copysign(math.tau, turn)) for turn in turns]), bumps):
+        turned = directions[0] + np.append(0.0, np.cumsum(angles))
+        curve = interpolating_pieces(knots, np.column_stack([turned, distances, places[:, 2]]))
+        direction, distance, height = curve(at).T
+        distance, height = distance + out * reach * rise, height + up * reach * rise
+        points = np.column_stack([distance * np.cos(direction), distance * np.sin(direction), height])
+        points[:: _POINTS - 1] = places
         with suppress(ScenarioError):  # points that coincide make no way
             yield along(scene, points + foot)
 

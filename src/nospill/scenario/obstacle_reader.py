@@ -15,13 +15,21 @@ from nospill.scenario.messages import Fault, entry_place, report
 from nospill.scenario.obstacle_entries import ObstacleTable
 from nospill.scene.cargo import Cargo
 from nospill.scene.obstacles import Obstacle
+from nospill.scene.places import Region, Via
 
 RESERVED_NAMES = ("tray",)
 """Names of bodies that are in every scenario."""
 
 
 def read_obstacles(
-    entries: Sequence[ObstacleTable], *, robot: Robot, cargo: Sequence[Cargo], path: Path, label: str
+    entries: Sequence[ObstacleTable],
+    *,
+    robot: Robot,
+    cargo: Sequence[Cargo],
+    path: Path,
+    passed: Sequence[Via],
+    regions: Sequence[Region],
+    label: str,
 ) -> tuple[Obstacle, ...]:
     """The obstacles of a scenario.
 
@@ -30,6 +38,8 @@ def read_obstacles(
         robot: the arm, whose foot none of them may hold.
         cargo: objects, whose names are taken.
         path: of the tray's centre, whose ends none of them may hold.
+        passed: places on the way, which none of them may hold either.
+        regions: whose names are taken.
         label: what messages call the scenario.
 
     Raises:
@@ -40,6 +50,7 @@ def read_obstacles(
     owners = {item.name: f"cargo {as_written(item.name)}" for item in cargo} | {
         name: f"the {name}" for name in RESERVED_NAMES
     }
+    owners |= {item.name: f"region {as_written(item.name)}" for item in regions}
     for index, entry in enumerate(entries):
         place = entry_place("obstacle", index, {"name": entry.name})
         if entry.name in owners:
@@ -51,7 +62,7 @@ def read_obstacles(
         except ScenarioError as error:
             faults.append((place, str(error)))
             continue
-        fault = _fault(obstacle, robot, path)
+        fault = _fault(obstacle, robot, path) or _held_place(obstacle, passed)
         faults += [(place, fault)] if fault else []
         found.append(obstacle)
     if faults:
@@ -76,6 +87,20 @@ def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:
             return (
                 f"stands in the way of the path's {name} {_point(end)}: the tray's centre is {where} there; "
                 f"the clearance {_shown(obstacle.clearance)} must be kept: move the obstacle or the path"
+            )
+    return None
+
+
+def _held_place(obstacle: Obstacle, passed: Sequence[Via]) -> str | None:
+    """Why the tray cannot pass a place on its way."""
+    for item in passed:
+        gap = obstacle.distance(np.array(item.position))
+        if gap + item.radius < obstacle.clearance - 1e-9:
+            where = f"{_shown(-gap)} inside it" if gap < 0.0 else f"{_shown(gap)} from it"
+            return (
+                f"holds via {as_written(item.name)} {_point(np.array(item.position))}: that is {where}, the tray's "
+                f"centre passes it within {_shown(item.radius)}, and the clearance {_shown(obstacle.clearance)} must "
+                "be kept: move one of them"
             )
     return None
 

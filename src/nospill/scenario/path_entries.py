@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import Field
 
 from nospill.core.paths import (
@@ -20,47 +17,12 @@ from nospill.core.paths import (
 )
 from nospill.core.units import format_quantity
 from nospill.core.waypoint_files import read_waypoints
-from nospill.core.waypoint_paths import SMOOTHING, path_through_poses, path_through_waypoints
+from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import FREE, Angle, Measured, Point, Table
-from nospill.scenario.freedom_entries import NARROWEST, WIDEST, Corridor, Yaw
-
-LEAST_FREEDOM = 0.1
-"""m; how far the tray may leave a way at least where its goal is near its start."""
-SAME_PLACE = 1e-6
-"""m; places that are nearer to each other are the same."""
-
-
-class PathTable(Table):
-    """The keys of every path."""
-
-    corridor: Corridor = None
-
-    @property
-    def width(self) -> float | None:
-        """How far the tray's centre may leave the path, m; None where it may not."""
-        return self.corridor
-
-    @property
-    def yaw_free(self) -> bool:
-        """Whether the yaw between its ends is left to the planner."""
-        raise NotImplementedError
-
-    def standalone(self, folder: FilePath) -> dict[str, object]:
-        """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
-
-        Raises:
-            ScenarioError: a file it names cannot be read.
-        """
-        return {}
-
-    def build(self) -> Path:
-        """The path itself.
-
-        Raises:
-            ScenarioError: the numbers make no path.
-        """
-        raise NotImplementedError
+from nospill.scenario.fields import FREE, Angle, Measured, Point
+from nospill.scenario.free_path_entry import FreeTable
+from nospill.scenario.freedom_entries import Yaw
+from nospill.scenario.path_table import PathTable
 
 
 class GivenTable(PathTable):
@@ -193,96 +155,6 @@ class WaypointsTable(GivenTable):
             self.points or [], yaw=self.angles, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
         )
         return path if self.origin is None else replace(path, notes=(self.origin, *path.notes))
-
-
-class PlaceTable(Table):
-    """A place of the tray, level."""
-
-    position: Annotated[Point, Field(description="of the tray's centre")]
-    yaw: Annotated[Angle, Field(description="of the tray")] = 0.0
-
-
-class FreeTable(PathTable):
-    """`type = "free"`: from here to there, the way between them left to the planner."""
-
-    type: Literal["free"]
-    start: Annotated[PlaceTable, Field(description="where the tray is at first, with the keys position and yaw")]
-    goal: Annotated[PlaceTable, Field(description="where it is to come, with the keys position and yaw")]
-    corridor: Annotated[
-        float | None,
-        Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST),
-        Field(
-            description="how far the tray's centre may be from the way along which the motion is looked for; when not "
-            "given, as far as the goal is from the start"
-        ),
-    ] = None
-    way: Annotated[
-        list[Point] | None,
-        Field(
-            min_length=2,
-            max_length=100,
-            description="points from start to goal about which the motion is looked for, joined smoothly; "
-            "the planner chooses them when not given, and the copy kept with a plan has those",
-        ),
-    ] = None
-    way_yaw: Annotated[
-        list[Angle] | None,
-        Field(
-            description="yaw of the tray at each point of `way`, which then are at even parameters of the path; even "
-            "between the ends when not given"
-        ),
-    ] = None
-    way_joint: Annotated[
-        list[Angle] | None,
-        Field(description="position of the redundant joint of seven at each point of `way`, with `way_yaw`"),
-    ] = None
-
-    @property
-    def width(self) -> float:
-        """See `PathTable`."""
-        if self.corridor is not None:
-            return self.corridor
-        return float(np.clip(math.dist(self.start.position, self.goal.position), LEAST_FREEDOM, WIDEST))
-
-    @property
-    def yaw_free(self) -> bool:
-        """See `PathTable`."""
-        return True
-
-    def build(self) -> Path:
-        """See `PathTable`: the straight line, or the way through the stated points."""
-        start, goal = self.start, self.goal
-        yaw = (start.yaw, goal.yaw)
-        if start == goal:
-            raise ScenarioError("goal is the start, place and yaw; give another one")
-        if self.way is None:
-            if self.way_yaw is not None or self.way_joint is not None:
-                raise ScenarioError(
-                    "way_yaw and way_joint are about the points of way, which is missing; leave them out"
-                )
-            return straight_line(start.position, goal.position, yaw=yaw)
-        for name, place, point in (("start", start, self.way[0]), ("goal", goal, self.way[-1])):
-            gap = math.dist(place.position, point)
-            if gap > SAME_PLACE:
-                shown = format_quantity(gap, "length", digits=3)
-                raise ScenarioError(f"way: its end at the {name} is {shown} away from it; leave way out")
-        if self.way_yaw is None:
-            return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
-        self._check_way_yaw(self.way, self.way_yaw)
-        poses = np.column_stack([self.way, self.way_yaw])
-        return path_through_poses(poses, None if self.way_joint is None else np.array(self.way_joint))
-
-    def _check_way_yaw(self, way: Sequence[object], way_yaw: Sequence[float]) -> None:
-        for key, values in (("way_yaw", way_yaw), ("way_joint", self.way_joint)):
-            if values is not None and len(values) != len(way):
-                raise ScenarioError(
-                    f"{key} has {len(values)} angles for the {len(way)} points of way; leave all of them out"
-                )
-        for name, place, angle in (("start", self.start, way_yaw[0]), ("goal", self.goal, way_yaw[-1])):
-            gap = abs(math.remainder(angle - place.yaw, math.tau))
-            if gap > SAME_PLACE:
-                shown = format_quantity(gap, "angle", digits=3)
-                raise ScenarioError(f"way_yaw: its end at the {name} is turned by {shown} from it; leave it out")
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {

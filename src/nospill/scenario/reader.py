@@ -33,6 +33,7 @@ from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
@@ -114,7 +115,9 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         controller = None if scenario.controller is None else scenario.controller.build(robot)
     with _at(label, "[path]"):
         read_in = scenario.path.standalone(folder)
-        path = scenario.path.model_copy(update=read_in).build()
+        path_table = scenario.path.model_copy(update=read_in)
+        path = path_table.build()
+        passed = path_table.places_passed(path)
     tray = Tray(
         size=read_only(scenario.tray.size),
         tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
@@ -130,7 +133,8 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         raise report(label, faults, layout_reason(cargo, tray))
     described_obstacles = _standalone_obstacles(scenario, folder, label)
     around = [entry.model_copy(update=new) for entry, new in zip(scenario.obstacle, described_obstacles, strict=True)]
-    obstacles = read_obstacles(around, robot=robot, cargo=cargo, path=path, label=label)
+    regions = path_table.regions
+    obstacles = read_obstacles(around, robot=robot, cargo=cargo, path=path, passed=passed, regions=regions, label=label)
     scene_name = scenario.name or _NOT_IN_NAMES.sub("-", name)[:64] or "scenario"
     source = {
         **table,
@@ -150,7 +154,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         tray=tray,
         cargo=cargo,
         path=path,
-        motion=_motion(scenario, path, tray),
+        motion=_motion(scenario, path, tray, passed),
         planning=_planning(scenario),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
@@ -160,6 +164,7 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         controller=controller,
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
+        regions=regions,
     )
 
 
@@ -325,7 +330,7 @@ def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
     return (rules.max_jerk or DEFAULT_JERK) / way_of(path, tray)
 
 
-def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
+def _motion(scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...]) -> MotionRules:
     rules = scenario.motion
     return MotionRules(
         tilt_free=rules.tilt == "free",
@@ -343,6 +348,7 @@ def _motion(scenario: Scenario, path: Path, tray: Tray) -> MotionRules:
         max_speed=rules.max_speed,
         max_acceleration=rules.max_acceleration,
         speed_range=None if rules.speed_range is None else (rules.speed_range[0], rules.speed_range[1]),
+        via=passed,
     )
 
 

@@ -14,6 +14,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
 from nospill.scene.obstacles import Obstacle
+from nospill.scene.places import Region, Via
 from nospill.scene.tray import Tray
 
 Fidelity = Literal["deliverable", "full"]
@@ -51,6 +52,7 @@ class MotionRules:
         max_speed: of the tray's centre, m/s; None where only other limits bound it.
         max_acceleration: likewise, m/s^2, gravity not counted.
         speed_range: least and greatest part of its speed at which it keeps the limits too; None for its own speed.
+        via: places that the tray's centre passes, in this order.
     """
 
     tilt_free: bool
@@ -68,6 +70,7 @@ class MotionRules:
     max_speed: float | None = None
     max_acceleration: float | None = None
     speed_range: tuple[float, float] | None = None
+    via: tuple[Via, ...] = ()
 
     @property
     def speeds(self) -> tuple[float, ...]:
@@ -91,7 +94,7 @@ class MotionRules:
 
     def on_path(self) -> MotionRules:
         """The same with place and yaw as the path has them."""
-        return replace(self, corridor=None, yaw_free=False)
+        return replace(self, corridor=None, yaw_free=False, via=())
 
     def without_freedom(self) -> MotionRules:
         """The same on the path itself, level."""
@@ -165,7 +168,8 @@ class Scene:
         approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
-        obstacles: what stands around the arm; without any, nothing is judged for collisions.
+        obstacles: what stands around the arm; without any, the arm is not judged for collisions.
+        regions: boxes that tray and cargo stay in.
         controller: how the joints follow their command; None where they do what they are asked for.
     """
 
@@ -185,6 +189,12 @@ class Scene:
     start_near: np.ndarray | None = None
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
+    regions: tuple[Region, ...] = ()
+
+    @property
+    def keeps_distances(self) -> bool:
+        """Whether any bodies are judged for their distance: there are obstacles, or regions."""
+        return bool(self.obstacles or self.regions)
 
     @property
     def standing(self) -> tuple[Cargo, ...]:

@@ -17,7 +17,7 @@ from nospill.laws.scene_parameters import initial_coordinates, numbers_of, struc
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.transcription.clearance_planes import NO_PLANES, Planes, plane_bounds
+from nospill.transcription.clearance_planes import NO_PLANES, Planes
 from nospill.transcription.layout import Layout
 from nospill.transcription.nlp import Transcription, transcribe
 from nospill.transcription.stage import RowIndex
@@ -163,7 +163,7 @@ def build_problem(
         size = transcription.layout.size
         scales[size - 1] = least_determinant
         lower[size - 1 : intervals * size : size] = 1.0
-    of_planes = plane_bounds(transcription.variables - transcription.motion_variables)
+    of_planes = planes.bounds(intervals)
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
     problem = Problem(
         scene=scene,

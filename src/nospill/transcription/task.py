@@ -63,7 +63,7 @@ class Task:
         Then the choice of its branch has seen to it.
         """
         choice = not self.searched_scene.motion.is_given or len(self.scene.robot.joints) > 6
-        return bool(self.scene.obstacles) and choice
+        return self.scene.keeps_distances and choice
 
     def room(self, q: np.ndarray) -> dict[RowId, float]:
         """What bodies leave of their clearance at joint positions (m, n), rad, as part of a budget; without any, {}.

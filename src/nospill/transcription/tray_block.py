@@ -35,7 +35,7 @@ from nospill.transcription.tray_state import TrayState
 Triplets = tuple[np.ndarray, np.ndarray]
 """Row and column of every structural nonzero, column by column."""
 
-_POINTS = (EvaluationPoint.JOINT, EvaluationPoint.TRAY, EvaluationPoint.CONTROL)
+_POINTS = (EvaluationPoint.JOINT, EvaluationPoint.TRAY, EvaluationPoint.CONTROL, EvaluationPoint.PASSING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +216,7 @@ def _rows(
         tray_velocity=tray.velocity + stage[layout.interval] / 2 * acceleration,
         tray_acceleration=acceleration,
         jerks=stage[layout.jerks],
+        path_parameter=stage[0],
     )
     collector = RowCollector(backoff)
     collector.add(sample, _POINTS)

@@ -17,6 +17,7 @@ from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.robot import Braking
 from nospill.scenario import read_scenario
+from nospill.scene.places import Via
 from nospill.scene.scene import Scene
 
 SCENES = (
@@ -76,6 +77,12 @@ def probe(name: str, point: EvaluationPoint) -> Probe:
         speed = 1.5 * numbers.max_speed * x[joints:]
         offset = 1.2 * numbers.corridor * x[:3]
         return Probe(scene, Sample(structure, numbers, joint_position=position, joint_speed=speed, offset=offset), x)
+    if point is EvaluationPoint.PASSING:
+        places = (Via("1", (0.0, 0.0, 0.0), 0.02, 0.3), Via("2", (0.0, 0.0, 0.0), 0.3, 0.8))
+        scene = replace(scene, motion=replace(scene.motion, via=places))
+        structure, numbers = structure_of(scene), constants(numbers_of(scene))
+        x = ca.SX.sym("x", 4)
+        return Probe(scene, Sample(structure, numbers, offset=0.5 * x[:3], path_parameter=0.5 + 0.5 * x[3]), x)
     if point is EvaluationPoint.TRAY:
         scene = replace(scene, motion=replace(scene.motion, max_speed=0.5, max_acceleration=3.0))
         structure, numbers = structure_of(scene), constants(numbers_of(scene))

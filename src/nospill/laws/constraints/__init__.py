@@ -23,6 +23,7 @@ from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.tray_rates import TrayAcceleration, TraySpeed
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
+from nospill.laws.constraints.via import PassedPlace
 
 CONSTRAINTS: tuple[Constraint, ...] = (
     SloshHeight(),
@@ -45,6 +46,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     PathJerk(),
     TiltJerk(),
     Corridor(),
+    PassedPlace(),
     OffsetJerk(),
     YawJerk(),
 )

@@ -29,6 +29,8 @@ class EvaluationPoint(Enum):
     """tray_velocity, tray_acceleration: at every node."""
     CONTROL = "control"
     """tilt, jerks, joint_jerk: at every node; the judge takes third differences of the samples."""
+    PASSING = "passing"
+    """path_parameter, offset: at every node; the judge takes the nearest instant of the whole motion."""
     END = "end"
     """objects at the end of the motion, the tray at rest and level."""
 

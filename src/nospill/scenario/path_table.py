@@ -1,0 +1,55 @@
+"""What the table `[path]` says whatever its type."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+
+from nospill.core.paths import Path
+from nospill.scenario.fields import Table
+from nospill.scenario.freedom_entries import Corridor
+from nospill.scene.places import Region, Via
+
+
+class PathTable(Table):
+    """The keys of every path."""
+
+    corridor: Corridor = None
+
+    @property
+    def width(self) -> float | None:
+        """How far the tray's centre may leave the path, m; None where it may not."""
+        return self.corridor
+
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """Boxes that tray and cargo stay in."""
+        return ()
+
+    def places_passed(self, path: Path) -> tuple[Via, ...]:
+        """Places that the tray passes on its way.
+
+        Raises:
+            ScenarioError: the path, as built, passes none of them near enough, or not in their order.
+        """
+        return ()
+
+    @property
+    def yaw_free(self) -> bool:
+        """Whether the yaw between its ends is left to the planner."""
+        raise NotImplementedError
+
+    def standalone(self, folder: FilePath) -> dict[str, object]:
+        """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
+
+        Raises:
+            ScenarioError: a file it names cannot be read.
+        """
+        return {}
+
+    def build(self) -> Path:
+        """The path itself.
+
+        Raises:
+            ScenarioError: the numbers make no path.
+        """
+        raise NotImplementedError
