@@ -75,8 +75,6 @@ def _height_on_axis(wall: np.ndarray, level: float, slope: float) -> float:
         level: of the surface at rest, m.
         slope: rise per length.
     """
-    from scipy.optimize import brentq
-
     # Within this height of the level the plane meets the wall, wherever it cuts the axis.
     rise = slope * float(np.max(wall[:, 0]))
     ends = np.concatenate(
@@ -87,6 +85,8 @@ def _height_on_axis(wall: np.ndarray, level: float, slope: float) -> float:
     )
     heights, sizes = (ends[1:] + ends[:-1]) / 2, np.diff(ends)
     radii = np.interp(heights, wall[:, 1], wall[:, 0])
+    if level - rise >= wall[0, 1] and np.ptp(radii[np.abs(heights - level) <= rise]) == 0.0:
+        return level  # an upright wall: what the plane takes on one side it gives on the other
     at_rest = np.pi * radii**2 * (heights < level)
 
     def gained(middle: float) -> float:
@@ -94,5 +94,7 @@ def _height_on_axis(wall: np.ndarray, level: float, slope: float) -> float:
         line = np.clip((heights - middle) / slope, -radii, radii)
         covered = radii**2 * np.arccos(line / radii) - line * np.sqrt(radii**2 - line**2)
         return float(np.sum(sizes * (covered - at_rest)))
+
+    from scipy.optimize import brentq  # slow to load, and most walls are upright
 
     return float(brentq(gained, level - rise, level + rise, xtol=1e-12))  # type: ignore[arg-type]
