@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Role
 from nospill.laws.like_objects import outer_objects
-from nospill.motion.at_speed import at_speed
+from nospill.motion.at_speed import SlowedMotion, at_speed
+from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -51,20 +52,18 @@ def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEE
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
-    scene = replace(scene, cargo=outer_objects(scene))
-    return tuple(_use(at_speed(trajectory, speed), scene, speed) for speed in speeds)
+    scene, motion = replace(scene, cargo=outer_objects(scene)), planned_motion(trajectory)
+    return tuple(_use(trajectory, scene, motion, speed) for speed in speeds)
 
 
-def _use(slower: Trajectory, scene: Scene, speed: float) -> SpeedUse:
-    traces = constraint_traces(slower, scene, replay(slower, scene, rate=_RATE), points=OF_OBJECTS)
-    worst = max(traces, key=_largest)
-    return SpeedUse(
-        speed,
-        max((_largest(trace) for trace in traces if BY_NAME[trace.constraint].role is Role.LIQUID), default=0.0),
-        max((_largest(trace) for trace in traces if BY_NAME[trace.constraint].role is Role.CONTACT), default=0.0),
-        f"{worst.constraint} | {worst.subject}",
-    )
+def _use(trajectory: Trajectory, scene: Scene, motion: JointMotion, speed: float) -> SpeedUse:
+    slower = at_speed(trajectory, speed)
+    played = replay(slower, scene, motion=SlowedMotion(motion, speed), rate=_RATE)
+    traces = constraint_traces(slower, scene, played, points=OF_OBJECTS)
+    uses = [(float(np.max(trace.use)), trace) for trace in traces]
+    _, worst = max(uses, key=itemgetter(0))
 
+    def largest(role: Role) -> float:
+        return max((use for use, trace in uses if BY_NAME[trace.constraint].role is role), default=0.0)
 
-def _largest(trace: Trace) -> float:
-    return float(np.max(trace.use))
+    return SpeedUse(speed, largest(Role.LIQUID), largest(Role.CONTACT), f"{worst.constraint} | {worst.subject}")
