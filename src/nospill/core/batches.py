@@ -75,22 +75,31 @@ def call(function: Any, *arguments: np.ndarray) -> np.ndarray:
     Raises:
         ValueError: another number of arguments, or one of another size than its input, or something sparse.
     """
-    if len(arguments) != function.n_in():
-        raise ValueError(f"{function.name()} takes {function.n_in()} arguments, {len(arguments)} are given")
+    inputs, output = _dense_sizes(function)
+    if len(arguments) != len(inputs):
+        raise ValueError(f"{function.name()} takes {len(inputs)} arguments, {len(arguments)} are given")
     # CasADi keeps its matrices column by column: the transpose of an array in C order.
     columns = [np.ascontiguousarray(np.asarray(argument, dtype=float).T) for argument in arguments]
-    for index, column in enumerate(columns):
-        if column.size != function.numel_in(index) or function.nnz_in(index) != column.size:
+    for index, (column, size) in enumerate(zip(columns, inputs, strict=True)):
+        if column.size != size:
             raise ValueError(f"{function.name()}: argument {index} has the shape {np.shape(arguments[index])}")
-    if function.nnz_out(0) != function.numel_out(0):
+    if output is None:
         raise ValueError(f"{function.name()}: its output is sparse")
-    result = np.empty((function.size2_out(0), function.size1_out(0)))
+    result = np.empty(output)
     buffer, evaluate_now = function.buffer()
     for index, column in enumerate(columns):
         buffer.set_arg(index, column.reshape(-1).data)
     buffer.set_res(0, result.reshape(-1).data)
     evaluate_now()
     return result.T
+
+
+@lru_cache(maxsize=256)
+def _dense_sizes(function: Any) -> tuple[tuple[int | None, ...], tuple[int, int] | None]:
+    """Elements of every input, and columns and rows of the output; None for what is sparse."""
+    sizes = tuple((function.numel_in(index), function.nnz_in(index)) for index in range(function.n_in()))
+    output = (function.size2_out(0), function.size1_out(0)) if function.nnz_out(0) == function.numel_out(0) else None
+    return tuple(count if filled == count else None for count, filled in sizes), output
 
 
 def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np.ndarray:
