@@ -31,8 +31,8 @@ class Pieces:
         degree = self.coefficients.shape[0] - 1
         result = np.zeros((x.size, self.coefficients.shape[2]))
         for index in range(degree - order + 1):
-            factor = math.perm(degree - index, order)
-            result = result * offset + factor * self.coefficients[index, span]
+            result *= offset
+            result += math.perm(degree - index, order) * self.coefficients[index].take(span, axis=0)
         return result
 
 
