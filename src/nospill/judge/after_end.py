@@ -16,6 +16,7 @@ import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
+from nospill.laws import codegen
 from nospill.laws.constraints.residual_height import height_bound
 from nospill.laws.parameters import (
     ObjectNumbers,
@@ -78,8 +79,12 @@ def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np
 @lru_cache(maxsize=16)
 def _bound(item: ObjectStructure) -> Any:
     """(displacements, velocities, numbers of the object with the limit) -> sum of the bounds, m."""
-    count, size = item.coordinates, object_parameter_count(item)
-    q, qd, p = SX.sym("q", count), SX.sym("qd", count), SX.sym("p", size + 1)
-    states = object_states(item, q, qd, SX.zeros(count))
-    height = height_bound(item, symbolic_object_numbers(item, p[:size]), states, p[size])
-    return ca.Function("bound", [q, qd, p], [height], {"cse": True})
+
+    def build() -> tuple[codegen.Functions, None]:
+        count, size = item.coordinates, object_parameter_count(item)
+        q, qd, p = SX.sym("q", count), SX.sym("qd", count), SX.sym("p", size + 1)
+        states = object_states(item, q, qd, SX.zeros(count))
+        height = height_bound(item, symbolic_object_numbers(item, p[:size]), states, p[size])
+        return {"bound": ca.Function("bound", [q, qd, p], [height], {"cse": True})}, None
+
+    return codegen.functions("bound", item, build)[0]["bound"]
