@@ -71,6 +71,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a sign that the encoding lacks must not end a command
+    # Imports alone make a hundred thousand objects that stay, through which the usual threshold of 700 looks 170 times.
+    gc.set_threshold(100_000)
     try:
         app()
     finally:
