@@ -14,6 +14,7 @@ from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.containers.leaning import edge_of_plane
 from nospill.scene.containers.vessels import Profile
 from tests.builders import VESSELS
+from tests.waiting import run_python
 
 CONE = Profile(profile=((0.0, 0.0), (0.1, 0.1)), base_radius=0.03)
 
@@ -28,6 +29,22 @@ def test_in_prisms_the_edge_is_the_crest(part: float, fill: float) -> None:
         edge = edge_of_plane(container, level, crest)
         assert edge.height == pytest.approx(level + crest, abs=2e-6)
         assert edge.below_rim == edge.along_wall == pytest.approx(0.1 - level - crest, abs=2e-6)
+
+
+def test_in_the_upright_part_of_a_vessel_the_edge_is_the_crest() -> None:
+    edge = edge_of_plane(VESSELS["test-tube"], 0.06, 0.008)
+    assert edge.height == pytest.approx(0.068, abs=1e-12)
+    assert edge.below_rim == pytest.approx(0.032, abs=1e-12)
+
+
+def test_an_upright_wall_loads_no_root_finder() -> None:
+    code = (
+        "import sys; from nospill.scene.containers.cylinder import Cylinder;"
+        "from nospill.scene.containers.leaning import edge_of_plane;"
+        "edge_of_plane(Cylinder(0.035, 0.1), 0.049, 0.015);"
+        "print('scipy.optimize' in sys.modules)"
+    )
+    assert run_python("-c", code, check=True).stdout.strip() == "False"
 
 
 @pytest.mark.parametrize("slope", [0.02, 0.1, 0.3])
