@@ -13,6 +13,7 @@ them, and the ratios hold where the seconds do not. The package is copied first,
 from __future__ import annotations
 
 import argparse
+import compileall
 import json
 import os
 import shutil
@@ -74,6 +75,8 @@ class Bench:
         """Copy the package into `folder`; the cache is kept between benchmarks, by content."""
         self.folder = folder
         shutil.copytree(REPOSITORY / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        # As an installation leaves it: with PYTHONDONTWRITEBYTECODE every process would compile the sources anew.
+        compileall.compile_dir(folder / "src", quiet=1)
         own = shutil.ignore_patterns("__pycache__", "results")
         shutil.copytree(REPOSITORY / "benchmarks", folder / "benchmarks", ignore=own)
         self.cache = RESULTS / "cache"
