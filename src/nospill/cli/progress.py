@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Self
 from nospill.cli.tables import say
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from nospill.planning.planner import PlanningProgress
 
 PLANNING_STEPS = (
@@ -44,11 +46,12 @@ class ProgressLine:
     def __init__(self, steps: Sequence[str] = ()) -> None:
         """Nothing is shown yet; phases that are among the steps are numbered."""
         from rich.console import Console
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
         console = Console(stderr=True)
         self._line: Progress | None = None
         if console.is_terminal:
+            from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
             self._line = Progress(
                 SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn(), console=console, transient=True
             )
