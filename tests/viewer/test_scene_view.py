@@ -241,9 +241,9 @@ def test_obstacles_stand_in_the_frame_of_the_path(server: viser.ViserServer, cha
     film = film_of(changed_scene("cups-past-a-column", {"planning.slosh_modes": 1, "obstacle.0.yaw": "90 deg"}))
     view = PlanView(server.scene, film, root="/cell", position=(0.5, -1.0, 0.0))
     corners = np.array([[0.785, -0.075, 0.0], [0.935, 0.075, 0.9]])
-    handle = server.scene.get_handle_by_name("/cell/world/obstacles/column")
-    drawn = world(server, "/cell/world/obstacles", np.asarray(handle.vertices, dtype=float))
+    handle = server.scene.get_handle_by_name("/cell/world/around/obstacles/column")
+    drawn = world(server, "/cell/world/around/obstacles", np.asarray(handle.vertices, dtype=float))
     assert drawn.min(axis=0) == pytest.approx(corners[0] + (0.5, -1.0, 0.0), abs=1e-6)
     assert drawn.max(axis=0) == pytest.approx(corners[1] + (0.5, -1.0, 0.0), abs=1e-6)
-    assert server.scene.get_handle_by_name("/cell/world/obstacles/table") is None
+    assert server.scene.get_handle_by_name("/cell/world/around/obstacles/table") is None
     view.remove()

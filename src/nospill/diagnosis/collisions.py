@@ -50,7 +50,7 @@ def require_free_ends(scene: Scene, joint_path: JointPath) -> None:
     ends = nearest_along(scene, joint_path, on_path=True, places=2)
     if ends.room < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
-        raise ScenarioError(f"{_in_words(ends, where)}; move the obstacle or the path", _reason(ends, REST))
+        raise ScenarioError(f"{_in_words(ends, where)}; {_advice(ends)}", _reason(ends, REST))
 
 
 def nearest_of(scene: Scene, candidates: Sequence[JointPath]) -> list[Nearness]:
@@ -74,10 +74,15 @@ def places_of(joint_path: JointPath) -> tuple[float, ...]:
 def _refusal(nearest: Nearness, branches: int) -> str:
     words = _in_words(nearest, f"at s = {nearest.s:.2f}")
     if _on_path(nearest):
-        return f"No way found: {words}, whatever the arm does; move the obstacle or the path"
+        return f"No way found: {words}, whatever the arm does; {_advice(nearest)}"
     which = "on its only branch" if branches == 1 else f"on the freest of its {branches} branches"
     advice = "move the obstacle, the path or the arm's base"
     return f"No way found for the arm: {which} {words}; {advice}"
+
+
+def _advice(nearness: Nearness) -> str:
+    """What may help where the tray or its cargo is in the way."""
+    return "enlarge the region or move the path" if nearness.pair.second.of_region else "move the obstacle or the path"
 
 
 def _on_path(nearness: Nearness) -> bool:

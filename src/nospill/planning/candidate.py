@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.trough import Trough
+from nospill.laws.constraints.via import PassedPlace
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.plans.log import Log
@@ -24,6 +24,8 @@ from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.weights import weigh_too_much
 
 _NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
+_HIDDEN_AT_START = (SloshHeight.name, Trough.name, PassedPlace.name)
+"""Of levels a liquid at rest says nothing, of places to pass a start on the way through them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +109,8 @@ def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     """The set with the rows that come near their limits on a start whose liquids are at rest."""
     slack = slack_of(active, start)
-    levels = {row for row in slack if row.constraint in (SloshHeight.name, Trough.name)}  # of which rest says nothing
-    return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | levels)
+    hidden = {row for row in slack if row.constraint in _HIDDEN_AT_START}
+    return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | hidden)
 
 
 def solved(
@@ -151,5 +153,5 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
         active = candidate.active.with_rows(candidate.active.rows | joining)
         # where bodies join, from the start again: no plane leads out of the middle of an obstacle
-        if all(row.constraint != Clearance.name for row in joining):
+        if joining.isdisjoint(active.task.around_solids):
             start, options = candidate.stages, {**options, **near_optimum(BARRIERS[1])}

@@ -63,7 +63,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     reach = 1.35 * half[0]
     head = np.array([[1.2, 0.0], [1.0, 0.11], [1.0, -0.11]]) * reach
     wrists = _wrists(evidence, instants)
-    points = np.vstack([line, *outlines, *wrists])
+    points = np.vstack([line, *outlines, *wrists, *(item.position for item in scene.motion.via)])
     low, high = points.min(axis=0) - 0.03, points.max(axis=0) + 0.03
     # Never flatter than a third, so that the ticks of a level path stay apart.
     high[2] = max(high[2], low[2] + 0.3 * float(np.max(high - low)))
@@ -86,6 +86,8 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     given = _given(scene)
     if given is not None:
         axes.plot(*given.T, color=GREY, linewidth=1.2, linestyle="--", zorder=4, clip_on=False)
+    for item in scene.motion.via:
+        axes.plot(*np.array(item.position)[:, None], marker="o", markersize=8, fillstyle="none", color=GREY, zorder=4)
     axes.plot(*line.T, color=BLUE, linewidth=1.8, zorder=4, clip_on=False)
     dots = np.searchsorted(played.t, np.arange(0.0, evidence.end_time, DOT_INTERVAL))
     axes.plot(*line[dots].T, linestyle="", marker="o", markersize=3, color=BLUE, zorder=5, clip_on=False)
@@ -98,6 +100,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         set_limits(start, stop)
     key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path on the floor"
     key += "; dashed: way" if given is not None else ""
+    key += "; rings: places to pass" if scene.motion.via else ""
     if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
         key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")

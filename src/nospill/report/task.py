@@ -152,6 +152,11 @@ def _path(scene: Scene) -> str:
     corridor, rules = "", scene.motion
     if rules.corridor is not None:
         corridor = f"; the tray may leave it by up to {1e3 * rules.corridor:.4g} mm"
+    if rules.via:
+        names = ", ".join(f"{item.name} within {1e3 * item.radius:.4g} mm" for item in rules.via)
+        corridor += f"; places it passes: {names}"
+    if scene.regions:
+        corridor += f"; tray and cargo stay in {', '.join(item.name for item in scene.regions)}"
     between = ", free between its ends" if rules.yaw_free else ""
     return (
         f"{kind}, {scene.path.length:.2f} m long, from ({places[0]}) m to ({places[1]}) m of the base, "

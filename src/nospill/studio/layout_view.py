@@ -1,4 +1,4 @@
-"""The scene before it moves: the arm where the path starts, the tray with what stands on it, the path."""
+"""The scene before it moves: the arm where the path starts, the tray with its cargo, the path and what is around."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario.free_way import has_free_way, ways
 from nospill.scene.scene import Scene
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
+from nospill.viewer.surroundings import add_surroundings
 
 if TYPE_CHECKING:
     import viser
@@ -100,7 +101,7 @@ class LayoutView:
     def _draw(self, scene: Scene) -> None:
         """Draw what differs from what is there."""
         source = scene.source
-        way = repr((source["robot"], source["path"], source["tray"]))
+        way = repr((source["robot"], source["path"], source["tray"], source.get("obstacle")))
         load = repr((way, source["cargo"], scene.fidelity, scene.slosh_modes))
         if self._drawn.get("way") != way or not self._looked:
             self._draw_way(scene)
@@ -131,6 +132,7 @@ class LayoutView:
             ArmView(self._client.scene, scene.robot, root=arm.name, tray=scene.tray, chain=chain).set_joints(q)
             self._fresh("path")
             add_path(self._client.scene, f"{_ROOT}/path/way", points[:, :3])
+            add_surroundings(self._client.scene, f"{_ROOT}/path/around", scene)
         if not self._looked:
             self._looked = True
             joints = np.concatenate([position for position, _ in chain.frames(q[None])])

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.collisions.along_path import least_room
+from nospill.collisions.pairs import scene_pairs
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.residual_height import EndDisplacement
@@ -75,6 +76,12 @@ class Task:
             return {}
         found = least_room(self.scene, q, within=Clearance.least_size)
         return {RowId(Clearance.name, subject): room / Clearance.least_size for subject, room in found.items()}
+
+    @property
+    def around_solids(self) -> frozenset[RowId]:
+        """Rows of clearance between bodies of which the second is no half-space: no plane leads out of its middle."""
+        pairs = scene_pairs(self.scene) if self.keeps_apart else ()
+        return frozenset(RowId(Clearance.name, pair.subject) for pair in pairs if pair.second.shape.kind != "halfspace")
 
     @property
     def searched_scene(self) -> Scene:

@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body, creased
-from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.film.props import limit_ring
 from nospill.film.robot_model import DrawnChain, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
@@ -23,10 +22,10 @@ from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, carriage
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
-from nospill.scene.obstacles import Obstacle
 from nospill.scene.tray import TRAY_THICKNESS, Tray
 from nospill.viewer.gravity import against, arrow, free_spot
 from nospill.viewer.names import ABOVE_RIM, Letters, title_height
+from nospill.viewer.surroundings import add_surroundings
 
 if TYPE_CHECKING:
     import trimesh
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 
 _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
 _CUP_OPACITY = 0.22
-_OBSTACLE_OPACITY = 0.5
 _PATH_POINTS = 120
 LETTERS = 0.02
 """m; height of the letters of names before a view is chosen."""
@@ -263,7 +261,7 @@ class PlanView:
         scene.add_frame(f"{root}/names", show_axes=False)
         self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
         self._paths = add_path(scene, f"{world}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
-        add_obstacles(scene, f"{world}/obstacles", whole.obstacles)
+        add_surroundings(scene, f"{world}/around", whole)
         self._above = np.array([0.0, 0.0, title_height(film)])
         self.title = title
         self._title = (
@@ -353,16 +351,6 @@ def prepare(scene: viser.SceneApi) -> viser.SceneNodeHandle:
         plane_opacity=1.0,
         position=tuple(_BELOW),
     )
-
-
-def add_obstacles(scene: viser.SceneApi, root: str, obstacles: Sequence[Obstacle]) -> None:
-    """What stands around the arm, so that nothing is hidden behind it; the ground is drawn in any case."""
-    scene.add_frame(root, show_axes=False)
-    for item in obstacles:
-        mesh = obstacle_mesh(item)
-        if mesh is not None:
-            look = {"color": OBSTACLE, "opacity": _OBSTACLE_OPACITY, "flat_shading": item.shape.kind == "box"}
-            _add(scene, f"{root}/{item.name}", mesh, side="double", **look)
 
 
 def add_path(scene: viser.SceneApi, root: str, points: np.ndarray) -> list[viser.SceneNodeHandle]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from nospill.core.frames import SX
 from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
@@ -42,5 +43,6 @@ class PassedPlace(Constraint):
         for index in range(sample.structure.vias):
             beyond, radius = (sample.path_parameter - numbers.parameter[index]) ** 2, numbers.radius[index]
             widened = (_WIDENING * numbers.way[index] * beyond) ** 2 / (beyond + _FLAT**2)
-            found.append((Cone(sample.offset, ca.sqrt(radius**2 + widened), radius),))
+            # over its own capacity, which is a hundred times the radius far from the place
+            found.append((Cone(sample.offset / ca.sqrt(radius**2 + widened), SX(1), SX(1)),))
         return tuple(found)
