@@ -19,10 +19,12 @@ from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
 from nospill.film.stage import camera, occupied, side_by_side, swept_box
 from nospill.film.timeline import Film
 from nospill.film.views import CLOSE, View, arrangement
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.viewer.live import aim, running_server, short_titles, show_plans
 from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
+from nospill.viewer.surroundings import add_surroundings, region_edges
 from nospill.viewer.words import title_of
 from tests.films import film_of
 
@@ -247,3 +249,22 @@ def test_obstacles_stand_in_the_frame_of_the_path(server: viser.ViserServer, cha
     assert drawn.max(axis=0) == pytest.approx(corners[1] + (0.5, -1.0, 0.0), abs=1e-6)
     assert server.scene.get_handle_by_name("/cell/world/around/obstacles/table") is None
     view.remove()
+
+
+def test_places_and_regions_are_drawn_where_they_are(server: viser.ViserServer) -> None:
+    table = {**read_scenario("matrix-rigid").source}
+    table["path"] = {
+        "type": "free",
+        "start": {"position": [0.154, -0.6, 1.22]},
+        "goal": {"position": [0.154, 0.6, 1.22]},
+        "via": [{"position": [0.85, 0.0, 1.4], "radius": 0.02, "name": "door"}],
+        "region": [{"at": [0.4, 0.0, 1.3], "size": [1.5, 2.0, 0.5], "yaw": "30 deg"}],
+    }
+    scene = scene_from_table(table, name="drawn")
+    add_surroundings(server.scene, "/around", scene)
+    ball = server.scene.get_handle_by_name("/around/via/door")
+    assert tuple(ball.position) == (0.85, 0.0, 1.4) and ball.radius == 0.02
+    edges = region_edges(scene.regions[0])
+    assert sorted(np.round(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1), 9)) == [0.5] * 4 + [1.5] * 4 + [2.0] * 4
+    assert all(abs(scene.regions[0].room(corner)) < 1e-9 for corner in edges.reshape(-1, 3))
+    assert server.scene.get_handle_by_name("/around/regions/region") is not None

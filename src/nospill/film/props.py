@@ -15,6 +15,7 @@ from nospill.film.geometry import (
     Mesh,
     bands,
     board,
+    capsule,
     contact_collar,
     container_body,
     drawn_section,
@@ -118,12 +119,15 @@ class Stagehand:
         self._path = _path_bodies(scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3]) if path else []
         around = [mesh for item in scene.obstacles if (mesh := obstacle_mesh(item)) is not None]
         # like glass, so that nothing is hidden behind them
-        self._obstacles = [Body(mesh, np.array(OBSTACLE, dtype=float), Kind.GLASS) for mesh in around]
+        self._around = [Body(mesh, np.array(OBSTACLE, dtype=float), Kind.GLASS) for mesh in around]
+        for place in scene.motion.via:
+            ball = moved(capsule(0.0, place.radius), np.array(place.position), np.eye(3))
+            self._around.append(Body(ball, np.array(rgb(GREEN), dtype=float), Kind.GLASS))
 
     def bodies(self, index: int) -> list[Body]:
         """Everything at a picture of the film."""
         film, scene = self.film, self.film.plan.scene
-        found = [*self._path, *self._obstacles, *self._arm(index)]
+        found = [*self._path, *self._around, *self._arm(index)]
         position, rotation = film.tray_position[index], film.tray_rotation[index]
         found.append(Body(moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:

@@ -101,7 +101,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path on the floor"
     key += "; dashed: way" if given is not None else ""
     key += "; rings: places to pass" if scene.motion.via else ""
-    if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH:
+    if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH or scene.motion.via:
         key = key.replace("; grey", ";\ngrey")
     figure.text(place[0] + place[2] / 2, place[1], key, size=SMALL, ha="center", va="bottom", color="#333333")
     _dress(axes)

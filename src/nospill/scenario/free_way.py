@@ -61,11 +61,11 @@ def _arcs(scene: Scene) -> Iterator[Scene]:
     ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
     places = np.array([ends[0], *(item.position for item in scene.motion.via), ends[1]]) - foot
     distances = np.hypot(places[:, 0], places[:, 1])
-    if np.min(distances) < _NEAR_THE_AXIS:
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    if np.min(distances) < _NEAR_THE_AXIS or not lengths.all():  # a turn on the spot
         return
     directions = np.arctan2(places[:, 1], places[:, 0])
     turns = [math.remainder(turn, math.tau) for turn in np.diff(directions).tolist()]
-    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1)
     knots = np.append(0.0, np.cumsum(lengths) / np.sum(lengths))
     share = np.linspace(0.0, 1.0, _POINTS)
     at = np.append(0.0, np.concatenate([first + share[1:] * (last - first) for first, last in pairwise(knots)]))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nospill.core.shapes import box_shape
-from nospill.film.colours import BLACK, GREEN, rgb
+from nospill.film.colours import GREEN, GREY, rgb
 from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.scene.places import Region
@@ -49,7 +49,7 @@ def add_surroundings(scene: viser.SceneApi, root: str, drawn: Scene) -> None:
     for region in drawn.regions:
         edges = region_edges(region).astype(np.float32)
         scene.add_line_segments(
-            f"{root}/regions/{region.name}", edges, np.array(rgb(BLACK)), thickness=1.0, thickness_units="screen"
+            f"{root}/regions/{region.name}", edges, np.array(rgb(GREY)), thickness=1.0, thickness_units="screen"
         )
 
 
