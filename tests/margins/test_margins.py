@@ -22,7 +22,7 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import object_numbers
-from nospill.margins import FACTORS, Ranges, margins, probability
+from nospill.margins import FACTORS, Ranges, laws, margins, probability, study
 from nospill.margins.arms import ArmRanges, drawn_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
@@ -47,6 +47,13 @@ def off(**changes: float) -> np.ndarray:
     return draw
 
 
+@pytest.fixture
+def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten samples at a time: a batch is evaluated whole, however few are asked for."""
+    for module in (laws, study):
+        monkeypatch.setattr(module, "BATCH", 10)
+
+
 @pytest.fixture(scope="module")
 def smooth_plan(smooth_motion: Callable[..., Any]) -> Callable[..., Plan]:
     def make(name: str, **options: Any) -> Plan:
@@ -64,6 +71,7 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(app, list(arguments), catch_exceptions=False, prog_name="nospill")
 
 
+@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "mixed-tray"])
 def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan: Callable[..., Plan]) -> None:
@@ -119,6 +127,7 @@ def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: 
             assert mine.damping == pytest.approx(before.damping * math.exp(damping))
 
 
+@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("mixed-tray", cargo=1, stretch=1.2)
@@ -128,6 +137,7 @@ def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Pl
     assert report.any_limit.count in (0, 7)
 
 
+@pytest.mark.usefixtures("small_batches")
 def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-rigid")
     scene, motion = plan.scene, tray_motion(plan.trajectory, plan.scene)
@@ -139,6 +149,7 @@ def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Calla
     assert tip == pytest.approx(tip[0], rel=1e-12)
 
 
+@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callable[..., Plan]) -> None:
     gentle = smooth_plan("matrix-liquid", cargo=1, stretch=2.0)
@@ -150,6 +161,7 @@ def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callabl
     assert worse.worst_margin.max() < 0.0
 
 
+@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-liquid", cargo=1, stretch=1.2)
@@ -212,6 +224,7 @@ def test_wrong_questions_are_refused(smooth_plan: Callable[..., Plan]) -> None:
         margins(plan, seed=-1)
 
 
+@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_command_writes_one_whole_folder_and_replaces_only_its_own(
     smooth_plan: Callable[..., Plan], tmp_path: Path

@@ -96,20 +96,10 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
 # --- what cannot be done --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"cargo.0.max_slosh_height": "0.001 mm"}, r"slosh height of c1 is .* against a limit of 0\.001 mm"),
-        ({"tray.friction": 0.0001}, r"slip of c1 uses \d+ % of its limit"),
-        ({"motion.path_jerk_limit": 0.001}, r"path jerk of path is"),
-        (
-            {"motion.max_duration": "1.0 s"},
-            r"none within max_duration 1 s.*Smallest single change found: max_duration 1\.\d+ s instead",
-        ),
-    ],
-)
-def test_an_impossible_limit_is_named(changes: dict[str, object], told: str, changed_scene: Changed) -> None:
-    scene = changed_scene("matrix-liquid", changes)
+def test_a_duration_that_is_too_short_is_named(changed_scene: Changed) -> None:
+    """What other limits ask for, and why there is no motion at all: tests/diagnosis/test_reasons.py."""
+    scene = changed_scene("matrix-liquid", {"motion.max_duration": "1.0 s"})
+    told = r"none within max_duration 1 s.*Smallest single change found: max_duration 1\.\d+ s instead"
     with pytest.raises(NoSolutionError, match=rf"^No motion found: {told}") as raised:
         plan(dataclasses.replace(scene, cargo=scene.cargo[:1]))
     assert "\n" not in str(raised.value) and raised.value.exit_code == 3
