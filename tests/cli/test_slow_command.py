@@ -13,7 +13,7 @@ from tests.cli.stand_in import nospill
 
 @pytest.mark.slow
 def test_half_the_speed_is_twice_the_duration_and_certified(gentle_plan, tmp_path: Path) -> None:
-    plan = gentle_plan("pp-two-cups")
+    plan = gentle_plan("pp-two-cups", 1)
     plan.save(tmp_path / "fast")
     result = nospill("slow", str(tmp_path / "fast"), "--to", "50%")
     assert result.exit_code == 0, result.stderr

@@ -58,7 +58,7 @@ def test_what_has_no_certified_motion_is_left_out(
     asked: list[str] = []
     monkeypatch.setattr(module, "trapezoid_motion", lambda scene, least: None)
     monkeypatch.setattr(module, "_level", lambda found: 6.0)
-    plan = gentle_plan("pp-two-cups")
+    plan = gentle_plan("pp-two-cups", 1)
     assert compared(plan, say=asked.append).report.compared == {}
     assert asked == [TRAPEZOID]
     tilting = replace(plan, scene=replace(plan.scene, motion=replace(plan.scene.motion, tilt_free=True)))

@@ -88,6 +88,20 @@ def start(folder: Path | str, **environment: str) -> subprocess.Popen[str]:
     )
 
 
+@pytest.fixture(scope="module")
+def first_cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a cache that one process has filled."""
+    folder = tmp_path_factory.mktemp("first")
+    assert run(folder) == served(True)
+    return folder
+
+
+@pytest.fixture
+def filled(first_cache: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(first_cache, tmp_path / "filled")
+
+
 def served(is_compiled: bool) -> str:
     return f"{is_compiled} {{'sizes': [3, 3]}} 3.0"
 
@@ -165,46 +179,42 @@ def test_the_second_process_finds_what_the_first_has_left(tmp_path: Path) -> Non
 
 @needs_compiler
 @pytest.mark.parametrize("damage", [b"", b"not a library", "half"], ids=["empty", "text", "half"])
-def test_a_damaged_library_is_built_anew(tmp_path: Path, damage: bytes | str) -> None:
-    assert run(tmp_path) == served(True)
-    library = next(tmp_path.glob("*.so"))
+def test_a_damaged_library_is_built_anew(filled: Path, damage: bytes | str) -> None:
+    library = next(filled.glob("*.so"))
     whole = library.read_bytes()
     library.unlink()
     library.write_bytes(whole[: len(whole) // 2] if isinstance(damage, str) else damage)
-    assert run(tmp_path) == served(True)
+    assert run(filled) == served(True)
     assert library.read_bytes() == whole
-    assert endings(tmp_path) == [".json", ".so", ".sum"]
+    assert endings(filled) == [".json", ".so", ".sum"]
 
 
 @needs_compiler
 @pytest.mark.parametrize("damage", ["", "{", "[]", "{}", "null", '{"functions": 3, "data": 1}', "\x00\x01"])
-def test_a_damaged_table_is_written_anew(tmp_path: Path, damage: str) -> None:
-    assert run(tmp_path) == served(True)
-    table = next(tmp_path.glob("*.json"))
+def test_a_damaged_table_is_written_anew(filled: Path, damage: str) -> None:
+    table = next(filled.glob("*.json"))
     whole = table.read_text()
     table.write_text(damage)
-    assert run(tmp_path) == served(True)
+    assert run(filled) == served(True)
     assert table.read_text() == whole
     assert json.loads(whole)["data"] == {"sizes": [3, 3]}
 
 
 @needs_compiler
-def test_the_table_of_another_entry_is_not_taken(tmp_path: Path) -> None:
-    assert run(tmp_path) == served(True)
-    table = next(tmp_path.glob("*.json"))
+def test_the_table_of_another_entry_is_not_taken(filled: Path) -> None:
+    table = next(filled.glob("*.json"))
     own = table.read_text()
     table.write_text(own.replace(table.stem, "test-" + 32 * "0").replace("[3, 3]", "[4, 4]"))
-    assert run(tmp_path) == served(True)
+    assert run(filled) == served(True)
     assert table.read_text() == own
 
 
 @needs_compiler
-def test_a_missing_table_or_library_is_made_anew(tmp_path: Path) -> None:
+def test_a_missing_table_or_library_is_made_anew(filled: Path) -> None:
     for ending in ("json", "so", "sum"):
-        assert run(tmp_path) == served(True)
-        next(tmp_path.glob(f"*.{ending}")).unlink()
-        assert run(tmp_path) == served(True)
-        assert endings(tmp_path) == [".json", ".so", ".sum"]
+        next(filled.glob(f"*.{ending}")).unlink()
+        assert run(filled) == served(True)
+        assert endings(filled) == [".json", ".so", ".sum"]
 
 
 def test_switched_off_it_neither_writes_nor_reads(tmp_path: Path) -> None:
@@ -214,9 +224,8 @@ def test_switched_off_it_neither_writes_nor_reads(tmp_path: Path) -> None:
 
 
 @needs_compiler
-def test_switched_off_what_is_there_is_not_used(tmp_path: Path) -> None:
-    assert run(tmp_path) == served(True)
-    assert run(tmp_path, NOSPILL_COMPILE="off") == served(False)
+def test_switched_off_what_is_there_is_not_used(filled: Path) -> None:
+    assert run(filled, NOSPILL_COMPILE="off") == served(False)
 
 
 def test_without_a_compiler_the_virtual_machine_serves(tmp_path: Path) -> None:
@@ -260,13 +269,12 @@ def test_a_cache_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
 
 
 @needs_compiler
-def test_a_full_cache_that_cannot_be_written_is_read(tmp_path: Path) -> None:
-    assert run(tmp_path) == served(True)
-    tmp_path.chmod(0o500)
+def test_a_full_cache_that_cannot_be_written_is_read(filled: Path) -> None:
+    filled.chmod(0o500)
     try:
-        assert run(tmp_path) == served(True)
+        assert run(filled) == served(True)
     finally:
-        tmp_path.chmod(0o700)
+        filled.chmod(0o700)
 
 
 @needs_compiler
@@ -278,20 +286,19 @@ def test_odd_places_are_no_obstacle(tmp_path: Path) -> None:
 
 @needs_compiler
 @pytest.mark.parametrize("mode", [0o770, 0o702, 0o777], ids=oct)
-def test_a_folder_that_others_may_write_to_is_not_used(tmp_path: Path, mode: int) -> None:
+def test_a_folder_that_others_may_write_to_is_not_used(filled: Path, mode: int) -> None:
     """Neither what is there nor for anything new: a library in it is code that anyone may have put there."""
-    assert run(tmp_path) == served(True)
-    before = endings(tmp_path)
-    tmp_path.chmod(mode)
+    before = endings(filled)
+    filled.chmod(mode)
     try:
-        process = start(tmp_path)
+        process = start(filled)
         out, err = finished(process, "a user of the cache")
         assert (process.returncode, out.strip()) == (0, served(False))
-        assert err.count("RuntimeWarning") == 1 and str(tmp_path) in err and "chmod go-w" in err
-        assert endings(tmp_path) == before
+        assert err.count("RuntimeWarning") == 1 and str(filled) in err and "chmod go-w" in err
+        assert endings(filled) == before
     finally:
-        tmp_path.chmod(0o700)
-    assert run(tmp_path) == served(True)
+        filled.chmod(0o700)
+    assert run(filled) == served(True)
 
 
 @needs_compiler

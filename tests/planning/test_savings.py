@@ -10,7 +10,7 @@ import pytest
 
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
-from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario import scene_from_table
 
 PART = 0.02
 """Of the limit; savings are stated for a tenth."""
@@ -46,8 +46,8 @@ CHANGES: dict[str, Callable[[dict[str, Any], Plan, str], None]] = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("example", ["matrix-liquid-soft-end", "pp-two-cups"])
-def test_a_plan_with_a_wider_limit_saves_what_was_foretold(example: str) -> None:
-    found = plan(read_scenario(example))
+def test_a_plan_with_a_wider_limit_saves_what_was_foretold(example: str, example_plan: Callable[[str], Plan]) -> None:
+    found = example_plan(example)
     assert len(found.report.savings) >= 2
     for label, saved in found.report.savings.items():
         constraint, _, subject = label.partition(" | ")
@@ -59,10 +59,10 @@ def test_a_plan_with_a_wider_limit_saves_what_was_foretold(example: str) -> None
 
 
 @pytest.mark.slow
-def test_savings_are_spoken_of_and_kept(tmp_path: Any) -> None:
+def test_savings_are_spoken_of_and_kept(example_plan: Callable[[str], Plan], tmp_path: Any) -> None:
     import nospill as ns
 
-    found = plan(read_scenario("matrix-liquid-tilt"))
+    found = example_plan("matrix-liquid-tilt")
     assert found.would_save.startswith("a limit wider by 10 % would save about 0.05")
     assert "(speed of joint 1)" in found.would_save
     found.save(tmp_path / "plan")

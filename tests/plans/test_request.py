@@ -57,7 +57,7 @@ def test_what_is_wanted_is_said_in_one_sentence(call: Any, told: str) -> None:
 
 @pytest.mark.slow
 def test_a_plan_is_no_scene_and_a_name_no_scene_to_judge_by(gentle_plan) -> None:
-    plan: Plan = gentle_plan("matrix-liquid")
+    plan: Plan = gentle_plan("matrix-liquid", 1)
     with pytest.raises(NospillError, match=r"its scene is plan\.scene"):
         ns.plan(plan)  # type: ignore[arg-type]
     with pytest.raises(NospillError, match=r"not by a value of type str"):
@@ -66,7 +66,7 @@ def test_a_plan_is_no_scene_and_a_name_no_scene_to_judge_by(gentle_plan) -> None
 
 @pytest.mark.slow
 def test_an_altered_scene_is_kept_as_it_is(gentle_plan, tmp_path: Path) -> None:
-    plan: Plan = gentle_plan("matrix-liquid")
+    plan: Plan = gentle_plan("matrix-liquid", 1)
     rules = replace(plan.scene.motion, max_duration=7.0)
     replace(plan, scene=replace(plan.scene, motion=rules)).save(tmp_path / "out")
     assert ns.load_plan(tmp_path / "out").scene.motion.max_duration == 7.0

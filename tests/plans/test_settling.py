@@ -37,7 +37,7 @@ def test_after_the_wait_the_surface_stays_below_two_per_cent_and_shortly_before_
 
 @pytest.mark.slow
 def test_a_summary_says_it_and_liquids_without_damping_never_rest(gentle_plan) -> None:
-    plan: Plan = gentle_plan("matrix-liquid-soft-end")
+    plan: Plan = gentle_plan("matrix-liquid-soft-end", 1)
     assert plan.summary()["settling_s"] == pytest.approx(settling_time(plan.scene, plan.certificate))
     first, *others = plan.scene.cargo
     assert first.filling is not None

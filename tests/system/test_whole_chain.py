@@ -124,7 +124,7 @@ def test_a_corrupted_trajectory_fails_its_row(
 @pytest.mark.parametrize(
     ("changes", "told", "as_json"),
     [
-        ({"friction = 0.466308": "friction = 0.0001"}, r"slip of c\d uses", True),
+        ({"[motion]\n": '[motion]\nmax_duration = "1 s"\n'}, r"held back by slosh height of c\d", True),
     ],
 )
 def test_impossible_limits_exit_3_and_name_the_constraint(

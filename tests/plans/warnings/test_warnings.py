@@ -258,7 +258,7 @@ def test_a_stated_weight_that_decides(found, judgement: Judgement, use: float, w
 
 @pytest.mark.slow
 def test_a_plan_keeps_its_warnings_and_its_verdict(gentle_plan, tmp_path: Path) -> None:
-    plan: Plan = gentle_plan("matrix-liquid")
+    plan: Plan = gentle_plan("matrix-liquid", 1)
     judgement = judge(plan.trajectory, plan.scene)
     warned = judged_plan(plan.scene, plan.trajectory, judgement, plan.report)
     assert warned.warnings and warned.status == "certified as published"
