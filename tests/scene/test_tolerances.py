@@ -55,9 +55,10 @@ def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
 
 
 def two_cups(name: str, **changes: Any) -> Scene:
-    """The first two cups of an example, a quarter of the variants of four; other keys of its tolerances."""
+    """The first two cups of an example on a coarser grid, a quarter of the variants of four; other tolerances."""
     table: Any = copy.deepcopy(read_scenario(name).source)
     table["cargo"] = table["cargo"][:2]
+    table["planning"] = table.get("planning", {}) | {"intervals": 50}
     if changes:
         table["tolerance"] |= changes
     return scene_from_table(table, name=name)
