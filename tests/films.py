@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 from nospill.film.timeline import Film, make_film
 from nospill.judge.certificate import judge
+from nospill.judge.other_speeds import uses_at
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import scene_from_table
@@ -51,8 +53,10 @@ def example_film(changed_scene: Callable[..., Scene]) -> Callable[[str], Film]:
 def folders(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film, level_film: Film) -> tuple[str, str]:
     """Plan folders of the level and of the tilting motion."""
     place = tmp_path_factory.mktemp("plans")
-    level_film.plan.save(place / "level")
-    tilting_film.plan.save(place / "tilting")
+    for name, film in (("level", level_film), ("tilting", tilting_film)):
+        plan = film.plan
+        uses = uses_at(plan.trajectory, plan.scene, (0.5,))  # else of a dozen speeds, which no film shows
+        replace(plan, maxima=replace(plan.maxima, other_speeds=uses)).save(place / name)
     return str(place / "level"), str(place / "tilting")
 
 

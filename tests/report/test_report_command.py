@@ -40,6 +40,12 @@ def simulated(scene: Scene, *, moved: str | None = None) -> VerifyReport:
     return VerifyReport(items, Thresholds(), "trajectory.csv", "MuJoCo 9.9", 2.5)
 
 
+@pytest.fixture
+def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages without figures, where something else is looked at."""
+    monkeypatch.setattr(writing, "report_svgs", lambda _: {})
+
+
 def record(folder: Path, report: VerifyReport) -> Path:
     path = folder.with_name(f"{folder.name}.verify.json")
     path.write_text(json.dumps(report.to_dict()), encoding="utf-8")
@@ -82,6 +88,7 @@ def test_pdf_and_names_of_ones_own(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -151,6 +158,7 @@ def test_no_record_is_no_verdict(folder: Path, slow_plan: Plan) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize("moved", [None, "block"])
 def test_record_is_shown(folder: Path, slow_plan: Plan, moved: str | None) -> None:
     wanted = simulated(slow_plan.scene, moved=moved)
@@ -190,6 +198,7 @@ def test_damaged_record_is_named(folder: Path, slow_plan: Plan, text: str) -> No
 
 @pytest.mark.slow
 @pytest.mark.oracle
+@pytest.mark.usefixtures("no_figures")
 def test_simulation_on_request(folder: Path) -> None:
     pytest.importorskip("mujoco")
     result = nospill("report", folder, "--verify")

@@ -31,7 +31,7 @@ from nospill.verify.engine import STEP, build
 @pytest.fixture(scope="module")
 def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
     """A gentle motion with two cups, made without a solver."""
-    made = smooth_motion("matrix-liquid", stretch=1.3)
+    made = smooth_motion("matrix-liquid", cargo=2, stretch=1.3)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
@@ -111,7 +111,7 @@ def test_nothing_is_written_by_default(folder: Path, tmp_path: Path, monkeypatch
     done = run("verify", str(folder), "--json")
     assert done.exit_code == 0
     found = json.loads(done.stdout)
-    assert found["ok"] and found["joints"] == "robot.csv" and len(found["objects"]) == 4
+    assert found["ok"] and found["joints"] == "robot.csv" and len(found["objects"]) == 2
     assert sorted(tmp_path.rglob("*")) == before
     assert run("verify", str(folder), "--save").exit_code == 0
     assert set(tmp_path.rglob("*")) - set(before) == {tmp_path / "plan.verify.json"}
