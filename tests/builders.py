@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 
 from benchmarks.slosh.validate import data_folder
+from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
 from nospill.motion.trajectory import Trajectory
+from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.containers.vessels import Bowl, ConicalFlask, Profile, RoundFlask, Tapered, TestTube, WineGlass
@@ -63,6 +65,12 @@ def smooth_record(scene: Scene, path: JointPath, intervals: int, start: Start) -
     # what a carrier feels of its liquids is no liquid of its own
     dry = {item.name for item in scene.cargo if item.filling is None}
     return replace(record, slosh={name: track for name, track in tracks.items() if name not in dry})
+
+
+def with_few_speeds(plan: Plan) -> Plan:
+    """The plan with its second looks, at half its speed alone instead of a dozen speeds."""
+    uses = uses_at(plan.trajectory, plan.scene, (0.5,))
+    return replace(plan, maxima=replace(plan.maxima, other_speeds=uses)).with_second_looks()
 
 
 def measured_data(name: str = "") -> Path:

@@ -30,7 +30,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import changed_table, joint_path_of, measured_data
+from tests.builders import changed_table, joint_path_of, measured_data, with_few_speeds
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
@@ -47,6 +47,14 @@ def no_compiled_functions(tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         patch.setenv("NOSPILL_COMPILE", "off")
         patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
         patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("nospill-cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def few_speeds_on_figures() -> Iterator[None]:
+    """The curve over the other speeds has three points instead of 19; commands in processes of their own have all."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("nospill.plots.evidence._SPEEDS", (0.1, 0.5, 1.0))
         yield
 
 
@@ -136,7 +144,7 @@ def gentle_plan(smooth_motion) -> Callable[..., Plan]:
         assert judgement.certificate.ok
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
         maxima = motion_maxima(judgement, motion.scene)
-        return Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report).with_second_looks()
+        return with_few_speeds(Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report))
 
     return make
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -11,13 +10,12 @@ import pytest
 
 from nospill.film.timeline import Film, make_film
 from nospill.judge.certificate import judge
-from nospill.judge.other_speeds import uses_at
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
-from tests.builders import joint_path_of, smooth_record
+from tests.builders import joint_path_of, smooth_record, with_few_speeds
 
 
 def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:
@@ -54,9 +52,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory, tilting_film: Film, level_
     """Plan folders of the level and of the tilting motion."""
     place = tmp_path_factory.mktemp("plans")
     for name, film in (("level", level_film), ("tilting", tilting_film)):
-        plan = film.plan
-        uses = uses_at(plan.trajectory, plan.scene, (0.5,))  # else of a dozen speeds, which no film shows
-        replace(plan, maxima=replace(plan.maxima, other_speeds=uses)).save(place / name)
+        with_few_speeds(film.plan).save(place / name)
     return str(place / "level"), str(place / "tilting")
 
 

@@ -21,7 +21,7 @@ from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import Start
-from tests.builders import joint_path_of, smooth_record
+from tests.builders import joint_path_of, smooth_record, with_few_speeds
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m", subject: str = "c1") -> Row:
@@ -38,7 +38,7 @@ def judged() -> tuple[Plan, Judgement]:
     starts = Starts(2, 2, 1, (1.8, 1.9))
     report = PlanningReport(1.0, 0.5, 10, 1, starts, {"solve": 0.5}, "solved", {"slip | c1": 0.004})
     maxima = motion_maxima(judgement, scene)
-    plan = Plan(scene, trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()  # once
+    plan = with_few_speeds(Plan(scene, trajectory, judgement.certificate, maxima, report, judgement))  # once
     return plan, judgement
 
 

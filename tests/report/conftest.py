@@ -13,7 +13,7 @@ from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report
 from nospill.scenario import scene_from_table
 from nospill.transcription.starting_motions import Start
-from tests.builders import joint_path_of, smooth_record
+from tests.builders import joint_path_of, smooth_record, with_few_speeds
 
 HOSTILE = "<script>alert('1')</script> & \"50 %\" $x$ <img src=http://example.org/a.png> \u6c34"
 
@@ -58,7 +58,7 @@ def smooth_plan(stretch: float) -> Plan:
     judgement = judge(trajectory, scene)
     effort = PlanningReport(1.5, 0.5, 10, 1, Starts(3, 2, 2, (1.0, 1.1)), {"solve": 0.5}, "none", {"slip | cup": 0.01})
     maxima = motion_maxima(judgement, scene)
-    return Plan(scene, trajectory, judgement.certificate, maxima, effort, judgement).with_second_looks()
+    return with_few_speeds(Plan(scene, trajectory, judgement.certificate, maxima, effort, judgement))
 
 
 @pytest.fixture(scope="session")

@@ -26,6 +26,7 @@ from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
 from nospill.verify.engine import STEP, build
+from tests.builders import with_few_speeds
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
-    return plan.with_second_looks()
+    return with_few_speeds(plan)
 
 
 @pytest.fixture
