@@ -22,6 +22,7 @@ from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.scene import MotionRules, Scene
+from tests.builders import with_few_speeds
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 
@@ -40,7 +41,7 @@ def held_plan(smooth_motion, changed_scene):
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
         maxima = motion_maxima(judgement, scene)
-        return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement).with_second_looks()
+        return with_few_speeds(Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement))
 
     return make
 
