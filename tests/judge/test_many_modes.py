@@ -179,9 +179,7 @@ def test_heights_of_a_smooth_motion(smooth_motion, name: str, subject: str, tilt
 
 @pytest.mark.slow
 def test_a_certified_plan_keeps_its_limits_with_twenty_modes(changed_scene) -> None:
-    scene = changed_scene(
-        "pp-two-cups", {"planning.slosh_modes": FULL_MODES, "planning.intervals": 50, "fidelity": "full"}
-    )
+    scene = changed_scene("pp-two-cups", {"planning.slosh_modes": FULL_MODES, "fidelity": "full"})
     found = plan(replace(scene, cargo=scene.cargo[:1]))
     assert found.status == "certified" and found.judgement is not None
     assert found.trajectory.slosh["left"].displacement.shape[1] == 2 * FULL_MODES
