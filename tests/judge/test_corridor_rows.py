@@ -69,6 +69,24 @@ def test_the_distance_from_the_path_is_judged_where_the_joints_carry_the_tray(so
     assert not rows_of(certificate)["recorded position"].ok
 
 
+@pytest.mark.parametrize(("shares", "holds"), [((1.0, 0.5, 1.0), True), ((1.0, 0.3, 1.0), False), ((0.3, 1.0), True)])
+def test_a_width_that_changes_is_that_at_the_place(solid, shares: tuple[float, ...], holds: bool) -> None:
+    """The tray is 20 mm beside the middle of its path, in a corridor of 50 mm; 0.3 of that is 15 mm."""
+    scene, trajectory = solid
+    moved = beside(free(scene), (0.0, 0.0, 0.02, 0.0))
+    narrow = replace(moved, motion=replace(moved.motion, corridor_shares=shares))
+    certificate = certify(trajectory, narrow)
+    row = rows_of(certificate)["corridor"]
+    assert row.ok == holds
+    s = float(np.interp(row.at_s, trajectory.t, trajectory.s))
+    along = s * (len(shares) - 1)
+    step = min(int(along), len(shares) - 2)
+    u = along - step
+    width = WIDTH * (shares[step] + (shares[step + 1] - shares[step]) * u * u * (3 - 2 * u))
+    assert row.limit == pytest.approx(width, rel=1e-4)
+    assert row.worst_value == pytest.approx(0.02 * 4 * s * (1 - s), rel=1e-3)
+
+
 def test_the_ends_stay_those_of_the_path(solid) -> None:
     scene, trajectory = solid
     rows = rows_of(certify(trajectory, beside(free(scene), (0.0,) * 4, (0.0, 0.0, 0.03, 0.0))))

@@ -114,6 +114,19 @@ def test_a_level_tray_on_any_way(changed_scene) -> None:
     assert found.certificate.ok and found.duration < 1.40
 
 
+def test_a_corridor_that_is_narrow_in_the_middle(changed_scene) -> None:
+    """Level, two cups: between a corridor that is as narrow everywhere and one that is wide everywhere."""
+    widths = {"narrow": "3 mm", "waisted": ["60 mm", "3 mm", "60 mm"], "wide": "60 mm"}
+    found = {}
+    for name, corridor in widths.items():
+        keys = {"path.corridor": corridor, "planning.intervals": 50}
+        found[name] = plan(changed_scene("pp-two-cups", keys))
+        assert found[name].certificate.ok
+    assert found["wide"].duration < found["waisted"].duration < found["narrow"].duration
+    (row,) = [row for row in found["waisted"].certificate.rows if row.constraint == "corridor"]
+    assert row.use > 0.98 and row.limit < 0.06
+
+
 def test_a_turn_on_the_spot(changed_scene) -> None:
     place = {"position": [0.75, 0.0, 1.2]}
     path = {"type": "free", "start": place, "goal": {**place, "yaw": 1.0}}

@@ -83,3 +83,29 @@ def test_freedom_given_in_python_is_written_into_the_scenario() -> None:
     assert path["corridor"] == "0.02 m" and path["yaw"] == ["0 deg", "free", "180 deg"]  # type: ignore[index]
     back = described(replace(free, motion=free.motion.on_path()))
     assert back.source["path"] == scene.source["path"]
+
+
+def test_a_corridor_that_widens_along_the_path() -> None:
+    widths = ["5 mm", "40 mm", "20 mm"]
+    rules = scene_from_table(waypoints(corridor=widths), name="points").motion
+    assert rules.corridor == pytest.approx(0.04)
+    assert rules.corridor_shares == pytest.approx((0.125, 1.0, 0.5))
+    assert rules.on_path().corridor_shares == ()
+    for given, message in (
+        (["5 mm"], "has 1 widths along the path; give one, or 2 to 50"),
+        (["5 mm", "0 mm"], "it must be at least 100 um|it must be at least 0.1 mm"),
+        ([50, "5 mm"], "50 has no unit"),
+        ([], "has 0 widths"),
+    ):
+        with pytest.raises(ScenarioError, match=message):
+            scene_from_table(waypoints(corridor=given), name="points")
+    with pytest.raises(ScenarioError, match="corridor is 5 mm wide, no more than the 6 mm of smoothing"):
+        scene_from_table(waypoints(corridor=widths, smoothing="6 mm"), name="points")
+
+
+def test_a_changed_corridor_is_written_with_its_widths() -> None:
+    scene = scene_from_table(waypoints(corridor=["5 mm", "40 mm"]), name="points")
+    wider = described(replace(scene, motion=replace(scene.motion, corridor=0.08)))
+    assert wider.source["path"]["corridor"] == ["0.01 m", "0.08 m"]  # type: ignore[index]
+    even = described(replace(scene, motion=replace(scene.motion, corridor_shares=())))
+    assert even.source["path"]["corridor"] == "0.04 m"  # type: ignore[index]

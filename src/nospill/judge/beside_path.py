@@ -18,10 +18,14 @@ def between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
     return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, columns))(played.t).T
 
 
-def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> np.ndarray:
-    """From the path at the recorded s to the tray's centre as the joints carry it (m, 3), m, on the replay's grid."""
+def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:
+    """From the path to the tray's centre as the joints carry it, on the replay's grid.
+
+    Returns:
+        The offset (m, 3) from the path at the recorded s, m, and that s (m,).
+    """
     s = np.clip(between_samples(trajectory, played)[0], 0.0, 1.0)
-    return played.tray.position - scene.path.at(s)[:, :3]
+    return played.tray.position - scene.path.at(s)[:, :3], s
 
 
 def passing_traces(scene: Scene, played: Replay) -> list[Trace]:

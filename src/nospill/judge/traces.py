@@ -70,7 +70,7 @@ def constraint_traces(
                 played.joint_position.T,
                 played.joint_speed.T,
                 played.joint_acceleration.T,
-                *([played_offset(trajectory, scene, played).T] if scene.motion.corridor is not None else []),
+                *_beside_path(trajectory, scene, played),
             ],
         ),
         EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
@@ -80,6 +80,14 @@ def constraint_traces(
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
     return (*_played_on(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
+
+
+def _beside_path(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
+    """Offset and, where the corridor's width changes along the path, s; nothing where the tray keeps to its path."""
+    if scene.motion.corridor is None:
+        return []
+    offset, s = played_offset(trajectory, scene, played)
+    return [offset.T, s[None]] if scene.motion.corridor_shares else [offset.T]
 
 
 def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
@@ -225,6 +233,7 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
         if point is EvaluationPoint.JOINT:
             inputs = [SX.sym(name, joints) for name in ("q", "qd", "qdd")]
             inputs += [SX.sym("offset", 3)] if kind.offset_free else []
+            inputs += [SX.sym("s")] if kind.corridor_steps else []
             sample = Sample(
                 kind,
                 numbers,
@@ -232,6 +241,7 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
                 joint_speed=inputs[1],
                 joint_acceleration=inputs[2],
                 offset=inputs[3] if kind.offset_free else None,
+                path_parameter=inputs[4] if kind.corridor_steps else None,
             )
         elif point is EvaluationPoint.TRAY:
             inputs = [SX.sym(name, 3) for name in ("velocity", "acceleration")]

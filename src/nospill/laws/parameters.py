@@ -173,6 +173,7 @@ class SceneNumbers:
     max_tray_speed: Number
     max_tray_acceleration: Number
     corridor: Number
+    corridor_shares: Number
     via: ViaNumbers
     path_jerk_limit: Number
     tilt_jerk_limit: Number
@@ -241,6 +242,7 @@ class Structure:
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
         slowed: whether objects are in it that are moved at another speed, and read where up is.
         vias: how many places the tray passes.
+        corridor_steps: at how many places the width of the corridor is given; 0 where it is the same everywhere.
     """
 
     fidelity: Fidelity
@@ -261,6 +263,7 @@ class Structure:
     braking: bool = False
     slowed: bool = False
     vias: int = 0
+    corridor_steps: int = 0
 
     @property
     def freedom(self) -> Freedom:
@@ -408,6 +411,7 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         max_tray_speed=scalar,
         max_tray_acceleration=scalar,
         corridor=scalar,
+        corridor_shares=np.zeros(structure.corridor_steps),
         via=ViaNumbers(*[np.zeros(structure.vias)] * 3),
         path_jerk_limit=scalar,
         tilt_jerk_limit=scalar,

@@ -41,7 +41,7 @@ class Sample:
         tilt: (2, 1), theta_x and theta_y, rad.
         offset: (3, 1), from the path to the tray's centre, base axes, m.
         tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m/s, m/s^2; only where limited.
-        path_parameter: s; only where the tray passes places.
+        path_parameter: s; only where the tray may leave its path.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
             (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
     """

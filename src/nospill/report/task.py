@@ -152,6 +152,8 @@ def _path(scene: Scene) -> str:
     corridor, rules = "", scene.motion
     if rules.corridor is not None:
         corridor = f"; the tray may leave it by up to {1e3 * rules.corridor:.4g} mm"
+        if rules.corridor_shares:
+            corridor += f", {1e3 * rules.corridor * min(rules.corridor_shares):.4g} mm where it is narrowest"
     if rules.via:
         names = ", ".join(f"{item.name} within {1e3 * item.radius:.4g} mm" for item in rules.via)
         corridor += f"; places it passes: {names}"

@@ -15,7 +15,7 @@ from nospill.core.units import as_written, format_quantity
 from nospill.core.waypoint_paths import path_through_poses, path_through_waypoints
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Table, Vector
-from nospill.scenario.freedom_entries import NARROWEST, WIDEST
+from nospill.scenario.freedom_entries import WIDEST, WidthAlong
 from nospill.scenario.path_table import PathTable
 from nospill.scene.places import Region, Via
 
@@ -84,11 +84,11 @@ class FreeTable(PathTable):
         ),
     ] = ()
     corridor: Annotated[
-        float | None,
-        Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST),
+        float | tuple[float, ...] | None,
+        WidthAlong(),
         Field(
-            description="how far the tray's centre may be from the way along which the motion is looked for; when not "
-            "given, as far as the farthest place of goal and via is from the start"
+            description="how far the tray's centre may be from the way along which the motion is looked for, or a list "
+            "of widths along it; when not given, as far as the farthest place of goal and via is from the start"
         ),
     ] = None
     way: Annotated[
@@ -115,8 +115,9 @@ class FreeTable(PathTable):
     @property
     def width(self) -> float:
         """See `PathTable`."""
-        if self.corridor is not None:
-            return self.corridor
+        stated = super().width
+        if stated is not None:
+            return stated
         farthest = max(math.dist(self.start.position, place) for place in self.stated_places[1:])
         return float(np.clip(farthest, LEAST_FREEDOM, WIDEST))
 

@@ -63,8 +63,36 @@ Yaw = Annotated[
     ),
 ]
 
+MOST_WIDTHS = 50
+"""Values along a path of which a corridor's width may be given."""
+_WIDTH = Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST)
+
+
+@dataclass(frozen=True, slots=True)
+class WidthAlong:
+    """A width, or a list of them along a path."""
+
+    def read(self, value: object) -> float | tuple[float, ...]:
+        """Return the width or the widths in m, or raise the pydantic error: what is allowed."""
+        if not isinstance(value, list | tuple):
+            return _WIDTH.read(value)
+        if not 2 <= len(value) <= MOST_WIDTHS:
+            raise refuse(f"has {len(value)} widths along the path; give one, or 2 to {MOST_WIDTHS}")
+        return tuple(_WIDTH.read(entry) for entry in value)
+
+    def __get_pydantic_core_schema__(self, source: type[Any], handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        width = _WIDTH.__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [width, {"type": "array", "items": width, "minItems": 2, "maxItems": MOST_WIDTHS}]}
+
+
 Corridor = Annotated[
-    float | None,
-    Measured(dimension="length", at_least=NARROWEST, at_most=WIDEST),
-    Field(description="how far the tray's centre may leave the path between its ends; not at all when not given"),
+    float | tuple[float, ...] | None,
+    WidthAlong(),
+    Field(
+        description="how far the tray's centre may leave the path between its ends; not at all when not given. A list "
+        "has widths at even steps of the path parameter, joined smoothly"
+    ),
 ]

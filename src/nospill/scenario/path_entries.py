@@ -145,8 +145,9 @@ class WaypointsTable(GivenTable):
 
     def build(self) -> Path:
         """See `PathTable`; the points are at hand, `standalone` comes first."""
-        if self.corridor is not None and self.smoothing is not None and self.corridor <= self.smoothing:
-            corridor, smoothing = (format_quantity(size, "length") for size in (self.corridor, self.smoothing))
+        least = min(self.corridor) if isinstance(self.corridor, tuple) else self.corridor
+        if least is not None and self.smoothing is not None and least <= self.smoothing:
+            corridor, smoothing = (format_quantity(size, "length") for size in (least, self.smoothing))
             raise ScenarioError(
                 f"corridor is {corridor} wide, no more than the {smoothing} of smoothing by which the path may pass "
                 "beside its points; make it wider"

@@ -17,8 +17,13 @@ class PathTable(Table):
 
     @property
     def width(self) -> float | None:
-        """How far the tray's centre may leave the path, m; None where it may not."""
-        return self.corridor
+        """How far the tray's centre may leave the path where it may most, m; None where it may not."""
+        return max(self.corridor) if isinstance(self.corridor, tuple) else self.corridor
+
+    @property
+    def width_shares(self) -> tuple[float, ...]:
+        """Parts of that along the path, where it is not the same everywhere."""
+        return tuple(width / max(self.corridor) for width in self.corridor) if isinstance(self.corridor, tuple) else ()
 
     @property
     def regions(self) -> tuple[Region, ...]:

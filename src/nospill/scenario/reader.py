@@ -344,6 +344,7 @@ def _motion(scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...])
         hold_after=rules.hold_after,
         duration=rules.duration,
         corridor=scenario.path.width,
+        corridor_shares=scenario.path.width_shares,
         yaw_free=scenario.path.yaw_free,
         max_speed=rules.max_speed,
         max_acceleration=rules.max_acceleration,

@@ -53,6 +53,7 @@ class MotionRules:
         max_acceleration: likewise, m/s^2, gravity not counted.
         speed_range: least and greatest part of its speed at which it keeps the limits too; None for its own speed.
         via: places that the tray's centre passes, in this order.
+        corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
     """
 
     tilt_free: bool
@@ -71,6 +72,7 @@ class MotionRules:
     max_acceleration: float | None = None
     speed_range: tuple[float, float] | None = None
     via: tuple[Via, ...] = ()
+    corridor_shares: tuple[float, ...] = ()
 
     @property
     def speeds(self) -> tuple[float, ...]:
@@ -94,7 +96,7 @@ class MotionRules:
 
     def on_path(self) -> MotionRules:
         """The same with place and yaw as the path has them."""
-        return replace(self, corridor=None, yaw_free=False, via=())
+        return replace(self, corridor=None, corridor_shares=(), yaw_free=False, via=())
 
     def without_freedom(self) -> MotionRules:
         """The same on the path itself, level."""
