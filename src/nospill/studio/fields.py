@@ -147,7 +147,7 @@ def _path(draft: Draft) -> list[Field]:
         field_of(("path", "type"), "choice", types if kind in types else (*types, str(kind))),
         *own.get(str(kind), []),
         *([] if kind == "free" else [yaw]),
-        field_of(("path", "corridor"), hint="how far the tray may leave the path between its ends, for example 50 mm"),
+        field_of(("path", "corridor"), "one or list", hint="how far it may leave the path: 50 mm, or some along it"),
     ]
 
 
