@@ -133,8 +133,8 @@ def own(rows: tuple[Row, ...], constraint: str) -> list[Row]:
 
 def test_every_constraint_is_here() -> None:
     # Limits of joint acceleration, jerk and torque: tests/system/test_any_arm.py; of the tray's speed and
-    # acceleration: tests/planning/test_tray_limits_reached.py.
-    elsewhere = {"joint acceleration", "joint jerk", "joint torque", "tray speed", "tray acceleration"}
+    # acceleration: tests/planning/test_tray_limits_reached.py; places to pass: tests/planning/test_via_and_region.py.
+    elsewhere = {"joint acceleration", "joint jerk", "joint torque", "tray speed", "tray acceleration", "via"}
     assert {case.constraint for case in CASES} == {constraint.name for constraint in CONSTRAINTS} - elsewhere
 
 
