@@ -10,7 +10,7 @@ from nospill.diagnosis import free_ways, freest_way
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.free_way import ways
+from nospill.scenario.free_way import along, ways
 from nospill.scene.scene import Scene
 
 pytest.importorskip("coal")
@@ -49,6 +49,24 @@ def test_inside_a_tall_column_and_over_a_low_one() -> None:
     low = {**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}
     over = middle_of(freest_way(scene_of(low, TABLE)))
     assert over[2] > 0.5
+
+
+def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Round the back of the arm nothing is in the way, but the arm takes more than twice as long."""
+    scene = scene_of(COLUMN, TABLE)
+    start, goal = scene.path.at([0.0, 1.0])[:, :3]
+    turn = np.linspace(np.arctan2(start[1], start[0]), np.arctan2(goal[1], goal[0]) - 2 * np.pi, 13)
+    points = np.column_stack([*(np.hypot(*start[:2]) * np.array([np.cos(turn), np.sin(turn)])), np.full(13, start[2])])
+    points[[0, -1]] = start, goal
+    behind = along(scene, points)
+    monkeypatch.setattr(free_ways, "ways", lambda _: [scene, behind])
+    monkeypatch.setattr(free_ways, "SAMPLES", 2000)
+    found = freest_way(scene)
+    assert middle_of(found)[0] > 0.0
+    figures = [joint_paths(own.robot, own.path, tool=own.tray.tool)[0].speed_figure for own in (found, behind)]
+    assert figures[0] < 0.75 * figures[1]
+    monkeypatch.setattr(free_ways, "sampled_way_of", lambda _: (0.8 * figures[1], found))
+    assert freest_way(scene) is behind  # what is a little faster stays
 
 
 def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
