@@ -116,7 +116,7 @@ class Stagehand:
         self._frames = self._chain.frames(film.joint_position)
         self._board = board(scene.tray.size, TRAY_THICKNESS)
         self._surfaces = {item.name: liquid_surface(item) for item in scene.cargo if item.filling is not None}
-        self._path = _path_bodies(scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3]) if path else []
+        self._path = _path_bodies(followed_line(film)) if path else []
         around = [mesh for item in scene.obstacles if (mesh := obstacle_mesh(item)) is not None]
         # like glass, so that nothing is hidden behind them
         self._around = [Body(mesh, np.array(OBSTACLE, dtype=float), Kind.GLASS) for mesh in around]
@@ -213,6 +213,15 @@ def _glass(cargo: Cargo) -> Mesh:
     container = cargo.container
     outside, low = drawn_section(container.outside, half_width(container)), wall_thickness(container)
     return bands([size * container.outline for size in outside[:, 0]], np.maximum(outside[:, 1], low))
+
+
+def followed_line(film: Film) -> np.ndarray:
+    """The line (m, 3) that the tray follows, m: its path, or where it may leave that, its motion."""
+    plan = film.plan
+    if not plan.scene.motion.leaves_path:
+        return plan.scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3]
+    positions = plan.trajectory.tray_position
+    return positions[np.linspace(0, len(positions) - 1, _PATH_POINTS).round().astype(int)]
 
 
 def _path_bodies(points: np.ndarray) -> list[Body]:

@@ -11,6 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+from nospill.film.obstacles import obstacle_mesh
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline
@@ -28,6 +29,8 @@ _KEY_WIDTH = 4.6
 """in; what the key below the picture takes on one line."""
 _ARM, _SHOWN = "#C3C8CE", 0.32
 """Colour of the arm below the tray, and how much of it is drawn, m."""
+_OBSTACLE = "#7A8A9E38"
+"""Colour of obstacles, through which the rest is seen."""
 _ROOM = 0.45
 """in; kept free round the box for ticks and labels."""
 
@@ -69,6 +72,13 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     high[2] = max(high[2], low[2] + 0.3 * float(np.max(high - low)))
     shadow = np.column_stack([line[:, :2], np.full(len(line), low[2])])
 
+    for obstacle in scene.obstacles:
+        mesh = obstacle_mesh(obstacle) if obstacle.shape.kind != "halfspace" else None
+        if mesh is not None:
+            faces = np.clip(mesh.vertices, low, high)[mesh.faces]  # what is beyond the picture lies in its sides
+            axes.add_collection3d(
+                Poly3DCollection(faces, facecolors=_OBSTACLE, linewidths=0, zorder=1.2, clip_on=False)
+            )
     for wrist in wrists:
         axes.plot(*wrist.T, color=_ARM, linewidth=4.5, solid_capstyle="round", zorder=1.5, clip_on=False)
     axes.plot(*shadow.T, color="#BBBBBB", linewidth=1.0, zorder=1, clip_on=False)
@@ -98,7 +108,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.text(*line[index] + [0.0, 0.0, 0.1], text, size=SMALL, zorder=8, path_effects=halo, **place_of_text)
     for set_limits, start, stop in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         set_limits(start, stop)
-    key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path on the floor"
+    key = f"dots every {DOT_INTERVAL:g} s; arrows: x axis of the tray; grey: the arm below it, path at the bottom"
     key += "; dashed: way" if given is not None else ""
     key += "; rings: places to pass" if scene.motion.via else ""
     if place[2] * figure.get_size_inches()[0] < _KEY_WIDTH or scene.motion.via:

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
 from nospill.film.geometry import Mesh, board, contact_collar, container_body, creased
-from nospill.film.props import limit_ring
+from nospill.film.props import followed_line, limit_ring
 from nospill.film.robot_model import DrawnChain, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
 from nospill.film.timeline import Film
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 _ARM, _BOARD, _CUP, _SOLID = (176, 181, 187), (222, 205, 178), (214, 226, 234), (143, 128, 160)
 _CUP_OPACITY = 0.22
-_PATH_POINTS = 120
 LETTERS = 0.02
 """m; height of the letters of names before a view is chosen."""
 _BELOW = np.array([0.0, 0.0, -0.001])
@@ -260,7 +259,7 @@ class PlanView:
         )
         scene.add_frame(f"{root}/names", show_axes=False)
         self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
-        self._paths = add_path(scene, f"{world}/path", whole.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))[:, :3])
+        self._paths = add_path(scene, f"{world}/path", followed_line(film))
         add_surroundings(scene, f"{world}/around", whole)
         self._above = np.array([0.0, 0.0, title_height(film)])
         self.title = title

@@ -17,6 +17,7 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings
+from nospill.plans.warnings.arm import no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
 from nospill.scenario import read_scenario
@@ -55,8 +56,23 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 17
+    assert len(WARNINGS) == 18
     assert found(quiet) == {}
+
+
+def test_what_has_no_mass(judgement: Judgement) -> None:
+    scene = read_scenario("cups-past-a-column")
+    assert list(no_mass(Facts(scene, judgement, {}))) == []
+    light = replace(scene, tray=replace(scene.tray, mass=0.0))
+    assert [(item.name, item.subject) for item in no_mass(Facts(light, judgement, {}))] == [("mass", "tray")]
+    # without limits of torque the tray's own mass counts for nothing
+    assert list(no_mass(Facts(replace(light, robot=replace(light.robot, max_torque=None)), judgement, {}))) == []
+    cup = scene.cargo[0]
+    bare = replace(scene, cargo=(replace(cup, empty=replace(cup.empty, mass=0.0)), *scene.cargo[1:]))
+    (found,) = no_mass(Facts(bare, judgement, {}))
+    assert found.subject == cup.name and "give its empty_mass" in found.text
+    published = replace(bare, fidelity="deliverable", robot=replace(scene.robot, max_torque=None))
+    assert list(no_mass(Facts(published, judgement, {}))) == []
 
 
 @pytest.mark.parametrize(("crest", "warned"), [(0.0116, False), (0.0118, True)])

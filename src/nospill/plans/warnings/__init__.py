@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from nospill.judge.certificate import Judgement
-from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit
+from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit, no_mass
 from nospill.plans.warnings.controller import behind_the_command
 from nospill.plans.warnings.liquids import (
     contact_angle,
@@ -41,6 +41,7 @@ WARNINGS: tuple[Warn, ...] = (
     viscosity,
     surface_tension_value,
     no_joint_acceleration_limit,
+    no_mass,
     below_the_base,
     behind_the_command,
     no_reserve,

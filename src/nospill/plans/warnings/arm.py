@@ -1,4 +1,4 @@
-"""Warnings about the arm: limits that nobody states, and the floor it stands on."""
+"""Warnings about the arm: limits and masses that nobody states, and the floor it stands on."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from nospill.laws.constraints.joint_acceleration import JointAcceleration
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.robots.description.urdf import base_pose
 
+_LEAST_MASS = 1e-6
+"""kg; no vessel is lighter."""
 _BEYOND_SPEED = {"max_jerk": "jerk", "max_torque": "torque"}
 
 
@@ -29,6 +31,27 @@ def no_joint_acceleration_limit(facts: Facts) -> Iterator[PlanWarning]:
         "limits.acceleration under [robot]."
     )
     yield PlanWarning(JointAcceleration.name, robot.name, text, float(np.max(largest)))
+
+
+def no_mass(facts: Facts) -> Iterator[PlanWarning]:
+    """A tray, or a vessel, has no mass: joint torques, where they are limited, and contact leave its weight out.
+
+    In the published equations of contact the mass of an object cancels.
+    """
+    scene = facts.scene
+    torque = scene.robot.max_torque is not None and scene.robot.inertias_known
+    if scene.tray.mass == 0.0 and torque:
+        text = (
+            "no mass of the board is stated, so that the joint torques are without its weight; give mass under [tray]."
+        )
+        yield PlanWarning("mass", "tray", text, 0.0)
+    for item in scene.cargo if torque or scene.fidelity == "full" else ():
+        if item.filling is not None and item.empty.mass <= _LEAST_MASS:
+            text = (
+                "the empty vessel has no mass, so that what holds it and the joint torques are those of its liquid "
+                "alone; give its empty_mass, or mass with the liquid in it."
+            )
+            yield PlanWarning("mass", item.name, text, item.empty.mass)
 
 
 def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
