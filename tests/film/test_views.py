@@ -20,13 +20,17 @@ ASPECT = SIZE[0] / SIZE[1]
 
 
 def share_of_objects(hand: Stagehand, index: int, view: View, aspect: float) -> float:
-    """Part of the picture in which one sees an object on the tray, by pixels; what the arm hides does not count."""
+    """Part of the picture in which one sees an object on the tray, by pixels; what the arm hides does not count.
+
+    Obstacles are drawn like glass, through which one sees.
+    """
     film = hand.film
     camera, ride = viewpoint([film], view, aspect=aspect), carriage(film, view)
     canvas = Canvas.of(camera, round(72 * aspect), 72)
     rotation = ride.rotation[index] @ axes_facing(camera.position - camera.look_at)
     origin = ride.position[index] + ride.rotation[index] @ camera.position
-    solid = [body for body in hand.bodies(index) if body.kind is not Kind.MARK]
+    bodies = [body for body in hand.bodies(index) if body.kind is not Kind.MARK]
+    solid = [body for body in bodies if body.kind is not Kind.GLASS or body.group]
     corners = [((body.mesh.vertices - origin) @ rotation)[body.mesh.faces] for body in solid]
     label = np.concatenate([np.full(len(own), bool(body.group)) for own, body in zip(corners, solid, strict=True)])
     joined = np.concatenate(corners)
