@@ -11,7 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from nospill.film.obstacles import obstacle_mesh
+from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline
@@ -29,7 +29,7 @@ _KEY_WIDTH = 4.6
 """in; what the key below the picture takes on one line."""
 _ARM, _SHOWN = "#C3C8CE", 0.32
 """Colour of the arm below the tray, and how much of it is drawn, m."""
-_OBSTACLE = "#7A8A9E38"
+_OBSTACLE = (*(channel / 255 for channel in OBSTACLE), 0.22)
 """Colour of obstacles, through which the rest is seen."""
 _ROOM = 0.45
 """in; kept free round the box for ticks and labels."""

@@ -202,8 +202,8 @@ def _freedom(rules: MotionRules, original: MotionRules, path: Mapping[str, Any])
     """The keys of `[path]` about how far the tray may leave it; a free yaw keeps the ends of the stated one."""
     values = _changed(rules, original, {"corridor": "length"})
     if rules.corridor is not None and (values or rules.corridor_shares != original.corridor_shares):
-        widths = [rules.corridor * share for share in rules.corridor_shares] or rules.corridor
-        values["corridor"] = _written(np.array(widths) if rules.corridor_shares else widths, "length")
+        shares = rules.corridor_shares
+        values["corridor"] = _written(rules.corridor * np.array(shares) if shares else rules.corridor, "length")
     if rules.yaw_free != original.yaw_free and "yaw_at_points" in path:
         values["yaw"] = FREE if rules.yaw_free else None
     elif rules.yaw_free != original.yaw_free:

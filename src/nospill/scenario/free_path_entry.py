@@ -192,10 +192,9 @@ class FreeTable(PathTable):
         named = ["start", *(f"via {as_written(name)}" for name in names), "goal"]
         places = list(zip(named, self.stated_places, strict=True))
         for (first, here), (second, there) in pairwise(places if self.via else ()):
-            if math.dist(here, there) < _LEAST_LEG:
-                shown, least = (
-                    format_quantity(gap, "length", digits=3) for gap in (math.dist(here, there), _LEAST_LEG)
-                )
+            gap = math.dist(here, there)
+            if gap < _LEAST_LEG:
+                shown, least = (format_quantity(length, "length", digits=3) for length in (gap, _LEAST_LEG))
                 raise ScenarioError(f"{second} is {shown} from {first}; at least {least} must be between them")
         radii = [0.0, *(item.radius for item in self.via), 0.0]
         for region in self.regions:

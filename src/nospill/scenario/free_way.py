@@ -37,8 +37,9 @@ def ways(scene: Scene) -> list[Scene]:
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
     distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
-    nearer to the axis or farther from it, and higher or lower. With places between them a smooth curve through all, in
-    the base's axes or in angle, distance and height. They are compared by the speed figures of their joint paths.
+    nearer to the axis or farther from it, and higher or lower. With places between them smooth curves through all, in
+    the base's axes or in angle, distance and height, and no detours. They are compared by the speed figures of their
+    joint paths.
 
     Raises:
         ScenarioError: the arm can follow none; tells of the line.
@@ -55,7 +56,7 @@ def ways(scene: Scene) -> list[Scene]:
 
 def _arcs(scene: Scene) -> Iterator[Scene]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
-    detours = scene.keeps_distances and redundant_joint(scene.robot) is None
+    detours = scene.keeps_distances and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
     foot, _ = base_pose(scene.robot.urdf)
     ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
@@ -69,8 +70,10 @@ def _arcs(scene: Scene) -> Iterator[Scene]:
     knots = np.append(0.0, np.cumsum(lengths) / np.sum(lengths))
     share = np.linspace(0.0, 1.0, _POINTS)
     at = np.append(0.0, np.concatenate([first + share[1:] * (last - first) for first, last in pairwise(knots)]))
-    rise = np.append(0.0, np.tile(16.0 * share[1:] ** 2 * (1.0 - share[1:]) ** 2, len(turns)))  # from place to place
-    for angles, (out, up) in product(product(*[(turn, turn - math.copysign(math.tau, turn)) for turn in turns]), bumps):
+    rise = 16.0 * at**2 * (1.0 - at) ** 2
+    # the short way round everywhere, or the long one from one of the places to the next
+    longer = [[*turns[:leg], turn - math.copysign(math.tau, turn), *turns[leg + 1 :]] for leg, turn in enumerate(turns)]
+    for angles, (out, up) in product([turns, *longer], bumps):
         turned = directions[0] + np.append(0.0, np.cumsum(angles))
         curve = interpolating_pieces(knots, np.column_stack([turned, distances, places[:, 2]]))
         direction, distance, height = curve(at).T

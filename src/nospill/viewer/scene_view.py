@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.film.arm_bodies import arm_bodies, holder
 from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
-from nospill.film.geometry import Mesh, board, contact_collar, container_body, creased
+from nospill.film.geometry import board, contact_collar, container_body, creased
 from nospill.film.props import followed_line, limit_ring
 from nospill.film.robot_model import DrawnChain, read_chain
 from nospill.film.surfaces import LiquidSurface, liquid_surface
@@ -25,6 +25,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.tray import TRAY_THICKNESS, Tray
 from nospill.viewer.gravity import against, arrow, free_spot
 from nospill.viewer.names import ABOVE_RIM, Letters, title_height
+from nospill.viewer.nodes import add_mesh
 from nospill.viewer.surroundings import add_surroundings
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class TrayView:
         self._collars: dict[str, viser.MeshHandle] = {}
         self._labels: list[viser.LabelHandle] = []
         self._tops: list[np.ndarray] = []
-        _add(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
+        add_mesh(scene, f"{root}/board", board(tray.size, TRAY_THICKNESS), color=_BOARD, flat_shading=True)
         for item in cargo:
             self._add_object(scene, item, f"{root}/{item.name}")
         for item in (item for item in cargo if not item.carrier):
@@ -89,20 +90,20 @@ class TrayView:
         hollow = cargo.filling is not None or cargo.carried is not None
         look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
         body = creased(container_body(cargo.container, hollow=hollow))
-        _add(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
+        add_mesh(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
         if not cargo.carrier:
-            self._collars[cargo.name] = _add(
+            self._collars[cargo.name] = add_mesh(
                 scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
             )
         if cargo.filling is not None:
             surface = liquid_surface(cargo)
             self.surfaces[cargo.name] = surface
-            self._liquids[cargo.name] = _add(
+            self._liquids[cargo.name] = add_mesh(
                 scene, f"{root}/liquid", surface.rest, color=_colour(0.0), cast_shadow=False, receive_shadow=False
             )
             ring = limit_ring(cargo)
             if ring is not None:
-                _add(scene, f"{root}/limit", ring, color=rgb(RED), side="double", cast_shadow=False)
+                add_mesh(scene, f"{root}/limit", ring, color=rgb(RED), side="double", cast_shadow=False)
 
     def set_liquid(self, name: str, coordinates: np.ndarray, *, use: float) -> None:
         """Move a liquid's surface and colour it by the use of its height limit.
@@ -183,7 +184,7 @@ class ArmView:
                 self._moving.append(frame)
         self.flange = node
         for link, body in bodies.items():
-            _add(scene, f"{nodes[link]}/body", body, color=_ARM, receive_shadow=False)
+            add_mesh(scene, f"{nodes[link]}/body", body, color=_ARM, receive_shadow=False)
         for link, mesh in (meshes or {}).items():
             if link in nodes:
                 scene.add_mesh_trimesh(f"{nodes[link]}/mesh", mesh)
@@ -272,7 +273,7 @@ class PlanView:
         )
         pointer = f"{tray_node}/gravity"
         self._gravity = scene.add_frame(pointer, show_axes=False, position=(*free_spot(whole.tray, whole.cargo), 0.0))
-        _add(scene, f"{pointer}/arrow", arrow(whole.cargo), color=_ARROW, cast_shadow=False)
+        add_mesh(scene, f"{pointer}/arrow", arrow(whole.cargo), color=_ARROW, cast_shadow=False)
         self._pulls = against(film.specific_force)
         assert planned.joints == whole.robot.joints
         self._attitudes = self.arm.attitudes(film.joint_position)
@@ -366,10 +367,6 @@ def add_path(scene: viser.SceneApi, root: str, points: np.ndarray) -> list[viser
             for name, at, colour in ends
         ],
     ]
-
-
-def _add(scene: viser.SceneApi, name: str, mesh: Mesh, **look: object) -> viser.MeshHandle:
-    return scene.add_mesh_simple(name, mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32), **look)  # type: ignore[arg-type]
 
 
 def _colour(use: float) -> tuple[int, int, int]:

@@ -13,6 +13,7 @@ from nospill.film.obstacles import OBSTACLE, obstacle_mesh
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.scene.places import Region
 from nospill.scene.scene import Scene
+from nospill.viewer.nodes import add_mesh
 
 if TYPE_CHECKING:
     import viser
@@ -28,15 +29,8 @@ def add_surroundings(scene: viser.SceneApi, root: str, drawn: Scene) -> None:
     for item in drawn.obstacles:
         mesh = obstacle_mesh(item)
         if mesh is not None:
-            scene.add_mesh_simple(
-                f"{root}/obstacles/{item.name}",
-                mesh.vertices.astype(np.float32),
-                mesh.faces.astype(np.uint32),
-                color=OBSTACLE,
-                opacity=_OPACITY,
-                flat_shading=item.shape.kind == "box",
-                side="double",
-            )
+            look = {"color": OBSTACLE, "opacity": _OPACITY, "flat_shading": item.shape.kind == "box"}
+            add_mesh(scene, f"{root}/obstacles/{item.name}", mesh, side="double", **look)
     for place in drawn.motion.via:
         scene.add_icosphere(
             f"{root}/via/{place.name}",

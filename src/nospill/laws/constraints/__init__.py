@@ -46,9 +46,9 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     PathJerk(),
     TiltJerk(),
     Corridor(),
-    PassedPlace(),
     OffsetJerk(),
     YawJerk(),
+    PassedPlace(),
 )
 """Every constraint that the optimiser and the judge evaluate by its expressions, in the order of the certificate."""
 

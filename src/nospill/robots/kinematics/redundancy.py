@@ -62,7 +62,7 @@ def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
     It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the
     hull holds zero, since then no direction has a product of one sign with all of them.
     """
-    from scipy.optimize import nnls  # slow to load, for seven joints alone; paths have loaded it
+    from scipy.optimize import nnls  # slow to load, and for seven joints alone
 
     jacobians = kinematics(robot).jacobians(q)
     vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
