@@ -6,6 +6,7 @@ import os
 import pickle
 import shutil
 import signal
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -17,7 +18,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is loaded;
 import numpy as np
 import pytest
 from filelock import FileLock
+from typer.testing import CliRunner, Result
 
+from nospill.cli.reporting import INTERNAL_ERROR
 from nospill.judge.certificate import judge
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
@@ -47,6 +50,23 @@ def no_compiled_functions(tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         patch.setenv("NOSPILL_COMPILE", "off")
         patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
         patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("nospill-cache")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def internal_errors_are_shown() -> Iterator[None]:
+    """Beside a failed test stands the traceback of a command's internal error, which the runner of commands keeps."""
+    invoke = CliRunner.invoke
+
+    def shown(self: CliRunner, *args: Any, **options: Any) -> Result:
+        result = invoke(self, *args, **options)
+        if result.exit_code == INTERNAL_ERROR:
+            print(result.stderr, file=sys.stderr)
+        return result
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NOSPILL_TRACEBACK", "1")
+        patch.setattr(CliRunner, "invoke", shown)
         yield
 
 

@@ -56,7 +56,7 @@ def record(folder: Path, report: VerifyReport) -> Path:
 def test_page_goes_beside_the_folder_and_nothing_into_it(folder: Path) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     result = nospill("report", folder)
-    assert result.exit_code == 0
+    assert result.exit_code == 0, result.stderr
     page = folder.with_name("out.report.html")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     assert {path.name for path in folder.parent.iterdir()} == {"out", "out.report.html"}
@@ -202,7 +202,7 @@ def test_damaged_record_is_named(folder: Path, slow_plan: Plan, text: str) -> No
 def test_simulation_on_request(folder: Path) -> None:
     pytest.importorskip("mujoco")
     result = nospill("report", folder, "--verify")
-    assert result.exit_code == 0
+    assert result.exit_code == 0, result.stderr
     text = folder.with_name("out.report.html").read_text(encoding="utf-8")
     assert "EVERY OBJECT STAYS" in text and "joints from robot.csv" in text
     assert not folder.with_name("out.verify.json").exists()
