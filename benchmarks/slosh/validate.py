@@ -4,8 +4,8 @@
     python -m benchmarks.slosh.validate --print    print it only
 
 The variable NOSPILL_DATA names the folder of the measurements: slosh-runs (NAME.motion.csv, NAME.height.csv)
-and matrix-d3. Nothing is fitted but the clock of the height, by best correlation; the container is the same in all
-runs. After its end a motion is held for another 0.3 durations, so that the swinging on is compared too.
+and matrix-d3. Nothing is fitted to a run but the clock of the height, by best correlation; the container is the same in
+all runs. After its end a motion is held for another 0.3 durations, so that the swinging on is compared too.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.cargo import Cargo
 from nospill.simulation.compare import Comparison, compare
 from nospill.simulation.motion_file import Heights, Motion, checked_motion, read_heights, read_motion
+from nospill.simulation.readings import Model
 from nospill.simulation.simulate import HeightRule, simulate_slosh
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -43,17 +44,28 @@ AFTERWARDS = 0.3
 
 @dataclass(frozen=True)
 class Rule:
-    """How the height is predicted."""
+    """How the height is predicted.
+
+    Attributes:
+        title: in the table.
+        modes: liquid modes in each direction.
+        height: of the surface.
+        model: what the gauge reads.
+        damping: ratio of the first mode in the container of the runs, None for that of the liquid and its walls.
+    """
 
     title: str
     modes: int
-    height: HeightRule
+    height: HeightRule = "one-mode"
+    model: Model = "surface"
+    damping: float | None = None
 
 
 RULES = (
-    Rule("one mode", 1, "one-mode"),
-    Rule("two modes (default)", 2, "one-mode"),
+    Rule("one mode", 1),
+    Rule("two modes (default)", 2),
     Rule("one mode, corrected", 1, "corrected"),
+    Rule("contact line", 20, model="contact-line", damping=0.015),
 )
 
 
@@ -172,10 +184,10 @@ def write_into_page(text: str, page: Path = PAGE) -> None:
 
 
 def _simulated(container: Cargo | Mapping[str, Any], motion: Motion, rule: Rule) -> Heights:
-    found = simulate_slosh(
-        container, motion.t, motion.position, motion.quaternion, modes=rule.modes, height=rule.height
-    )
-    return found.heights
+    if rule.damping is not None and isinstance(container, Mapping):
+        container = {**container, "damping": rule.damping}
+    poses = motion.t, motion.position, motion.quaternion
+    return simulate_slosh(container, *poses, modes=rule.modes, height=rule.height, model=rule.model).heights
 
 
 def main() -> None:

@@ -116,6 +116,16 @@ def test_the_command_wants_a_cup_or_a_measurement(folder: Path) -> None:
         assert "give MEASURED.csv beside one prediction, or --cup CUP.toml beside a folder of runs" in result.output
 
 
+def test_runs_are_compared_with_what_a_gauge_at_the_wall_reads(folder: Path) -> None:
+    surface, line = (
+        compare_runs(folder, folder / "exact.toml", modes=3, model=model)[0].comparison
+        for model in ("surface", "contact-line")
+    )
+    assert surface.predicted_peak - line.predicted_peak == pytest.approx(2.46e-3, abs=2e-5)
+    result = run(str(folder), "--cup", str(folder / "exact.toml"), "--model", "gauge")
+    assert result.exit_code == 2 and '"surface" or "contact-line" is needed' in result.output
+
+
 @pytest.mark.oracle
 @pytest.mark.slow
 def test_runs_of_the_laboratory(tmp_path: Path) -> None:

@@ -246,6 +246,24 @@ def test_options_that_cannot_be() -> None:
         simulate_slosh(CUP, slow, np.zeros((10, 3)), upright(slow))
 
 
+def test_the_contact_line_stays_behind_by_half_and_then_by_most_of_a_capillary_length() -> None:
+    t = clock(1.2)
+    x = 0.2 * quintic(t, 0.6)
+    surface, line = simulate_translation(x, t, modes=20), simulate_translation(x, t, model="contact-line")
+    assert np.array_equal(line.height, surface.height)  # the same modes, and spilling is about the surface
+    assert np.array_equal(surface.reading, surface.height)
+    water = 0.9 * np.sqrt(0.0728 / (998.0 * STANDARD_GRAVITY))
+    behind = surface.height - line.reading
+    assert np.max(behind) == pytest.approx(water, rel=0.01) and np.max(surface.height) > 0.01
+    low = surface.height < 2.0 * np.max(behind)
+    assert behind[low] == pytest.approx(0.5 * surface.height[low])
+    # A gauge at one place reads falls as it reads rises.
+    front, back = (simulate_translation(x, t, model="contact-line", azimuth=angle) for angle in (0.0, np.pi))
+    assert front.reading == pytest.approx(-back.reading, abs=1e-9)
+    with pytest.raises(ScenarioError, match='"surface" or "contact-line"'):
+        simulate_translation(x, t, model="camera")
+
+
 def write_case(folder: Path) -> tuple[Path, Path]:
     cup, motion = folder / "cup.toml", folder / "motion.csv"
     cup.write_text("".join(f'{key} = "{value}"\n' for key, value in CUP.items()))
@@ -272,6 +290,10 @@ def test_command_prints_the_peak_and_writes_the_heights(tmp_path: Path) -> None:
     assert read_heights(out).height == pytest.approx(found.height, abs=1e-7)
     lines = out.read_text().splitlines()
     assert lines[0] == "t_s,height_mm" and len(lines) == 502
+    line = CliRunner().invoke(app, ["simulate", str(cup), str(motion), "-o", str(out), "--model", "contact-line"])
+    assert line.exit_code == 0 and "peak of the contact line: " in line.stdout
+    read = simulate_slosh(cup, given.t, given.position, given.quaternion, model="contact-line").reading
+    assert read_heights(out).height == pytest.approx(read, abs=1e-7)
     corrected = CliRunner().invoke(app, ["simulate", str(cup), str(motion), "--height", "corrected"])
     assert corrected.exit_code == 0 and corrected.stdout != plain.stdout
 

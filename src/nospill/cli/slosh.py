@@ -19,7 +19,15 @@ def simulate(
         Path | None,
         typer.Option("-o", "--output", metavar="OUT.csv", help="Write t_s, height_mm here.", show_default=False),
     ] = None,
-    modes: Annotated[int, typer.Option("--modes", metavar="N", help="Liquid modes in each direction.")] = 2,
+    modes: Annotated[
+        int | None,
+        typer.Option(
+            "--modes",
+            metavar="N",
+            help="Liquid modes in each direction; by default 2, of the contact line 20.",
+            show_default=False,
+        ),
+    ] = None,
     height: Annotated[
         str,
         typer.Option(
@@ -28,16 +36,26 @@ def simulate(
             help="The carried modes alone, or with the quasi-static part of all the others.",
         ),
     ] = "one-mode",
+    model: Annotated[
+        str,
+        typer.Option(
+            "--model",
+            metavar="surface|contact-line",
+            help="What OUT.csv holds: the surface, or the contact line at the wall, which stays behind it.",
+        ),
+    ] = "surface",
 ) -> int:
     """Predict the height of the liquid in one container that is moved in a given way."""
     from nospill.simulation.motion_file import read_motion, write_heights
     from nospill.simulation.simulate import simulate_slosh
 
     given = read_motion(motion)
-    found = simulate_slosh(cup, given.t, given.position, given.quaternion, modes=modes, height=height)
+    found = simulate_slosh(cup, given.t, given.position, given.quaternion, modes=modes, height=height, model=model)
     if output is not None:
         write_heights(output, found.heights)
     print(f"peak height: {1e3 * found.peak:.2f} mm above rest at t = {found.peak_time:.3f} s")
+    if model != "surface":
+        print(f"peak of the contact line: {1e3 * float(found.reading.max()):.2f} mm above rest")
     print(f"rim: {1e3 * found.room:.2f} mm above rest" + (": the liquid spills" if found.peak > found.room else ""))
     if output is not None:
         print(f"written to {output}")
@@ -63,10 +81,16 @@ def compare(
             "--cup", metavar="CUP.toml", help="Of a folder of runs: the keys of a cargo entry.", show_default=False
         ),
     ] = None,
-    modes: Annotated[int, typer.Option("--modes", metavar="N", help="Of runs: liquid modes in each direction.")] = 2,
+    modes: Annotated[
+        int | None,
+        typer.Option("--modes", metavar="N", help="Of runs: liquid modes in each direction.", show_default=False),
+    ] = None,
     height: Annotated[
         str, typer.Option("--height", metavar="one-mode|corrected", help="Of runs: as for simulate.")
     ] = "one-mode",
+    model: Annotated[
+        str, typer.Option("--model", metavar="surface|contact-line", help="Of runs: as for simulate.")
+    ] = "surface",
     azimuth: Annotated[
         str | None,
         typer.Option(
@@ -96,7 +120,7 @@ def compare(
     if measured is not None:
         return _compare_one(predicted, measured, figure)
     assert cup is not None  # as was just checked
-    return _compare_runs(Path(predicted), cup, modes, height, azimuth, figure)
+    return _compare_runs(Path(predicted), cup, modes, height, model, azimuth, figure)
 
 
 def _compare_one(predicted: str, measured: Path, figure: Path | None) -> int:
@@ -126,14 +150,16 @@ def _compare_one(predicted: str, measured: Path, figure: Path | None) -> int:
     return 0
 
 
-def _compare_runs(folder: Path, cup: Path, modes: int, height: str, azimuth: str | None, figure: Path | None) -> int:
+def _compare_runs(
+    folder: Path, cup: Path, modes: int | None, height: str, model: str, azimuth: str | None, figure: Path | None
+) -> int:
     import numpy as np
 
     from nospill.core.units import quantity
     from nospill.simulation.runs import compare_runs
 
     place = None if azimuth is None else quantity(azimuth, "angle")
-    runs = compare_runs(folder, cup, modes=modes, height=height, azimuth=place)
+    runs = compare_runs(folder, cup, modes=modes, height=height, azimuth=place, model=model)
     banded = any(np.any(run.high > run.low) for run in runs)
     rows = []
     for run in runs:

@@ -51,9 +51,10 @@ def compare_runs(
     folder: str | os.PathLike[str],
     cup: str | os.PathLike[str],
     *,
-    modes: int = 2,
+    modes: int | None = None,
     height: str = "one-mode",
     azimuth: float | None = None,
+    model: str = "surface",
 ) -> tuple[RunComparison, ...]:
     """Compare every run of a folder: NAME.motion.csv of a container with NAME.height.csv of its liquid.
 
@@ -62,10 +63,11 @@ def compare_runs(
     Args:
         folder: with the runs.
         cup: TOML file with the keys of a cargo entry; of its `tolerance`, fill and damping make the band.
-        modes: liquid modes in each direction.
+        modes: liquid modes in each direction, by default those of the model.
         height: "one-mode" or "corrected", as for `simulate_slosh`.
         azimuth: rad, from the container's x towards its y, where the height was measured, with its sign; that of the
             crest when left out.
+        model: "surface" or "contact-line", as for `simulate_slosh`.
 
     Raises:
         ScenarioError: no runs, a height without its motion or the other way round, or a file that is refused.
@@ -85,7 +87,14 @@ def compare_runs(
 
         def predicted(item: Cargo, motion: Motion = motion) -> Heights:
             return simulate_slosh(
-                item, motion.t, motion.position, motion.quaternion, modes=modes, height=height, azimuth=azimuth
+                item,
+                motion.t,
+                motion.position,
+                motion.quaternion,
+                modes=modes,
+                height=height,
+                azimuth=azimuth,
+                model=model,
             ).heights
 
         measured = read_heights(place / f"{name}{_HEIGHT}")

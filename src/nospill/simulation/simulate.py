@@ -30,6 +30,7 @@ from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup
 from nospill.simulation.motion_file import Heights, Motion, checked_motion
+from nospill.simulation.readings import Model, Reading, reading_of
 
 HeightRule = Literal["one-mode", "corrected"]
 """Height at the wall: of the carried modes alone, or with the quasi-static part of all the others."""
@@ -46,6 +47,7 @@ class SloshSimulation:
     Attributes:
         t: (m,) s, the times of the motion's samples.
         height: (m,) m, of the free surface above rest at the wall, where it is highest, along the container's axis.
+        reading: (m,) m, what a gauge at the wall shows of it (`nospill.simulation.readings`).
         displacement: (m, k) of the modal masses along the container's axes, m.
         velocity: (m, k) likewise, m/s.
         room: m, from the rest level to the rim.
@@ -54,6 +56,7 @@ class SloshSimulation:
 
     t: np.ndarray
     height: np.ndarray
+    reading: np.ndarray
     displacement: np.ndarray
     velocity: np.ndarray
     room: float
@@ -71,8 +74,8 @@ class SloshSimulation:
 
     @property
     def heights(self) -> Heights:
-        """Time and height alone."""
-        return Heights(self.t, self.height)
+        """Times and readings, to be compared with measured heights."""
+        return Heights(self.t, self.reading)
 
 
 def simulate_slosh(
@@ -81,10 +84,11 @@ def simulate_slosh(
     position: np.ndarray,
     quaternion: np.ndarray,
     *,
-    modes: int = 2,
+    modes: int | None = None,
     height: HeightRule | str = "one-mode",
     gravity: float = STANDARD_GRAVITY,
     azimuth: float | None = None,
+    model: Model | str = "surface",
 ) -> SloshSimulation:
     """Height of the liquid in a container along any motion.
 
@@ -96,25 +100,28 @@ def simulate_slosh(
         t: (m,) s, increasing without gaps.
         position: (m, 3) of the centre of the container's bottom in the world (z up), m.
         quaternion: (m, 4), (x, y, z, w), container axes to world axes; length 1 within 1e-3, either sign.
-        modes: liquid modes in each direction; two predict measured peaks best, one their course (docs/slosh-model.md).
+        modes: liquid modes in each direction, by default 2 for the surface and 20 for the contact line
+            (docs/slosh-model.md compares them with measured runs).
         height: "one-mode" adds the carried modes; "corrected" adds the quasi-static part of those not carried.
         gravity: m/s^2.
         azimuth: rad, from the container's x towards its y: the height at the wall there, with its sign; the crest when
             left out.
+        model: what a gauge at the wall reads: the "surface", or the "contact-line", which stays behind it.
 
     Raises:
         ScenarioError: container or motion wrong or incomplete, samples too far apart.
         ModelError: somewhere the apparent gravity does not press the liquid into the container, or it does not stay in.
     """
-    cargo = _filled(container, modes)
+    reading = reading_of(model)
+    cargo = _filled(container, reading.modes if modes is None else modes)
     motion = checked_motion(t, position, quaternion)
     if azimuth is not None and cargo.shape == "box":
         raise ScenarioError("azimuth: a box has corners; heights at an azimuth are of round containers")
-    return _simulated(cargo, motion, corrected=_is_corrected(height), gravity=gravity, azimuth=azimuth)
+    return _simulated(cargo, motion, corrected=_is_corrected(height), gravity=gravity, azimuth=azimuth, reading=reading)
 
 
 def _simulated(
-    cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float, azimuth: float | None
+    cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float, azimuth: float | None, reading: Reading
 ) -> SloshSimulation:
     assert cargo.filling is not None  # _filled
     filling = cargo.filling
@@ -150,6 +157,7 @@ def _simulated(
     return SloshSimulation(
         t=motion.t,
         height=heights,
+        reading=reading.of(heights, filling.liquid),
         displacement=states[:, :count],
         velocity=states[:, count:],
         room=cargo.container.height - filling.liquid_height,
