@@ -4,7 +4,8 @@
     python -m benchmarks.filmed.accuracy --films 2  fewer
 
 Prints a line for each film: root mean square error of both walls in mm, largest error, frames that were lost, and how
-many of these show the surface in full. A third of the films cover the marker, a third the vessel, for some frames.
+many of these show the surface in full. A third of the films cover the marker, a third the vessel, for some frames. In
+every second film the camera stands in the room and the tray moves before it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +52,25 @@ def task(seed: int) -> tuple[View, Wave]:
     return view, Wave(lambda t: height * course(t, 0.0), lambda t: part * height * course(t, phase))
 
 
+def moved(view: View, t: float, seed: int) -> View:
+    """The view from a camera in the room: the tray goes to and fro, nearer and farther, turns and leans."""
+    if seed % 2 == 0:
+        return view
+    draw = np.random.default_rng([seed, 1])
+    rate, phase = draw.uniform(4.0, 8.0, 5), draw.uniform(0.0, 2.0 * np.pi, 5)
+    across, along, turn, roll, rise = np.sin(rate * t + phase)
+    nearer = 1.0 + 0.06 * along
+    return replace(
+        view,
+        aside=0.012 * across,
+        distance=nearer * view.distance,
+        scale=nearer * view.scale,
+        turn=view.turn + 0.08 * turn,
+        roll=view.roll + 0.05 * roll,
+        elevation=view.elevation + 0.03 * rise,
+    )
+
+
 def covered(view: View, number: int, count: int, seed: int) -> np.ndarray | None:
     """Part of the picture that something hides in this frame: (rows, columns) of booleans; None where nothing does."""
     if seed % 3 == 0 or not 0.6 * count <= number < 0.6 * count + 5:
@@ -64,17 +85,21 @@ def covered(view: View, number: int, count: int, seed: int) -> np.ndarray | None
 def filmed(place: Path, view: View, wave: Wave, seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Write a film; heights above rest at both walls, (m, 2) m, and which frames are covered (m,)."""
     t = np.arange(round(seconds * RATE)) / RATE
-    scene, hidden = Scene(view), np.zeros(len(t), dtype=bool)
+    scene, hidden, truth = Scene(view), np.zeros(len(t), dtype=bool), np.zeros((len(t), 2))
 
     def pictures() -> Iterator[np.ndarray]:
+        nonlocal scene
         for number, own in enumerate(t):
+            now = moved(view, float(own), seed)
+            scene = scene if now == scene.view else Scene(now, scene.noise)
+            truth[number] = scene.walls(float(own), wave)
             frame = scene.frame(float(own), wave)
             cover = covered(view, number, len(t), seed)
             hidden[number] = cover is not None
             yield frame if cover is None else np.where(cover, np.uint8(90), frame)
 
     write_film(place, pictures(), RATE)
-    return np.array([scene.walls(float(own), wave) for own in t]), hidden
+    return truth, hidden
 
 
 def errors(found: FilmedHeights, truth: np.ndarray) -> np.ndarray:

@@ -36,6 +36,7 @@ class View:
         elevation: of the camera above the horizontal through the middle of the liquid.
         turn: of the camera about the axis of the cup.
         roll: of the camera about its own axis.
+        aside: how far it stands to the right of the middle between marker and cup.
         scale: length that a pixel shows at the axis.
         size: pixels, width and height.
         blur: standard deviation, pixels.
@@ -55,6 +56,7 @@ class View:
     elevation: float = 0.06
     turn: float = 0.0
     roll: float = 0.0
+    aside: float = 0.0
     scale: float = 3e-4
     size: tuple[int, int] = (560, 400)
     blur: float = 0.9
@@ -86,13 +88,15 @@ class Wave:
 
 
 class Scene:
-    """What does not change from frame to frame: where every ray meets marker and cup."""
+    """What does not change while the camera stands: where every ray meets marker and cup."""
 
     _FINER = 2
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, noise: np.random.Generator | None = None) -> None:
+        """The scene of a view; `noise` goes on from the scene before where the camera has moved."""
         self.view = view
         self._generator = np.random.default_rng(view.seed)
+        self.noise = self._generator if noise is None else noise
         origin, rays = self._rays()
         self._origin, self._shape = origin, rays.shape[:2]
         self.background = self._behind(origin, rays)
@@ -101,7 +105,7 @@ class Scene:
 
     def _rays(self) -> tuple[np.ndarray, np.ndarray]:
         view = self.view
-        middle = np.array([0.5 * view.marker_at * 0.9, 0.0, 0.55 * view.height])
+        middle = np.array([0.5 * view.marker_at * 0.9 + view.aside, 0.0, 0.55 * view.height])
         back = np.array(
             [
                 np.sin(view.turn) * np.cos(view.elevation),
@@ -197,7 +201,7 @@ class Scene:
         grey += self.added
         small = cv2.resize(grey, view.size, interpolation=cv2.INTER_AREA)
         small = cv2.GaussianBlur(small, (0, 0), view.blur)
-        small += view.noise * self._generator.standard_normal(small.shape)
+        small += view.noise * self.noise.standard_normal(small.shape)
         return np.clip(np.round(small), 0, 255).astype(np.uint8)
 
 

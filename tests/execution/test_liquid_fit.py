@@ -80,7 +80,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(lively) -> None:  # type:
         rise, factor = generator.uniform(-3e-3, 3e-3), generator.uniform(0.7, 2.0)
         clock, gauge = generator.uniform(0.2, 1.0), generator.uniform(-1e-3, 1e-3)
         t, height = height_of(lively.scene, lively.trajectory, rise=rise, factor=factor)
-        found = fit(lively, t, height, clock=clock, gauge=gauge, noise=5e-4, seed=seed)
+        found = fit(lively, t, height, clock=clock, gauge=gauge, noise=3e-4, seed=seed)
         truth = {"clock": clock, "fill": found.stated[0] + rise, "damping": factor * found.stated[1], "gauge": gauge}
         off = {name: found.of(name).value - value for name, value in truth.items()}
         inside.append([abs(off[name]) < found.of(name).half_width for name in truth])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
-from benchmarks.filmed.accuracy import errors
+from benchmarks.filmed.accuracy import errors, moved
 from benchmarks.filmed.rendering import Scene, View, Wave, write_film
 from nospill.cli import app
 from nospill.measuring.measured import FilmedHeights, measured_heights
@@ -56,6 +56,19 @@ def test_heights_of_both_walls(found: FilmedHeights) -> None:
     assert np.ptp(found.left) > 5e-3
     assert found.scale == pytest.approx(VIEW.scale, rel=0.02)
     assert not found.brighter
+
+
+def test_a_camera_in_the_room_sees_the_same_heights(tmp_path: Path) -> None:
+    times = [number / RATE for number in range(COUNT)]
+    scenes = [Scene(moved(VIEW, 8.0 * t, seed=1), np.random.default_rng(round(RATE * t))) for t in times]
+    pictures = [scene.frame(t, WAVE) for scene, t in zip(scenes, times, strict=True)]
+    write_film(tmp_path / "film.mp4", pictures, RATE)
+    corners = np.array([Finder(VESSEL).corners(own) for own in pictures])
+    assert np.ptp(corners[:, 0, 0]) > 10.0  # pixels
+    seen = measured_heights(tmp_path / "film.mp4", VESSEL, rest=0.03)
+    assert not seen.lost
+    off = errors(seen, np.array([scene.walls(t, WAVE) for scene, t in zip(scenes, times, strict=True)]))
+    assert np.sqrt(np.mean(off**2)) < 0.5e-3
 
 
 def test_lost_frames_are_named_and_not_invented(found: FilmedHeights) -> None:

@@ -15,6 +15,8 @@ from nospill.measuring.footage import opencv
 
 _LEAST_SIDE = 16.0
 """Pixels of a side of the marker, below which its corners tell nothing."""
+_TO_CENTRE = 0.5
+"""Pixels; AprilTag counts from the corner of a pixel, the rest of OpenCV from its centre."""
 _MARGIN = 1.0 / 6.0
 """Of the marker's side: the white border, one square, on which the paper stands."""
 _BESIDE = 1.1
@@ -66,7 +68,7 @@ class Finder:
         cv2 = opencv()
         self._vessel = vessel
         settings = cv2.aruco.DetectorParameters()
-        settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_APRILTAG
         self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), settings)
 
     def corners(self, frame: np.ndarray) -> np.ndarray | None:
@@ -75,7 +77,7 @@ class Finder:
         if not len(found):
             return None
         largest = max((own.reshape(4, 2) for own in found), key=_side)
-        return largest.astype(float) if _side(largest) >= _LEAST_SIDE else None
+        return largest.astype(float) - _TO_CENTRE if _side(largest) >= _LEAST_SIDE else None
 
     def region(self, frame: np.ndarray, corners: np.ndarray, scale: float) -> Region:
         """The vessel made straight, one pixel `scale` (m) wide."""
