@@ -1,6 +1,7 @@
 """What a gauge reads of a surface with all its modes: the tables of the contact line in docs/slosh-model.md.
 
-    python -m benchmarks.slosh.contact_line
+    python -m benchmarks.slosh.contact_line             print the tables
+    python -m benchmarks.slosh.contact_line --figure    draw docs/images/measured-runs.png, a run of each family
 
 NOSPILL_DATA names the folder of the measurements, as for `benchmarks.slosh.validate`. The runs are simulated once for
 every damping ratio; readings follow from the heights.
@@ -8,13 +9,18 @@ every damping ratio; readings follow from the heights.
 
 from __future__ import annotations
 
+import argparse
+import tempfile
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.slosh.validate import AFTERWARDS, CUP, REST, data_folder, held
+from benchmarks.slosh.validate import AFTERWARDS, CUP, REPOSITORY, REST, data_folder, held
+from nospill.plots.runs import save_runs
 from nospill.simulation.compare import Comparison, compare
 from nospill.simulation.motion_file import Heights, read_heights, read_motion
+from nospill.simulation.runs import compare_runs
 from nospill.simulation.simulate import simulate_slosh
 
 DAMPING = (0.0056, 0.01, 0.0125, 0.015, 0.02, 0.025, 0.03)
@@ -24,6 +30,17 @@ LAGS = tuple(2.5e-4 * count for count in range(19))
 CHOSEN = 0.015, 2.5e-3
 EDGES = (0.0, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0)
 """mm; classes of predicted height."""
+
+DRAWN = (
+    "LE_2D_0m_5s_900deg",
+    "RD_2D_0.3m_6.5s_720deg",
+    "TRD_2D_0.3m_2.4s_270deg",
+    "Tilt_LE_2D_0m_6.5s_30deg",
+    "Tilt_RD_2D_0.3m_7.5s_20deg",
+    "Tilt_TRD_2D_0.3m_3s_30deg",
+)
+"""A run of each family."""
+PICTURE = REPOSITORY / "docs" / "images" / "measured-runs.png"
 
 Key = tuple[float, float]
 
@@ -79,8 +96,26 @@ def _left_out(figures: dict[Key, np.ndarray], families: np.ndarray) -> tuple[np.
     return found, chosen
 
 
+def draw() -> None:
+    """The runs of the figure, predicted with the band of 2 mm of fill and half to twice the damping, and measured."""
+    cup = [f'{key} = "{value}"' for key, value in CUP.items()] + [f"damping = {CHOSEN[0]}"]
+    tolerance = ["[tolerance]", 'liquid_height = "2 mm"', "damping = [0.5, 2.0]"]
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "cup.toml").write_text("\n".join(cup + tolerance), encoding="utf-8")
+        for name in DRAWN:
+            for ending in (".motion.csv", ".height.csv"):
+                (folder / f"{name}{ending}").symlink_to((data_folder() / "slosh-runs" / f"{name}{ending}").resolve())
+        save_runs(compare_runs(folder, folder / "cup.toml", model="contact-line"), PICTURE)
+
+
 def main() -> None:
-    """Print the tables."""
+    """Print the tables, or draw the figure."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--figure", action="store_true")
+    if parser.parse_args().figure:
+        draw()
+        return
     surfaces, measured, names = simulated()
     families = np.array(names)
     plain = _compared(surfaces[0.01], measured, 0.0)
