@@ -10,7 +10,7 @@ from nospill.diagnosis import free_ways, freest_way
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.free_way import along, ways
+from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
 
 pytest.importorskip("coal")
@@ -39,7 +39,7 @@ def middle_of(scene: Scene) -> np.ndarray:
 def test_without_obstacles_three_ways_are_looked_at() -> None:
     table = read_scenario("cups-around-a-column").source
     scene = scene_from_table({key: value for key, value in table.items() if key != "obstacle"}, name="open")
-    assert freest_way(scene).source == ways(scene)[0].source
+    assert freest_way(scene).source == ways(scene)[0].scene.source
     assert len(ways(scene)) <= 3 < len(ways(scene_of(TABLE)))
 
 
@@ -59,7 +59,8 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     points = np.column_stack([*(np.hypot(*start[:2]) * np.array([np.cos(turn), np.sin(turn)])), np.full(13, start[2])])
     points[[0, -1]] = start, goal
     behind = along(scene, points)
-    monkeypatch.setattr(free_ways, "ways", lambda _: [scene, behind])
+    both = [Way(own, joint_paths(own.robot, own.path, tool=own.tray.tool)) for own in (scene, behind)]
+    monkeypatch.setattr(free_ways, "ways", lambda _: both)
     monkeypatch.setattr(free_ways, "SAMPLES", 2000)
     found = freest_way(scene)
     assert middle_of(found)[0] > 0.0

@@ -35,7 +35,7 @@ def test_it_is_a_straight_line_until_a_way_is_chosen() -> None:
 def test_past_the_foot_of_the_arm_it_goes_round() -> None:
     scene = scene_of()
     found = ways(scene)
-    best = found[0]
+    best = found[0].scene
     assert not has_free_way(best)
     places = best.path.at(np.linspace(0.0, 1.0, 50))
     np.testing.assert_allclose(np.hypot(*places[:, :2].T), np.hypot(0.154, 0.6), atol=2e-3)
@@ -47,13 +47,16 @@ def test_past_the_foot_of_the_arm_it_goes_round() -> None:
 
 def test_where_the_line_is_the_fastest_it_stays() -> None:
     scene = scene_of({"position": [0.6, 0.0, 1.2]}, {"position": [0.85, 0.0, 1.2]})
-    assert ways(scene)[0] is scene
+    assert ways(scene)[0].scene is scene
 
 
-def test_out_of_reach_is_told_of_the_line() -> None:
-    with pytest.raises(ScenarioError, match=r"path: out of reach of robot 'comau-smart-six'") as caught:
-        ways(scene_of(goal={"position": [3.0, 0.6, 1.2]}))
+@pytest.mark.parametrize("end", ["start", "goal"])
+def test_an_end_out_of_reach_is_refused_whatever_the_way(end: str) -> None:
+    said = rf"path: the {end}, s = \d\.000 \(x, y, z = 3000, 600, 1200 mm\), is out of reach of robot 'comau-smart-six'"
+    with pytest.raises(ScenarioError, match=said) as caught:
+        ways(scene_of(**{end: {"position": [3.0, 0.6, 1.2]}}))
     assert caught.value.exit_code == 2
+    assert caught.value.reason is not None and 1.0 < caught.value.reason.excess < 2.0
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def scene_of(**keys: object) -> Scene:
 def test_the_way_passes_its_places_in_their_order() -> None:
     low = {"position": ["650 mm", "400 mm", "1.0 m"], "name": "low"}
     scene = scene_of(via=[ABOVE, low])
-    for found in (scene, ways(scene)[0]):
+    for found in (scene, ways(scene)[0].scene):
         first, second = found.motion.via
         assert (first.name, first.radius, second.name, second.radius) == ("1", 0.02, "low", 0.05)
         assert 0.0 < first.parameter < second.parameter < 1.0
@@ -48,7 +48,7 @@ def test_a_loop_needs_a_place_on_its_way() -> None:
 
 
 def test_a_kept_way_is_read_with_its_places() -> None:
-    found = ways(scene_of(via=[ABOVE]))[0]
+    found = ways(scene_of(via=[ABOVE]))[0].scene
     again = scene_from_table(found.source, name="free")
     assert again.motion.via == found.motion.via
     np.testing.assert_array_equal(again.path.coefficients, found.path.coefficients)

@@ -16,6 +16,8 @@ from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
 
 _ENDS = {0.0: "start", 1.0: "end"}
+_PLACES = (11, 201)
+"""Numbers of places at which a joint path is looked at, one after the other."""
 
 
 def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
@@ -51,6 +53,23 @@ def require_free_ends(scene: Scene, joint_path: JointPath) -> None:
     if ends.room < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
         raise ScenarioError(f"{_in_words(ends, where)}; {_advice(ends)}", _reason(ends, REST))
+
+
+def is_clear(scene: Scene, candidates: Sequence[JointPath]) -> bool:
+    """Whether nothing is in the way of the level tray on one of the joint paths along a path.
+
+    The tray comes first, which is where the path leads it on every branch, and a few places before all.
+    """
+    for places in _PLACES:
+        if nearest_along(scene, candidates[0], on_path=True, places=places).room < 0.0:
+            return False
+    seen: set[tuple[float, ...]] = set()
+    for joint_path in candidates:
+        branch = places_of(joint_path)
+        if branch not in seen and all(nearest_along(scene, joint_path, places=own).room >= 0.0 for own in _PLACES):
+            return True
+        seen.add(branch)
+    return False
 
 
 def nearest_of(scene: Scene, candidates: Sequence[JointPath]) -> list[Nearness]:

@@ -8,10 +8,11 @@ from nospill.collisions.configurations import Configurations
 from nospill.collisions.level_arm import LEVER, LevelArm
 from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
 from nospill.core.smoothing import smooth_curve
-from nospill.diagnosis.collisions import free_paths, nearest_of, places_of, require_free_ends
+from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
-from nospill.scenario.free_way import along, ways
+from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
 
 SEEDS = (0, 1, 2, 3)
@@ -44,12 +45,14 @@ def freest_way(scene: Scene) -> Scene:
     are found by sampling; where there is none either, the one with most room, and the certificate decides then.
 
     Raises:
-        ScenarioError: the arm can follow no way; or an obstacle is in the way of the tray at an end.
+        ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there; or the arm can follow no
+            way.
         NoSolutionError: no way is clear, and the tray is level; tells of the one with most room.
         MissingExtraError: the library coal is not installed.
     """
     if not scene.keeps_distances:
-        return ways(scene)[0]
+        return ways(scene)[0].scene
+    require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     try:
         candidates = ways(scene)
     except ScenarioError:
@@ -57,17 +60,13 @@ def freest_way(scene: Scene) -> Scene:
         if found is None:
             raise
         return found[1]
-    freest = (-np.inf, scene)
-    for number, candidate in enumerate(candidates):
-        paths = joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
-        if number == 0:
-            require_free_ends(candidate, paths[0])
-        room = max(item.room for item in nearest_of(candidate, paths))
-        if room >= 0.0:
-            return candidate if number == 0 else _or_sampled(candidate, paths[0].speed_figure, scene)
-        freest = max(freest, (room, candidate), key=lambda item: item[0])
+    require_free_ends(scene, candidates[0].paths[0])
+    for number, way in enumerate(candidates):
+        # bodies and pairs are those of the task, whichever way it goes
+        if is_clear(scene, way.paths):
+            return way.scene if number == 0 else _or_sampled(way.scene, way.paths[0].speed_figure, scene)
     found = sampled_way_of(scene)
-    return _with_most_room(freest[1], len(candidates)) if found is None else found[1]
+    return _with_most_room(scene, candidates) if found is None else found[1]
 
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
@@ -76,17 +75,18 @@ def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
     return detour if found is None or found[0] > _MUCH_FASTER * figure else found[1]
 
 
-def _with_most_room(scene: Scene, tried: int) -> Scene:
-    """The scene itself, if the motion may leave its way so far that the certificate must decide."""
+def _with_most_room(scene: Scene, candidates: list[Way]) -> Scene:
+    """The scene with the way that has most room, as far as the motion may leave it; raises where it may not."""
+    freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
     try:
-        free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
+        free_paths(freest, joint_paths(freest.robot, freest.path, tool=freest.tray.tool))
     except NoSolutionError as error:
         text = (
-            f"{error}; the {tried} ways that were tried, round the base and over or under, are all blocked, "
+            f"{error}; the {len(candidates)} ways that were tried, round the base and over or under, are all blocked, "
             f"and {len(SEEDS)} random searches found no other"
         )
         raise NoSolutionError(text, error.reason) from None
-    return scene
+    return freest
 
 
 def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:

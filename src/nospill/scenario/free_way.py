@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
@@ -12,7 +13,8 @@ import numpy as np
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import base_pose
-from nospill.robots.joint_paths.search import try_joint_paths
+from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
+from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scenario.reader import scene_from_table
 from nospill.scene.scene import Scene
@@ -32,8 +34,21 @@ def has_free_way(scene: Scene) -> bool:
     return table.get("type") == "free" and "way" not in table
 
 
-def ways(scene: Scene) -> list[Scene]:
-    """The scene with each way that the arm can follow in the place of the open one, the fastest first.
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A way that the arm can follow.
+
+    Attributes:
+        scene: the task with it.
+        paths: its joint paths, best first.
+    """
+
+    scene: Scene
+    paths: list[JointPath]
+
+
+def ways(scene: Scene) -> list[Way]:
+    """Each way that the arm can follow from start to goal, the fastest first.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
     distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
@@ -42,8 +57,9 @@ def ways(scene: Scene) -> list[Scene]:
     joint paths.
 
     Raises:
-        ScenarioError: the arm can follow none; tells of the line.
+        ScenarioError: start or goal is out of reach; or the arm can follow no way, which tells of the line.
     """
+    require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     scenes = [scene, *_arcs(scene)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
     # rounded, so that ways that are alike compare by their order
@@ -51,7 +67,7 @@ def ways(scene: Scene) -> list[Scene]:
     if min(figures) == math.inf:
         raise tried[0].failure()
     order = sorted(range(len(scenes)), key=lambda index: figures[index])
-    return [scenes[index] for index in order if figures[index] < math.inf]
+    return [Way(scenes[index], tried[index].paths) for index in order if figures[index] < math.inf]
 
 
 def _arcs(scene: Scene) -> Iterator[Scene]:

@@ -116,7 +116,7 @@ class LayoutView:
         obstacle = ""
         if has_free_way(scene):
             try:
-                scene = ways(scene)[0]
+                scene = ways(scene)[0].scene
             except NospillError as error:
                 obstacle = str(error)
         points = scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))

@@ -17,6 +17,7 @@ from nospill.robots.tool import Tool
 _ORIENTATION_WEIGHT = 100.0  # m per rad
 _RANDOM_STARTS = 16
 _REACHED = 1e-6  # m
+_CLEARLY_MISSED = 1e-3  # m
 _BISECTIONS = 20
 _PLACES = 9
 
@@ -101,6 +102,35 @@ def farthest_reached(robot: Robot, path: Path, tool: Tool) -> float:
     return reached
 
 
+def require_reachable_ends(robot: Robot, path: Path, tool: Tool) -> None:
+    """Refuse a start or a goal that the level tray misses by a millimetre or more, wherever the way between them leads.
+
+    Args:
+        robot: the arm.
+        path: any path from the start to the goal.
+        tool: frame carried by the flange.
+
+    Raises:
+        ScenarioError: one of the two is out of reach; by how much.
+    """
+    for name, s in (("start", 0.0), ("goal", 1.0)):
+        if is_reachable(robot, path, s, tool):
+            continue
+        missed = float(_shortfalls(kinematics(robot), path, np.array([s]), tool)[0])
+        if missed < _CLEARLY_MISSED:
+            continue
+        by = f" by {1000 * missed:.4g} mm" if np.isfinite(missed) else ""
+        raise ScenarioError(
+            f"path: the {name}, {place_in_words(path, s)}, is out of reach of robot {robot.name!r}{_stated(robot)}"
+            f"{by}; move it nearer to the robot's base or away from its axis",
+            Reason(ROBOT, "reach", robot.name, s, missed, "m"),
+        )
+
+
+def _stated(robot: Robot) -> str:
+    return "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
+
+
 def is_reachable(robot: Robot, path: Path, s: float, tool: Tool) -> bool:
     """Whether the arm can put the level tray on the path at s, joint limits aside."""
     positions, rotations = tray_poses(path, np.array([s]))
@@ -124,9 +154,8 @@ def _out_of_reach(robot: Robot, path: Path, s: np.ndarray, solved: np.ndarray, t
     outside = s[~solved]
     shortfall = _shortfalls(kinematics(robot), path, outside, tool)
     worst = int(np.argmax(shortfall))
-    reach = "" if robot.reach is None else f" (stated reach {robot.reach:g} m)"
     return ScenarioError(
-        f"path: out of reach of robot {robot.name!r}{reach} from {place_in_words(path, edge)} on, by up to "
+        f"path: out of reach of robot {robot.name!r}{_stated(robot)} from {place_in_words(path, edge)} on, by up to "
         f"{1000 * shortfall[worst]:.4g} mm at {place_in_words(path, float(outside[worst]))}; "
         "move the path nearer to the robot's base or away from its axis",
         Reason(ROBOT, "reach", robot.name, edge, float(shortfall[worst]), "m"),
