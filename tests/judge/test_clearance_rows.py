@@ -17,6 +17,7 @@ from nospill.collisions import distances
 from nospill.errors import MissingExtraError, NospillError
 from nospill.judge.certificate import certify, judge
 from nospill.judge.full_model import full_scene
+from nospill.judge.limiting import held_back, limiting_rows
 from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.judge.wording import describe
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
@@ -67,6 +68,21 @@ def test_a_column_in_the_way_fails_its_rows_alone(passing, changed_scene) -> Non
         broken = [row for row in certify(passing[2], near).rows if not row.ok]
         assert (not broken) == ok
         assert {row.subject for row in broken} <= {"tray to column"}
+
+
+def test_pairs_that_come_near_are_followed_over_time_and_named(passing, changed_scene) -> None:
+    column = changed_scene("cups-past-a-column", {**ONE_MODE, "obstacle.0.at": ["0.8395 m", "0 m", "0.45 m"]})
+    judgement = judge(passing[2], column)
+    assert judgement.certificate.ok
+    row = clearance(judgement.certificate)["tray to column"]
+    trace = next(own for own in judgement.traces if own.subject == "tray to column")
+    # of 301 instants; the row holds between them too
+    assert row.worst_value <= float(np.min(trace.value)) <= row.worst_value + 1e-3
+    assert trace.t[0] == 0.0 and trace.t[-1] == judgement.replay.t[-1]
+    assert "tray to forearm_link" not in {own.subject for own in judgement.traces}
+    limiting = {item.row.subject: item.share for item in limiting_rows(judgement)}
+    assert 0.0 < limiting["tray to column"] < 0.5
+    assert "clearance of tray to column" in held_back({"clearance | tray to column": 0.2}, column.robot.joints)
 
 
 def test_the_finer_grid_agrees(passing) -> None:

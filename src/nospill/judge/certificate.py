@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.judge.clearance import clearance_rows
+from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
@@ -30,7 +30,7 @@ class Judgement:
 
     Attributes:
         certificate: the verdict.
-        traces: of every constraint, for the objects as stated.
+        traces: of every constraint, for the objects as stated; of clearance those of the pairs that come near.
         replay: dense, for the objects as stated.
         end_time: of the motion without its holds, which begins at 0, s.
         corners: where numbers of the objects may be off, the rows of every variant; the certificate has the worst.
@@ -165,10 +165,9 @@ def _judged(
             use = np.interp(played.t, trace.t, trace.use)
             corner_use[own] = np.maximum(corner_use.get(own, use), use)
     joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
-    rows = [
-        *condensed([*map(worst_row, traces), *corners]),
-        *clearance_rows(scene, played.t, *joints),
-    ]
+    distances = clearance_rows(scene, played.t, *joints)
+    rows = [*condensed([*map(worst_row, traces), *corners]), *distances]
+    traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, distances))
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use)

@@ -5,15 +5,22 @@ Bodies, pairs and bounds are those of `collisions`; the joints are those that ar
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
+from nospill.collisions.distances import Distances
 from nospill.collisions.least_distances import LeastDistance, least_distances
 from nospill.collisions.motion_bounds import SampledMotion
 from nospill.collisions.pairs import scene_pairs
-from nospill.judge.verdict import Row
+from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints.clearance import Clearance
-from nospill.robots.kinematics.frames import arm_chain
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
+
+_NEAR = 0.9
+"""Use of the limit above which a pair is followed over time."""
+_INSTANTS = 301
 
 
 def clearance_rows(
@@ -36,6 +43,35 @@ def clearance_rows(
         return []
     motion = SampledMotion(arm_chain(scene.robot), t, q, qd, qdd)
     return [_row(found) for found in least_distances(motion, scene_pairs(scene, loaded=loaded))]
+
+
+def clearance_traces(scene: Scene, t: np.ndarray, q: np.ndarray, rows: Iterable[Row]) -> tuple[Trace, ...]:
+    """Distances over time of the pairs that come near their limits, at some instants; the rows hold between them too.
+
+    Args:
+        scene: with the obstacles.
+        t: (m,) s.
+        q: (m, n) joint positions, rad.
+        rows: of the pairs.
+
+    Raises:
+        MissingExtraError: the library coal is not installed.
+    """
+    near = {row.subject for row in rows if row.use >= _NEAR}
+    if not near:
+        return ()
+    some = np.unique(np.linspace(0, len(t) - 1, _INSTANTS).astype(int))
+    frames, every = joint_frames(arm_chain(scene.robot), q[some]), np.arange(len(some))
+    found: dict[str, tuple[np.ndarray, float]] = {}
+    for pair in scene_pairs(scene):
+        if pair.subject in near:
+            distance = Distances(pair.first, pair.second).at(frames, every)[0]
+            before = found.get(pair.subject, (distance, pair.limit))[0]
+            found[pair.subject] = np.minimum(distance, before), pair.limit
+    return tuple(
+        Trace(Clearance.name, subject, Clearance.unit, t[some], own, np.full(len(own), limit), own - limit)
+        for subject, (own, limit) in found.items()
+    )
 
 
 def _row(found: LeastDistance) -> Row:
