@@ -160,10 +160,8 @@ def _from_text(text: str, kind: Dimension) -> float:
         si = next(iter(kind.units))
         if len(number) > _LONGEST_REPEATED:
             raise ScenarioError(f"{shown} has no unit; {_advice(kind)}")
-        raise ScenarioError(
-            f'{shown} has no unit; write "{number} {si}" or the bare number {number}, which is in {si}, '
-            f'or another unit, for example "{kind.example}"'
-        )
+        written = listed([f'"{number} {own}"' for own in dict.fromkeys((kind.shown, si))])
+        raise ScenarioError(f"{shown} has no unit; write {written}; the bare number {number} is in {si}")
     if unit and unit not in kind.units:
         owner = next((other for other in DIMENSIONS.values() if unit in other.units), None)
         if owner is not None:

@@ -35,10 +35,17 @@ def report(label: str, faults: Sequence[Fault], reason: Reason | None = None) ->
     place, text = faults[0]
     if reason is not None and reason.changes:
         text += f", for example {reason.changes[0].text}"
-    others = len(faults) - 1
-    more = f" (and {others} more mistake{'s' if others > 1 else ''})" if others else ""
-    line = ": ".join(part for part in (label, place, text) if part) + more
+    line = ": ".join(part for part in (label, place, text) if part) + _more(faults[1:])
     return ScenarioError(" ".join(line.splitlines()), reason)
+
+
+def _more(others: Sequence[Fault]) -> str:
+    """How many more mistakes there are, and where."""
+    if not others:
+        return ""
+    where = list(dict.fromkeys(place for place, _ in others if place))
+    count = f"{len(others)} more mistake{'s' if len(others) > 1 else ''}"
+    return f" (and {count} in {listed(where, last='and')})" if where else f" (and {count})"
 
 
 def cargo_place(index: int, entry: object) -> str:
@@ -73,6 +80,12 @@ def _fault(kind: str, location: Location, value: object, context: Mapping[str, A
         return place, f"{subject} {context['sentence']}"
     if kind == "list_type" and location in (("cargo",), ("obstacle",)) and isinstance(value, dict):
         return place, f"{subject} is a single table; write [[{location[0]}]], with two brackets, for every one"
+    if kind in ("model_type", "model_attributes_type"):
+        inner = _model_of(model, str(keys[-1])) if model is not None and keys else None
+        keys_of_it = (
+            f"{{ {', '.join(f'{key} = ...' for key in _fields(inner))} }}" if inner is not None else "in braces"
+        )
+        return place, f"{subject} is not a table but {shown}; write its keys {keys_of_it} or under their own heading"
     if kind in _SENTENCES:
         return place, f"{subject} {_SENTENCES[kind](shown, {**context, 'head': location[0]})}"
     return place, f"{subject} {shown} is not accepted here ({kind})"
@@ -136,10 +149,6 @@ _SENTENCES: dict[str, Callable[[str, Mapping[str, Any]], str]] = {
     "list_type": lambda shown, context: f"{shown} is not a list; put the values in brackets",
     "too_short": lambda shown, context: _entries(context),
     "too_long": lambda shown, context: _too_many(context),
-    "model_type": lambda shown, context: f"is not a table but {shown}; write its keys under their own heading",
-    "model_attributes_type": lambda shown, context: (
-        f"is not a table but {shown}; write its keys under their own heading"
-    ),
     "union_tag_invalid": _tag,
     "union_tag_not_found": _no_tag,
 }

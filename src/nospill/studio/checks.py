@@ -28,7 +28,7 @@ from nospill.scene.scene import Scene
 from nospill.scene.tray import Tray
 from nospill.studio.draft import Key
 
-_MORE = re.compile(r" \(and \d+ more mistakes?\)$")
+_MORE = re.compile(r" \(and \d+ more mistakes?( in [^()]*)?\)$")
 _PLACE = re.compile(r'(?P<place>\[[a-z_.]+\]|cargo (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL)
 _LABEL = "studio"
 _MAIN_KEY = {"robot": "model", "path": "type", "tray": "mass"}
