@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pickle
 import shutil
@@ -206,3 +207,4 @@ def browser() -> Iterator[Any]:
         found = started.chromium.launch(executable_path=program, args=flags)
         yield found
         found.close()
+    gc.collect()  # what Playwright leaves in cycles goes here, and not in the midst of another test
