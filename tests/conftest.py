@@ -35,6 +35,7 @@ from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
 from tests.builders import changed_table, joint_path_of, measured_data, with_few_speeds
+from tests.example_plans import keep
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
@@ -92,9 +93,15 @@ def changed_scene() -> Callable[..., Scene]:
 
 @pytest.fixture(scope="session")
 def example_plan(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Callable[[str], Plan]:
-    """Plan an example, once for all tests, whichever process runs them."""
+    """Plan an example, once for all tests, whichever process runs them; it is kept for the documentation."""
+
+    def made(name: str) -> Plan:
+        found = plan(read_scenario(name))
+        keep(found, name)
+        return found
+
     if worker_id == "master":
-        return cache(lambda name: plan(read_scenario(name)))
+        return cache(made)
     folder = tmp_path_factory.getbasetemp().parent  # of all processes of this run
 
     @cache
@@ -102,7 +109,7 @@ def example_plan(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Ca
         file = folder / f"{name}.pickle"
         with FileLock(f"{file}.lock"):
             if not file.exists():
-                file.write_bytes(pickle.dumps(plan(read_scenario(name))))
+                file.write_bytes(pickle.dumps(made(name)))
         return pickle.loads(file.read_bytes())
 
     return shared

@@ -6,6 +6,7 @@ import contextlib
 import importlib.util
 import json
 import os
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +18,7 @@ from nospill.plans.loading import load_plan
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
+from tests.example_plans import kept
 
 CAPTIONS: dict[str, str] = {
     "summary": "Summary sheet: path, certificate, what holds the motion back, heights, joint speeds.",
@@ -56,7 +58,13 @@ def planned_example(places: Places, name: str) -> Path:
 
 
 def _plan(name: str, folder: Path) -> None:
-    _nospill("plan", name, "--all-figures", "-o", str(folder))
+    """A plan folder with all figures, of the plan that the tests have made of it or of a new one."""
+    known = kept(name)
+    if known is None:
+        _nospill("plan", name, "--all-figures", "-o", str(folder))
+    else:
+        shutil.copytree(known, folder)
+        _nospill("plot", str(folder))
 
 
 def _nospill(*arguments: str) -> None:
