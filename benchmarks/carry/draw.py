@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.campaign.lines import Lines
-from benchmarks.carry.scenes import draw_problem
+from benchmarks.carry.scenes import CELLS, draw_problem
 
 PROBLEMS = Path(__file__).resolve().parents[1] / "results" / "carry-problems.jsonl.gz"
 
@@ -43,6 +43,9 @@ def main(words: list[str] | None = None) -> None:
     for seed in range(arguments.first, arguments.cases):
         if seed not in problems:
             problem = draw_problem(seed)
+            if problem is None:
+                print(f"{seed}: no problem with a motion in any of {CELLS} cells", flush=True)
+                continue
             problems[seed] = asdict(problem)
             write_problems(arguments.out, problems)
             print(f"{seed}: {problem.family}, {problem.slow_s:.1f} s slowly", flush=True)

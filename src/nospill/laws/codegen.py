@@ -73,13 +73,12 @@ def functions(
     return *ready, True
 
 
-def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) -> Path | None:
+def compiled_library(kind: str, sources: Sequence[Path]) -> Path | None:
     """C files of the package as a shared library, compiled at once where it is not on the disk; for small files.
 
     Args:
         kind: what it is for, first part of its name.
         sources: the files, compiled as one.
-        linked: libraries that it needs, as the compiler takes them.
 
     Returns:
         The library, or None where it cannot be had.
@@ -87,7 +86,7 @@ def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) 
     if _mode() == "off":
         return None
     text = b"\n".join(source.read_bytes() for source in sources)
-    digest = hashlib.sha256("\0".join((_FORMAT, *_FLAGS_OF_SOURCES, *linked)).encode() + text)
+    digest = hashlib.sha256("\0".join((_FORMAT, *_FLAGS_OF_SOURCES)).encode() + text)
     library = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}.so"
     with suppress(OSError):
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -99,7 +98,7 @@ def compiled_library(kind: str, sources: Sequence[Path], linked: Sequence[str]) 
         if compiler is not None and _take(lock):
             folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
             (folder / "made.c").write_bytes(text)
-            compile_worker.compile_library(library, lock, folder, (compiler, *_FLAGS_OF_SOURCES), linked)
+            compile_worker.compile_library(library, lock, folder, (compiler, *_FLAGS_OF_SOURCES))
             if _is_whole(library):
                 return library
     return None

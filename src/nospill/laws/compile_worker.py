@@ -25,18 +25,13 @@ LONGEST_COMPILATION = 600.0
 _NICENESS = 10
 
 
-def compile_library(
-    library: Path, lock: Path, folder: Path, command: Sequence[str], linked: Sequence[str] = ()
-) -> None:
-    """Compile made.c in `folder` by `command` (compiler and flags) into `library`; leave nothing where that fails.
-
-    `linked`: further libraries, as the compiler takes them after the source.
-    """
+def compile_library(library: Path, lock: Path, folder: Path, command: Sequence[str]) -> None:
+    """Compile made.c in `folder` by `command` (compiler and flags) into `library`; leave nothing where that fails."""
     made, digest = folder / "made.so", folder / "made.sum"
     try:
         with suppress(OSError, subprocess.SubprocessError):
             subprocess.run(
-                [*command, "-o", str(made), str(folder / "made.c"), *linked, "-lm"],
+                [*command, "-o", str(made), str(folder / "made.c"), "-lm"],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,

@@ -89,11 +89,7 @@ def candidates(name: str) -> list[tuple[str, Settings]]:
 
 def ldl_library() -> Path | None:
     """The compiled `ldl`, checked to load; None where it cannot be had."""
-    casadi = Path(ca.__file__).parent
-    amd = next((file for file in (casadi / "libosqp.so", casadi / "libosqp.dylib") if file.is_file()), None)
-    if amd is None:
-        return None
-    library = compiled_library("ldl", SOURCES, (str(amd), "-Xlinker", "-rpath", "-Xlinker", str(casadi)))
+    library = compiled_library("ldl", SOURCES)
     if library is not None:
         with suppress(OSError):  # a symbol is missing; found by IPOPT it would end the process
             ctypes.CDLL(str(library))

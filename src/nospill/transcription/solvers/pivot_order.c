@@ -6,15 +6,14 @@
        [   J    -C   ]      S, C diagonal, C mostly zero.
 
    Each dual row is paired with a primal row by a large entry: the two make one pivot, which is regular however small
-   the diagonal is. Pairs and single rows are ordered by approximate minimum degree (AMD, of the library libosqp that
-   CasADi brings along). */
+   the diagonal is. Pairs and single rows are the nodes of a graph, which is long and thin, since a stage of the motion
+   touches the next one only: its levels (distances from the first node) are eliminated from the far end, each by minimum
+   degree. Inequalities, each a pair with its slack, come before all. */
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-long long amd_l_order(long long n, const long long *start, const long long *row, long long *order, double *control,
-                      double *info);
 
 /* Least entry that makes a pair, as part of the largest in its dual row: first this, then this. */
 static const double LEAST_ENTRY[2] = {0.1, 1e-3};
@@ -98,6 +97,133 @@ static void find_pairs(Pairs *p) {
     }
 }
 
+/* ---- levels ---- */
+
+typedef struct {
+    int nodes;
+    const int *start, *other; /* neighbours of each node, some more than once */
+    const int *inequality;    /* whether a node is one; no two of them are neighbours */
+    int *level, *seen;        /* of nodes that are none; of those that are: whether they were looked at */
+    int *first, *member;      /* nodes by level */
+    int *local;               /* place of a node in the front */
+    int levels, width;        /* words of a row of the front */
+    uint64_t *front;          /* which nodes are neighbours, of two levels that follow each other: a row of bits each */
+} Levels;
+
+static uint64_t *bits(const Levels *g, int node) { return g->front + (size_t)g->local[node] * g->width; }
+
+static void join(const Levels *g, int a, int b) {
+    if (a == b) return;
+    bits(g, a)[g->local[b] / 64] |= UINT64_C(1) << (g->local[b] % 64);
+    bits(g, b)[g->local[a] / 64] |= UINT64_C(1) << (g->local[a] % 64);
+}
+
+/* Distances from the first node that is not reached yet, and so on; an inequality makes neighbours of its own. */
+static void find_levels(Levels *g, int *queue) {
+    int last = 0, next = 0;
+    for (int i = 0; i < g->nodes; i++) g->level[i] = -1, g->seen[i] = 0;
+    g->levels = 0;
+    for (int from = 0; from < g->nodes; from++) {
+        if (g->inequality[from] || g->level[from] >= 0) continue;
+        g->level[from] = g->levels, queue[last++] = from;
+        for (; next < last; next++) {
+            int i = queue[next], beyond = g->level[i] + 1;
+            for (int q = g->start[i]; q < g->start[i + 1]; q++) {
+                int j = g->other[q];
+                if (!g->inequality[j]) {
+                    if (g->level[j] < 0) g->level[j] = beyond, queue[last++] = j;
+                } else if (!g->seen[j]) {
+                    g->seen[j] = 1;
+                    for (int r = g->start[j]; r < g->start[j + 1]; r++)
+                        if (g->level[g->other[r]] < 0) g->level[g->other[r]] = beyond, queue[last++] = g->other[r];
+                }
+            }
+        }
+        if (last) g->levels = g->level[queue[last - 1]] + 1;
+    }
+}
+
+/* Make neighbours of what the entries join at a level, as far as no higher level has. */
+static void gather(const Levels *g, int level) {
+    for (int k = g->first[level]; k < g->first[level + 1]; k++) {
+        int i = g->member[k];
+        for (int q = g->start[i]; q < g->start[i + 1]; q++) {
+            int j = g->other[q];
+            if (!g->inequality[j]) {
+                if (g->level[j] <= level) join(g, i, j);
+            } else if (g->seen[j]) {
+                g->seen[j] = 0;
+                for (int r = g->start[j]; r < g->start[j + 1]; r++)
+                    for (int s = g->start[j]; s < r; s++) join(g, g->other[r], g->other[s]);
+            }
+        }
+    }
+}
+
+static int count_of(const uint64_t *row, int width) {
+    int count = 0;
+    for (int k = 0; k < width; k++)
+        for (uint64_t left = row[k]; left; left &= left - 1) count++;
+    return count;
+}
+
+/* Eliminate the nodes of a level, that of the fewest neighbours first; returns the next place in the sequence. `at`:
+   node at each place of the front. */
+static int eliminate_level(const Levels *g, int level, const int *at, int *degree, int *sequence, int next) {
+    int *left = g->member + g->first[level], count = g->first[level + 1] - g->first[level];
+    for (int k = 0; k < count; k++) degree[left[k]] = count_of(bits(g, left[k]), g->width);
+    for (; count > 0; count--) {
+        int best = 0;
+        for (int k = 1; k < count; k++)
+            if (degree[left[k]] < degree[left[best]]) best = k;
+        int pivot = left[best];
+        uint64_t *own = bits(g, pivot), mask = UINT64_C(1) << (g->local[pivot] % 64);
+        for (int word = 0; word < g->width; word++)
+            for (int bit = 0; bit < 64; bit++) {
+                if (!(own[word] >> bit & 1)) continue;
+                int place = 64 * word + bit;
+                uint64_t *row = g->front + (size_t)place * g->width;
+                for (int k = 0; k < g->width; k++) row[k] |= own[k];
+                row[word] &= ~(UINT64_C(1) << bit), row[g->local[pivot] / 64] &= ~mask;
+                if (g->level[at[place]] == level) degree[at[place]] = count_of(row, g->width);
+            }
+        memset(own, 0, (size_t)g->width * sizeof *own);
+        sequence[next++] = pivot;
+        left[best] = left[count - 1];
+    }
+    return next;
+}
+
+/* The order of the nodes; 0 without memory. */
+static int order_nodes(int nodes, const int *start, const int *other, const int *inequality, int *sequence) {
+    size_t size = (size_t)nodes + 1;
+    int *whole = malloc(7 * size * sizeof *whole), next = 0, most[2] = {0, 0}, done = 0;
+    if (!whole) return 0;
+    memset(whole, 0, 7 * size * sizeof *whole);
+    Levels g = {nodes, start, other, inequality, whole, whole + size, whole + 2 * size, whole + 3 * size,
+                whole + 4 * size, 0, 0, NULL};
+    int *degree = whole + 5 * size, *at = whole + 6 * size;
+    find_levels(&g, at);
+    for (int i = 0; i < nodes; i++)
+        if (inequality[i]) sequence[next++] = i;
+    sort_by(nodes, g.level, g.levels, g.first, g.member);
+    for (int l = 0; l < g.levels; l++) most[l % 2] = greater(most[l % 2], g.first[l + 1] - g.first[l]);
+    for (int l = 0; l < g.levels; l++)
+        for (int k = g.first[l]; k < g.first[l + 1]; k++) g.local[g.member[k]] = k - g.first[l] + (l % 2 ? most[0] : 0);
+    g.width = (most[0] + most[1] + 63) / 64;
+    g.front = calloc((size_t)(most[0] + most[1]) * (size_t)g.width + 1, sizeof *g.front);
+    for (int l = g.levels - 1; g.front && l >= 0; l--) {
+        for (int below = l; below >= 0 && below >= l - 1; below--)
+            for (int k = g.first[below]; k < g.first[below + 1]; k++) at[g.local[g.member[k]]] = g.member[k];
+        gather(&g, l);
+        next = eliminate_level(&g, l, at, degree, sequence, next);
+    }
+    done = g.front != NULL;
+    free(g.front);
+    free(whole);
+    return done;
+}
+
 /* ---- order ---- */
 
 /* Number of primal rows: dual rows are the last, and none shares an entry with another. The last slack shares one with
@@ -114,15 +240,15 @@ static int primal_rows(int entries, const int *row, const int *column) {
 static int order_pivots(int n, int entries, const int *row, const int *column, const double *value, int *position,
                         int *width) {
     size_t rows = (size_t)n + 1, all = (size_t)entries + 1;
-    int *whole = malloc((9 * rows + 3 * all) * sizeof *whole);
-    int *key = whole, *other = key + all, *part = other + 2 * all;
+    int *whole = malloc((12 * rows + 6 * all) * sizeof *whole);
+    int *key = whole, *other = key + 2 * all, *part = other + 4 * all;
     double *size = malloc((all + rows) * sizeof *size), *largest = size + all;
-    long long *start = malloc((2 * rows + all) * sizeof *start), *pattern = start + rows, *sequence = pattern + all;
     int primal = primal_rows(entries, row, column), nodes = 0, last = 0, end = n, found = 0;
-    if (whole && size && start) {
+    if (whole && size) {
         Pairs p = {primal,          n - primal,      part,            other + all,     other,          size,
                    part + rows, part + 2 * rows, part + 3 * rows, part + 4 * rows, part + 5 * rows, part + 6 * rows};
-        int *node = part + 7 * rows, *first = part + 8 * rows;
+        int *node = part + 7 * rows, *first = part + 8 * rows, *inequality = part + 9 * rows;
+        int *start = part + 10 * rows, *sequence = part + 11 * rows, ends = 0;
         memset(p.degree, 0, rows * sizeof *p.degree);
         memset(largest, 0, rows * sizeof *largest);
         for (int k = 0; k < entries; k++) {
@@ -136,23 +262,29 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
         find_pairs(&p);
 
         for (int i = 0; i < n; i++) {
-            int partner = i < primal ? -1 : p.column_of[i - primal];
-            if (partner < 0 || p.degree[partner] == 1)
-                first[nodes] = i, node[i] = nodes++;
+            int partner = i < primal ? p.row_of[i] : p.column_of[i - primal];
+            int slack = partner >= 0 && p.degree[i < primal ? i : partner] == 1;
+            if (i < primal && slack) {
+                node[i] = -1;
+                continue;
+            }
+            if (i < primal || partner < 0 || slack)
+                inequality[nodes] = slack, first[nodes] = i, node[i] = nodes++;
             else
                 node[i] = node[partner];
         }
         for (int k = 0; k < entries; k++) {
             int a = node[row[k] - 1], b = node[column[k] - 1];
-            key[k] = a == b ? -1 : b, other[k] = a;
+            if (a == b || a < 0 || b < 0) continue;
+            key[ends] = a, other[ends++] = b;
+            key[ends] = b, other[ends++] = a;
         }
-        sort_by(entries, key, nodes, p.start, p.sequence);
-        for (int i = 0; i <= nodes; i++) start[i] = p.start[i];
-        for (int q = 0; q < p.start[nodes]; q++) pattern[q] = other[p.sequence[q]];
-        found = amd_l_order(nodes, start, pattern, sequence, NULL, NULL) >= 0;
+        int *by_node = other + 2 * all;
+        sort_by(ends, key, nodes, start, by_node);
+        for (int q = 0; q < ends; q++) key[q] = other[by_node[q]];
+        found = order_nodes(nodes, start, key, inequality, sequence);
         for (int i = 0; found && i < nodes; i++) {
             int one = first[sequence[i]], two = one < primal ? p.row_of[one] : -1;
-            if (two >= 0 && p.degree[one] == 1) continue;
             width[last] = two < 0 ? 1 : 2;
             position[one] = last++;
             if (two >= 0) width[last] = 0, position[primal + two] = last++;
@@ -165,6 +297,5 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
     }
     free(whole);
     free(size);
-    free(start);
     return found;
 }
