@@ -34,6 +34,7 @@ def test_every_family_draws_solids_that_differ_from_seed_to_seed() -> None:
 def test_a_seed_is_a_problem_with_a_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scenes, "FAMILIES", {"open": open_cell})
     problem, again = scenes.draw_problem(0), scenes.draw_problem(0)
+    assert problem is not None
     assert problem == again
     assert problem.slow_s > 0.0
     scene = scene_from_table(json.loads(json.dumps(problem.table)), name="read")

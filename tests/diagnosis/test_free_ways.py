@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
+from nospill.collisions.distances import Distances
 from nospill.diagnosis import free_ways, freest_way
+from nospill.diagnosis.collisions import tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.search import joint_paths
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
@@ -60,7 +64,7 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     points[[0, -1]] = start, goal
     behind = along(scene, points)
     both = [Way(own, joint_paths(own.robot, own.path, tool=own.tray.tool)) for own in (scene, behind)]
-    monkeypatch.setattr(free_ways, "ways", lambda _: both)
+    monkeypatch.setattr(free_ways, "ways", lambda _, **given: both)
     monkeypatch.setattr(free_ways, "SAMPLES", 2000)
     found = freest_way(scene)
     assert middle_of(found)[0] > 0.0
@@ -72,7 +76,7 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
 
 def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the forty ways, every sixth."""
-    monkeypatch.setattr(free_ways, "ways", lambda scene: ways(scene)[::6])
+    monkeypatch.setattr(free_ways, "ways", lambda scene, **given: ways(scene)[::6])
     walls = [
         {"name": name, "shape": "box", "at": [side, 0.0, 1.25], "size": ["1.8 m", "20 mm", "2.5 m"]}
         for name, side in (("front", 1.1), ("back", -1.1))
@@ -99,3 +103,15 @@ def test_a_sampled_way_round_a_column_is_clear_and_the_same_every_time() -> None
     assert any(Configurations(scene).clear(path.at(looks)).all() for path in paths[:40])
     kept = scene_from_table(found[1].source, name="kept")
     assert np.array_equal(kept.path.coefficients, found[1].path.coefficients)
+
+
+def test_what_is_in_the_way_of_the_tray_is_seen_without_the_arm() -> None:
+    scene = scene_of(COLUMN, TABLE)
+    (path, *_) = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
+    of_tray, of_all = nearest_of_tray(scene, scene.path, places=41), nearest_along(scene, path, places=41)
+    assert of_tray.pair.first.on_path and of_tray.room >= of_all.room
+    assert of_tray.room < 0.0 and not tray_is_clear(scene, scene.path)
+    frames = joint_frames(arm_chain(scene.robot), path.at(np.array([of_tray.s])))
+    room = Distances(of_tray.pair.first, of_tray.pair.second).at(frames, np.zeros(1, dtype=int))[0][0]
+    assert of_tray.room == pytest.approx(room - of_tray.pair.limit, abs=1e-6)
+    assert len(ways(scene, is_open=lambda path: path is not scene.path)) == len(ways(scene)) - 1

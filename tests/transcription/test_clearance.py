@@ -19,7 +19,7 @@ from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.clearance_block import LIMIT, PLANE, clearance_block
-from nospill.transcription.clearance_planes import Planes, separating
+from nospill.transcription.clearance_planes import NEAR, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.task import Task
 
@@ -42,17 +42,21 @@ def pairs_of(subject: str) -> list[Pair]:
 def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tuple[float, float]]:
     """By number of the pair, least row of the body that its plane is fixed to and of the other, at one configuration.
 
-    The planes are the same at all places.
+    The planes are the same in all intervals.
     """
     least: dict[int, list[float]] = {}
     for group, numbers in zip(planes.groups, planes.numbers, strict=True):
         between = group.between
         z = np.concatenate([q[between.inner : between.outer], turned])
-        for plane, own in zip(group.planes, numbers[0], strict=True):
+        for place, own in zip(group.places, numbers, strict=True):
             value = float(clearance_block(between).value(z, own))
-            found = least.setdefault(plane.pair, [np.inf, np.inf])
+            found = least.setdefault(place.plane // INTERVALS, [np.inf, np.inf])
             found[between.count > 0] = min(found[between.count > 0], value)
     return {number: (fixed, other) for number, (fixed, other) in least.items()}
+
+
+def found_everywhere(rows: list[RowId], q: np.ndarray) -> Planes:
+    return separating(scene(), rows, q, everywhere=frozenset(rows))
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -62,7 +66,7 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
     for _ in range(12):
         q = POSE + random.uniform(-0.7, 0.7, 6)
         frames = joint_frames(arm_chain(scene().robot), q[None])
-        found = separating(scene(), [RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)))
+        found = found_everywhere([RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)))
         plain, turned = (rows_of(found, q, z) for z in (np.zeros(PLANE), random.uniform(-0.4, 0.4, PLANE)))
         room: list[float] = []
         for number, pair in enumerate(pairs_of(subject)):
@@ -84,19 +88,19 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
             assert Clearance.least_size * sum(turned[number]) <= distance - pair.limit + 1e-6
         if found.moved == 0:  # of half-spaces: their surfaces are the planes, which no variable moves
             compared += 1
-            assert not found.bounds(INTERVALS).any()
+            assert not found.bounds().any()
             assert plain[0] == (np.inf, pytest.approx(min(room) / Clearance.least_size, abs=1e-5))
     assert compared > 5
 
 
 def test_derivatives_of_a_row_agree_with_differences() -> None:
     random = np.random.default_rng(2)
-    planes = separating(scene(), [RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
+    planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
     for group, numbers in zip(planes.groups, planes.numbers, strict=True):
         block, count = clearance_block(group.between), group.between.count + PLANE
         z = np.concatenate([POSE[group.between.inner : group.between.outer], np.zeros(PLANE)])
         z += random.uniform(-0.2, 0.2, count)
-        for own in numbers[0, :3]:
+        for own in numbers[:3]:
             steps = 1e-5 * np.eye(count)
             slopes = [
                 np.array(block.slope(z + step, own)[1]) - np.array(block.slope(z - step, own)[1]) for step in steps
@@ -113,7 +117,7 @@ def problem() -> Problem:
     q = POSE + np.linspace(0.0, 0.3, INTERVALS)[:, None]
     rows = [RowId(Clearance.name, name) for name in SUBJECTS]
     backoff = {rows[0]: 0.05}
-    planes = separating(scene(), rows, q)
+    planes = found_everywhere(rows, q)
     return build_problem(model, INTERVALS, nominal_duration=1.0, backoff=backoff, planes=planes, active=set(rows))
 
 
@@ -145,19 +149,30 @@ def test_each_row_finds_its_own_rows_with_its_back_off() -> None:
         np.asarray(found.transcription.constraint_function(variables, parameters)).ravel()
         for parameters in (found.parameters, found.with_more_backoff(0.01))
     )
-    places = dict(found.places)
+    places = {row: (own, nodes) for row, own, nodes in found.places}
     moved = np.flatnonzero(np.abs(after - before) > 1e-9)
-    own = places[RowId(Clearance.name, SUBJECTS[0])]
-    np.testing.assert_array_equal(np.sort(own.ravel()), moved)
+    own, nodes = places[RowId(Clearance.name, SUBJECTS[0])]
+    np.testing.assert_array_equal(np.sort(own), moved)
     np.testing.assert_allclose((before - after)[own], 0.01)
-    assert own.shape == (INTERVALS - 1, 2 * 8)  # the corners of the tray, for the planes before and after each node
-    assert len(places) == len(SUBJECTS) and len({*np.concatenate([item.ravel() for item in places.values()])}) == sum(
-        item.size for item in places.values()
-    )
+    # the corners of the tray, for the planes before and after each node between the ends
+    assert np.bincount(nodes).tolist() == [0, *[2 * 8] * (INTERVALS - 1)]
+    every = np.concatenate([own for own, _ in places.values()])
+    assert len(places) == len(SUBJECTS) and len({*every}) == len(every)
+
+
+def test_pairs_have_planes_where_they_are_near() -> None:
+    q = POSE + np.linspace(-1.5, 1.5, 24)[:, None] * [1, 0, 0, 0, 0, 0]
+    row = RowId(Clearance.name, SUBJECTS[0])
+    (pair,), frames = pairs_of(SUBJECTS[0]), joint_frames(arm_chain(scene().robot), (q[:-1] + q[1:]) / 2)
+    room = Distances(pair.first, pair.second).at(frames, np.arange(23))[0] - pair.limit
+    near, every = separating(scene(), [row], q), found_everywhere([row], q)
+    assert every.moved == 24 and near.moved == pytest.approx(np.sum(room < NEAR), abs=1) and 3 < near.moved < 20
+    of_near = {place.node for group in near.groups for place in group.places if group.between.count}
+    assert {*(np.flatnonzero(room < NEAR) + 1).tolist()} - {24} <= of_near
 
 
 def test_the_plane_of_a_half_space_does_not_turn() -> None:
-    planes = separating(scene(), [RowId(Clearance.name, SUBJECTS[3])], np.tile(POSE, (INTERVALS, 1)))
+    planes = found_everywhere([RowId(Clearance.name, SUBJECTS[3])], np.tile(POSE, (INTERVALS, 1)))
     plain, turned = (rows_of(planes, POSE, np.array([tilt, tilt, 0.0])) for tilt in (0.0, 1.0))
     for number, (fixed, other) in plain.items():
         assert fixed + other > 0.0
@@ -170,9 +185,9 @@ def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
     assert free.keeps_apart and set(SUBJECTS) <= {row.subject for row in free.room(POSE[None])}
     level = Task.of(read_scenario("cups-past-a-column"))
     assert not level.keeps_apart and level.room(POSE[None]) == {}
-    planes = separating(scene(), [RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
+    planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
     for group, rows, numbers in zip(planes.groups, planes.rows, planes.numbers, strict=True):
-        for row, own in zip(rows, numbers[0], strict=True):
+        for row, own in zip(rows, numbers, strict=True):
             limit = pairs_of(row.subject)[0].limit if group.between.count else 0.0
             assert own[LIMIT] == limit
 

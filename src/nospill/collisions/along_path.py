@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import Pair, scene_pairs
+from nospill.core.paths import Path
+from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
@@ -31,24 +35,59 @@ class Nearness:
     s: float
 
 
-def nearest_along(scene: Scene, joint_path: JointPath, *, on_path: bool = False, places: int = _PLACES) -> Nearness:
+def nearest_along(scene: Scene, joint_path: JointPath, *, places: int = _PLACES) -> Nearness:
     """The pair with the least room along a joint path.
 
     Args:
         scene: with obstacles.
         joint_path: of the level tray.
-        on_path: look at the tray and its cargo against obstacles alone, which do not depend on the branch.
         places: number of them, evenly along the path.
 
     Raises:
         MissingExtraError: the library coal is not installed.
     """
     s = np.linspace(0.0, 1.0, places)
-    frames = joint_frames(arm_chain(scene.robot), joint_path.at(s))
+    return _nearest(scene_pairs(scene), joint_frames(arm_chain(scene.robot), joint_path.at(s)), s)
+
+
+def nearest_of_tray(scene: Scene, path: Path, *, places: int = _PLACES) -> Nearness:
+    """The pair with the least room of level tray and cargo with obstacles, which the path alone decides.
+
+    Args:
+        scene: with obstacles.
+        path: of the tray.
+        places: number of them, evenly along the path.
+
+    Raises:
+        MissingExtraError: the library coal is not installed.
+    """
+    s = np.linspace(0.0, 1.0, places)
+    pairs = [pair for pair in scene_pairs(scene) if pair.first.on_path and pair.second.obstacle is not None]
+    return _nearest(pairs, _frames_on_path(scene, path, s), s)
+
+
+def _frames_on_path(scene: Scene, path: Path, s: np.ndarray) -> JointFrames:
+    """The frames of base and last joint where a path leads the level tray; those of the others are the base's."""
+    robot = scene.robot
+    zero = np.zeros((1, len(robot.joints)))
+    tray, turn = kinematics(robot).poses(zero, tool=scene.tray.tool)
+    last = joint_frames(arm_chain(robot), zero)
+    # of the last joint as the tray sees it
+    beside, turned = (last.position[-1, 0] - tray[0]) @ turn[0], turn[0].T @ last.rotation[-1, 0]
+    at, rotation = tray_poses(path, s)
+    positions, rotations = (
+        np.zeros((len(last.position), len(s), 3)),
+        np.tile(np.eye(3), (len(last.position), len(s), 1, 1)),
+    )
+    positions[-1], rotations[-1] = at + rotation @ beside, rotation @ turned
+    still = np.zeros_like(positions)
+    return JointFrames(positions, rotations, still, still)
+
+
+def _nearest(pairs: Iterable[Pair], frames: JointFrames, s: np.ndarray) -> Nearness:
+    places = len(s)
     worst: Nearness | None = None
-    for pair in scene_pairs(scene):
-        if on_path and not (pair.first.on_path and pair.second.obstacle is not None):
-            continue
+    for pair in pairs:
         where = np.arange(places) if worst is None else np.flatnonzero(ball_room(pair, frames) < worst.room)
         if not len(where):
             continue
@@ -56,7 +95,7 @@ def nearest_along(scene: Scene, joint_path: JointPath, *, on_path: bool = False,
         least = int(np.argmin(room))
         if worst is None or room[least] < worst.room:
             worst = Nearness(pair, float(room[least]), float(s[where[least]]))
-    assert worst is not None  # there is a tray
+    assert worst is not None  # there is a tray, and an obstacle
     return worst
 
 

@@ -20,7 +20,7 @@ from nospill.core.piecewise import Pieces, bspline_pieces
 _DEGREE = 5
 _SPANS = (4, 8, 16, 32, 64)
 _PROJECTIONS = 4
-_BISECTIONS = 24
+_BISECTIONS = 14
 _PENALTIES = (-16.0, 2.0)
 """Range of the penalty: powers of ten."""
 _STRIDE = 5.0

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nospill.collisions.along_path import Nearness, nearest_along
+from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
 from nospill.collisions.bodies import LOAD, TRAY, Body
+from nospill.core.paths import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
@@ -33,7 +34,7 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     """
     if not scene.keeps_distances:
         return list(candidates)
-    require_free_ends(scene, candidates[0])
+    require_free_ends(scene)
     found = nearest_of(scene, candidates)
     free = [joint_path for joint_path, nearness in zip(candidates, found, strict=True) if nearness.room >= 0.0]
     if free:
@@ -47,22 +48,21 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     )
 
 
-def require_free_ends(scene: Scene, joint_path: JointPath) -> None:
+def require_free_ends(scene: Scene) -> None:
     """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends."""
-    ends = nearest_along(scene, joint_path, on_path=True, places=2)
+    ends = nearest_of_tray(scene, scene.path, places=2)
     if ends.room < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
         raise ScenarioError(f"{_in_words(ends, where)}; {_advice(ends)}", _reason(ends, REST))
 
 
-def is_clear(scene: Scene, candidates: Sequence[JointPath]) -> bool:
-    """Whether nothing is in the way of the level tray on one of the joint paths along a path.
+def tray_is_clear(scene: Scene, path: Path) -> bool:
+    """Whether nothing is in the way of the level tray and its cargo along a path, whatever the arm does."""
+    return all(nearest_of_tray(scene, path, places=places).room >= 0.0 for places in _PLACES)
 
-    The tray comes first, which is where the path leads it on every branch, and a few places before all.
-    """
-    for places in _PLACES:
-        if nearest_along(scene, candidates[0], on_path=True, places=places).room < 0.0:
-            return False
+
+def is_clear(scene: Scene, candidates: Sequence[JointPath]) -> bool:
+    """Whether nothing is in the way of the level tray on one of the joint paths along a path; a few places first."""
     seen: set[tuple[float, ...]] = set()
     for joint_path in candidates:
         branch = places_of(joint_path)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import partial
+
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.level_arm import LEVER, LevelArm
 from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
 from nospill.core.smoothing import smooth_curve
-from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends
+from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
@@ -53,20 +56,18 @@ def freest_way(scene: Scene) -> Scene:
     if not scene.keeps_distances:
         return ways(scene)[0].scene
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
-    try:
-        candidates = ways(scene)
-    except ScenarioError:
-        found = sampled_way_of(scene)
-        if found is None:
-            raise
-        return found[1]
-    require_free_ends(scene, candidates[0].paths[0])
-    for number, way in enumerate(candidates):
-        # bodies and pairs are those of the task, whichever way it goes
+    require_free_ends(scene)
+    # bodies and pairs are those of the task, whichever way it goes
+    open_ones: list[Way] = []
+    with suppress(ScenarioError):  # the arm can follow none of them
+        open_ones = ways(scene, is_open=partial(tray_is_clear, scene))
+    straight_is_open = tray_is_clear(scene, scene.path)
+    for number, way in enumerate(open_ones):
         if is_clear(scene, way.paths):
-            return way.scene if number == 0 else _or_sampled(way.scene, way.paths[0].speed_figure, scene)
+            is_fastest = number == 0 and straight_is_open
+            return way.scene if is_fastest else _or_sampled(way.scene, way.paths[0].speed_figure, scene)
     found = sampled_way_of(scene)
-    return _with_most_room(scene, candidates) if found is None else found[1]
+    return _with_most_room(scene, ways(scene)) if found is None else found[1]
 
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
@@ -131,6 +132,8 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
         try:
             found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
         except ScenarioError:  # between its points it passes a place too far away
+            continue
+        if not tray_is_clear(scene, found.path):
             continue
         seen: set[tuple[float, ...]] = set()
         for path in try_joint_paths(found.robot, found.path, tool=found.tray.tool).paths:

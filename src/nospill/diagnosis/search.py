@@ -207,11 +207,9 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
         return {}
     effect = solution.multipliers * (values[1] - values[0]) / _STEP / stages.duration
     sensitivities: dict[RowId, Sensitivity] = {}
-    for row, places in problem.places:
-        per_node = effect[places].sum(axis=1)
-        # rows of clearance begin at the second node
-        first = transcription.intervals - len(per_node)
-        at_s = 1.0 if len(per_node) == 1 else float(stages.table[first + int(np.argmax(per_node)), 0])
+    for row, places, nodes in problem.places:
+        per_node = np.bincount(nodes, effect[places])
+        at_s = float(stages.table[np.argmax(per_node), 0])
         before = sensitivities.get(row, Sensitivity(0.0, at_s))
         total = float(per_node.sum())
         most = at_s if total > before.elasticity else before.at_s

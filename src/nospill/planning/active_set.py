@@ -55,6 +55,7 @@ class ActiveSet:
         rows: the rows that take part.
         possible: the rows that may: all but those of ignored constraints and those known to hold.
         backoff: of every row, the fraction of its budget that is kept from the optimiser.
+        everywhere: rows of clearance whose pairs have planes however far apart they are.
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
         jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
@@ -69,6 +70,7 @@ class ActiveSet:
     rows: frozenset[RowId]
     possible: frozenset[RowId]
     backoff: Mapping[RowId, float]
+    everywhere: frozenset[RowId] = frozenset()
     expected: float | None = None
     jerk_weight_factor: float = 1.0
     excess: float = 0.0

@@ -14,7 +14,7 @@ from nospill.laws.constraints.via import PassedPlace
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.plans.log import Log
-from nospill.transcription.clearance_planes import separating
+from nospill.transcription.clearance_planes import Planes, separating
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
@@ -35,10 +35,12 @@ class Candidate:
     Attributes:
         active: what its problem held.
         solution: the answer.
+        planes: that keep bodies apart on it.
     """
 
     active: ActiveSet
     solution: Solution
+    planes: Planes
 
     @property
     def stages(self) -> Stages:
@@ -52,7 +54,7 @@ class Candidate:
 
     def problem(self) -> Problem:
         """The problem that the motion answers."""
-        return problem_about(self.active, self.stages)
+        return problem_about(self.active, self.stages, self.planes)
 
     @property
     def keeps_branch(self) -> bool:
@@ -81,8 +83,11 @@ def exported(candidate: Candidate) -> Trajectory:
     return export_samples(candidate.active.scene, candidate.stages, candidate.active.task.passage.along)
 
 
-def problem_about(active: ActiveSet, motion: Stages) -> Problem:
-    """The problem of the active set on a motion's grid."""
+def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = None) -> Problem:
+    """The problem of the active set on a motion's grid, with some planes between bodies or those found about it."""
+    if planes is None:
+        q = node_positions(active.scene, motion)
+        planes = separating(active.task.scene, active.rows, q, everywhere=active.everywhere)
     objects = {name for name, _ in active.members}
     return build_problem(
         active.scene,
@@ -95,7 +100,7 @@ def problem_about(active: ActiveSet, motion: Stages) -> Problem:
         exact_rest=len(objects) == len(active.members),
         self_motion=motion.self_motion,
         least_determinant=active.task.passage.determinant,
-        planes=separating(active.task.scene, active.rows, node_positions(active.scene, motion)),
+        planes=planes,
     )
 
 
@@ -114,16 +119,22 @@ def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
 
 
 def solved(
-    active: ActiveSet, start: Stages, log: Log, options: Options = MappingProxyType({}), warm: Solution | None = None
+    active: ActiveSet,
+    start: Stages,
+    log: Log,
+    options: Options = MappingProxyType({}),
+    warm: Solution | None = None,
+    planes: Planes | None = None,
 ) -> Candidate:
-    """Solve on the grid of a start, with the multipliers of `warm`, an answer of a problem of the same shape.
+    """Solve on the grid of a start.
 
+    With the multipliers of `warm`, an answer of a problem of the same shape, and with its planes or those found anew.
     Where the weights of a longer motion hold the answer back, it is solved again from there with its own.
     """
     planning = active.scene.planning
     stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
-        problem = problem_about(active, start)
+        problem = problem_about(active, start, planes)
     with log.phase("solve", stage):
         usual = SolveOptions(
             max_iterations=planning.max_iterations,
@@ -138,7 +149,8 @@ def solved(
         again = solved(replace(active, expected=found), solution.stages, log, options)
         if usable(again.solution):
             return again
-    return Candidate(active, solution)
+    values = solution.variables[problem.transcription.motion_variables :]
+    return Candidate(active, solution, replace(problem.planes, values=values))
 
 
 def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
@@ -147,11 +159,13 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         candidate = solved(active, start, log, options)
         if not usable(candidate.solution):
             return candidate
-        slack = slack_of(candidate.active, candidate.stages)
-        joining = active.near(slack, -FEASIBLE) - candidate.active.rows
-        if not joining:
+        active, slack = candidate.active, slack_of(candidate.active, candidate.stages)
+        broken = active.near(slack, -FEASIBLE)
+        joining, touching = broken - active.rows, broken & active.task.around_solids
+        if not joining and touching <= active.everywhere:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
-        active = candidate.active.with_rows(candidate.active.rows | joining)
-        # where bodies join, from the start again: no plane leads out of the middle of an obstacle
-        if joining.isdisjoint(active.task.around_solids):
+        active = active.with_rows(active.rows | joining)
+        active = replace(active, everywhere=active.everywhere | (touching - joining))
+        # where bodies touch, from the start again: no plane leads out of the middle of an obstacle
+        if not touching:
             start, options = candidate.stages, {**options, **near_optimum(BARRIERS[1])}

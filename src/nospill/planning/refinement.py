@@ -141,7 +141,8 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
     same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
-    again = solved(active, before.stages, log, near_optimum(barrier, most), warm=before.solution if same else None)
+    warm, planes = (before.solution, before.planes) if same else (None, None)
+    again = solved(active, before.stages, log, near_optimum(barrier, most), warm, planes)
     if not again.has_converged:
         again = solved(active, before.stages, log)
     return again if usable(again.solution) else None

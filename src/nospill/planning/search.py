@@ -167,4 +167,4 @@ class Searcher:
         assert isinstance(found, Candidate)  # as `Trial.solve` returns it
         self.log.starts.append(found.stages.duration)
         active = ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows)
-        return Candidate(active, found.solution)
+        return replace(found, active=active)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
+from nospill.core.paths import Path
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import base_pose
@@ -47,7 +48,7 @@ class Way:
     paths: list[JointPath]
 
 
-def ways(scene: Scene) -> list[Way]:
+def ways(scene: Scene, *, is_open: Callable[[Path], bool] = lambda _: True) -> list[Way]:
     """Each way that the arm can follow from start to goal, the fastest first.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
@@ -56,18 +57,21 @@ def ways(scene: Scene) -> list[Way]:
     the base's axes or in angle, distance and height, and no detours. They are compared by the speed figures of their
     joint paths.
 
+    Args:
+        scene: the task.
+        is_open: whether one is worth looking for joint paths, which takes longest; of none nothing is said.
+
     Raises:
         ScenarioError: start or goal is out of reach; or the arm can follow no way, which tells of the line.
     """
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
-    scenes = [scene, *_arcs(scene)]
+    scenes = [item for item in (scene, *_arcs(scene)) if is_open(item.path)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
-    # rounded, so that ways that are alike compare by their order
-    figures = [float(f"{one.paths[0].speed_figure:.6g}") if one.paths else math.inf for one in tried]
-    if min(figures) == math.inf:
+    found = [Way(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
+    if tried and not found:
         raise tried[0].failure()
-    order = sorted(range(len(scenes)), key=lambda index: figures[index])
-    return [Way(scenes[index], tried[index].paths) for index in order if figures[index] < math.inf]
+    # rounded, so that ways that are alike compare by their order
+    return sorted(found, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
 
 
 def _arcs(scene: Scene) -> Iterator[Scene]:

@@ -3,7 +3,8 @@
 A plane is found in the middle of its interval, along the motion from which a problem is solved; the solver turns and
 moves it. Every point of the body it is fixed to stays on one side, and every point of the other body on the other, at
 both ends of the interval. What is between them is then on their side too, but for what the way there bends: the two
-keep apart all the time. At the ends of the motion, where the arm has to be, there are no rows.
+keep apart all the time. At the ends of the motion, where the arm has to be, there are no rows, and no plane where a
+pair is far apart: a row that is broken there all the same gets planes everywhere.
 
 The plane of a half-space is its surface, which no variable moves: it has one row for a point at a node. Of what stands
 on the tray those points have rows that reach farthest at an attitude that the tray may have.
@@ -11,19 +12,21 @@ on the tray those points have rows that reach farthest at an attitude that the t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
+from nospill.collisions.along_path import ball_room
 from nospill.collisions.bodies import Body
-from nospill.collisions.pairs import scene_pairs
+from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import planes, reaching
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
-from nospill.robots.kinematics.frames import arm_chain, joint_frames
-from nospill.scene.scene import Scene
+from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
+from nospill.scene.scene import MotionRules, Scene
 from nospill.transcription.clearance_block import (
     ACROSS,
     AXIS,
@@ -38,51 +41,49 @@ from nospill.transcription.clearance_block import (
     Between,
 )
 
+NEAR = 0.15
+"""Room, m, with which a pair has a plane in an interval."""
 _MOST_TURNED = 3.0
 """Tangent of the largest turn of a normal in each of two directions."""
 
 
-class RowPlane(NamedTuple):
-    """The plane of a row.
+class RowPlace(NamedTuple):
+    """What a row reads.
 
     Attributes:
-        pair: number of the pair that it separates; the planes of all half-spaces share one, whose variables are fixed.
-        before: 1 where it is the plane of the interval before the row's node, 0 of the one after it.
+        node: whose joints; 0 where it reads none.
+        plane: number of the plane; those of half-spaces share the last one, whose variables are fixed.
     """
 
-    pair: int
-    before: int
+    node: int
+    plane: int
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Rows of one pair of joints, alike at every place: nodes between the ends, or where no joint moves, intervals.
+    """Rows of one pair of joints.
 
     Attributes:
         between: the joints.
-        planes: of each row at a place.
+        places: of each row.
     """
 
     between: Between
-    planes: tuple[RowPlane, ...]
-
-    def places(self, intervals: int) -> np.ndarray:
-        """The nodes or intervals at which it has rows."""
-        return np.arange(1 if self.between.count else 0, intervals)
+    places: tuple[RowPlace, ...]
 
 
 Groups = tuple[Group, ...]
 """What the rows of clearance are like: decides the shape of a problem."""
 
 
-def variable_count(groups: Groups, intervals: int) -> int:
+def variable_count(groups: Groups) -> int:
     """Variables of all planes."""
-    return PLANE * intervals * len({plane.pair for group in groups for plane in group.planes})
+    return PLANE * (1 + max((place.plane for group in groups for place in group.places), default=-1))
 
 
-def row_count(groups: Groups, intervals: int) -> int:
+def row_count(groups: Groups) -> int:
     """Number of rows."""
-    return sum(len(group.planes) * len(group.places(intervals)) for group in groups)
+    return sum(len(group.places) for group in groups)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,51 +92,56 @@ class Planes:
 
     Attributes:
         groups: of rows.
-        rows: of each group, what each row at a place belongs to.
-        numbers: of each group, (places, rows, NUMBERS), back-off zero.
+        rows: of each group, what each of its rows belongs to.
+        numbers: of each group, (rows, NUMBERS), back-off zero.
         moved: how many of the planes have variables that are free; one more may be fixed.
+        values: of the variables of all planes, zero where they were found.
     """
 
-    groups: Groups = ()
-    rows: tuple[tuple[RowId, ...], ...] = ()
-    numbers: tuple[np.ndarray, ...] = ()
-    moved: int = 0
+    groups: Groups
+    rows: tuple[tuple[RowId, ...], ...]
+    numbers: tuple[np.ndarray, ...]
+    moved: int
+    values: np.ndarray
 
-    def bounds(self, intervals: int) -> np.ndarray:
+    def bounds(self) -> np.ndarray:
         """Bounds, either way, of the variables of all planes: normals turn by less than a right angle."""
-        free = np.tile([_MOST_TURNED, _MOST_TURNED, np.inf], self.moved * intervals)
-        return np.append(free, np.zeros(variable_count(self.groups, intervals) - len(free)))
+        free = np.tile([_MOST_TURNED, _MOST_TURNED, np.inf], self.moved)
+        return np.append(free, np.zeros(variable_count(self.groups) - len(free)))
 
     def parameters(self, backoff: Mapping[RowId, float]) -> np.ndarray:
-        """All numbers, group by group and place by place, with the back-off of each row."""
+        """All numbers, group by group, with the back-off of each row."""
         parts = [np.zeros(0)]
         for group, rows, numbers in zip(self.groups, self.rows, self.numbers, strict=True):
             own = numbers.copy()
             if group.between.count:
-                own[:, :, RESERVE] = [backoff.get(row, 0.0) for row in rows]
+                own[:, RESERVE] = [backoff.get(row, 0.0) for row in rows]
             parts.append(own.ravel())
         return np.concatenate(parts)
 
-    def places(self) -> Iterator[tuple[RowId, np.ndarray]]:
-        """Each row with the places (nodes, m) of those that keep its distance, among the rows of clearance."""
-        first = 0
-        for group, rows, numbers in zip(self.groups, self.rows, self.numbers, strict=True):
-            grid = first + np.arange(numbers[:, :, 0].size).reshape(numbers.shape[:2])
-            for row in dict.fromkeys(rows) if group.between.count else ():
-                yield row, grid[:, [index for index, other in enumerate(rows) if other == row]]
-            first += grid.size
+    def places(self) -> dict[RowId, np.ndarray]:
+        """Of each row those that keep its distance: (2, m) places among the rows of clearance, and nodes."""
+        found, first = dict[RowId, list[tuple[int, int]]](), 0
+        for group, rows in zip(self.groups, self.rows, strict=True):
+            for index, row in enumerate(rows if group.between.count else ()):
+                found.setdefault(row, []).append((first + index, group.places[index].node))
+            first += len(rows)
+        return {row: np.array(own).T for row, own in found.items()}
 
 
-NO_PLANES = Planes()
+NO_PLANES = Planes((), (), (), 0, np.zeros(0))
 
 
-def separating(scene: Scene, rows: Iterable[RowId], q: np.ndarray) -> Planes:
-    """The planes that separate the pairs of some rows of clearance best along a motion.
+def separating(
+    scene: Scene, rows: Iterable[RowId], q: np.ndarray, everywhere: Collection[RowId] = frozenset()
+) -> Planes:
+    """The planes that separate the pairs of some rows of clearance best along a motion, where they are near.
 
     Args:
         scene: whose bodies; the objects of the problem may be fewer.
         rows: those of clearance count.
         q: (N, n) rad, its joint positions at the nodes of the problem's grid but the last one.
+        everywhere: rows whose pairs have planes in all intervals.
 
     Raises:
         MissingExtraError: the library coal is not installed.
@@ -143,48 +149,103 @@ def separating(scene: Scene, rows: Iterable[RowId], q: np.ndarray) -> Planes:
     subjects = {row.subject for row in rows if row.constraint == Clearance.name}
     if not subjects:
         return NO_PLANES
-    robot, tilt = scene.robot, scene.motion.max_tilt if scene.motion.tilt_free else 0.0
+    robot, taking_part = scene.robot, [pair for pair in scene_pairs(scene) if pair.subject in subjects]
     # the end of the last interval is no variable: its plane is found at its start
     frames = joint_frames(arm_chain(robot), np.concatenate([(q[:-1] + q[1:]) / 2, q[-1:]]))
-    found: dict[Between, list[tuple[RowId, RowPlane, np.ndarray]]] = {}
-    taking_part = [pair for pair in scene_pairs(scene) if pair.subject in subjects]
-    moved = [pair for pair in taking_part if pair.second.shape.kind != "halfspace"]
-    for pair in taking_part:
+    found: dict[Between, list[_Rows]] = {}
+    moved = 0
+    for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
         row = RowId(Clearance.name, pair.subject)
-        fixed, other, common = pair.second, pair.first, np.zeros((len(q), NUMBERS))
-        common[:, NORMAL], common[:, OFFSET], gaps = planes(pair, frames, np.arange(len(q)))
-        moving = found.setdefault(Between(robot.urdf, robot.joints, robot.tip, fixed.joint, other.joint), [])
-        if fixed.shape.kind == "halfspace":
-            points = reaching(other, common[0, NORMAL], tilt) if other.on_path else np.arange(len(other.points))
-            for own in _of_points(other, common, -other.shape.ball, pair.limit, points):
-                moving.append((row, RowPlane(len(moved), 0), own[1:]))
+        plane = _near_planes(pair, frames, np.inf if row in everywhere else NEAR)
+        still, moving = (
+            found.setdefault(Between(robot.urdf, robot.joints, robot.tip, inner, outer), [])
+            for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))
+        )
+        if pair.second.shape.kind == "halfspace":
+            moving.append(_of_half_space(pair, row, plane, moved, scene.motion))
             continue
-        number = moved.index(pair)
-        common[:, ACROSS] = _across(common[:, NORMAL])
-        # in the middle of what is left between the two
-        common[:, OFFSET] -= np.maximum(gaps - pair.limit, 0.0) / 2
-        still = found.setdefault(Between(robot.urdf, robot.joints, robot.tip, 0, 0), [])
-        still += [(row, RowPlane(number, 0), own) for own in _of_points(fixed, common, fixed.shape.ball, 0.0)]
-        for own in _of_points(other, common, -other.shape.ball, pair.limit):
-            moving += [(row, RowPlane(number, 1), own[:-1]), (row, RowPlane(number, 0), own[1:])]
+        number, moved = moved + np.arange(len(plane.interval)), moved + len(plane.interval)
+        none = np.zeros_like(number)
+        still.append(_Rows(row, none, number, _of_points(pair.second, plane.numbers, pair.second.shape.ball, 0.0)))
+        own = _of_points(pair.first, plane.numbers, -pair.first.shape.ball, pair.limit)
+        for node in (plane.interval + 1, plane.interval):
+            inside = (node > 0) & (node < len(q))
+            moving.append(_Rows(row, node[inside], number[inside], own[:, inside]))
+    parts = {between: own for between, own in found.items() if any(item.numbers.size for item in own)}
+    groups = tuple(Group(between, tuple(chain(*[item.places() for item in own]))) for between, own in parts.items())
     return Planes(
-        tuple(Group(between, tuple(plane for _, plane, _ in own)) for between, own in found.items()),
-        tuple(tuple(row for row, _, _ in own) for own in found.values()),
-        tuple(np.stack([numbers for _, _, numbers in own], axis=1) for own in found.values()),
-        len(moved),
+        groups,
+        tuple(tuple(item.row for item in own for _ in item.places()) for own in parts.values()),
+        tuple(np.concatenate([item.numbers.reshape(-1, NUMBERS) for item in own]) for own in parts.values()),
+        moved,
+        np.zeros(variable_count(groups)),
     )
 
 
-def _of_points(
-    body: Body, plane: np.ndarray, further: float, limit: float, which: np.ndarray | slice = slice(None)
-) -> Iterator[np.ndarray]:
-    """Of points of a body's core, (k, NUMBERS) beside planes (k, NUMBERS) with an offset that is `further`, m."""
-    for point, disc in zip(body.points[which], body.shape.discs[which], strict=True):
-        own = plane.copy()
-        own[:, POINT], own[:, DISC], own[:, AXIS] = point, disc, body.rotation[:, 2]
-        own[:, OFFSET] += further
-        own[:, LIMIT] = limit
-        yield own
+@dataclass(frozen=True, slots=True)
+class _Rows:
+    """Rows of the points of a body.
+
+    Attributes:
+        row: what they belong to.
+        node, plane: (k,) as in `RowPlace`, of each point.
+        numbers: (points, k, NUMBERS).
+    """
+
+    row: RowId
+    node: np.ndarray
+    plane: np.ndarray
+    numbers: np.ndarray
+
+    def places(self) -> list[RowPlace]:
+        """Of each row, point by point."""
+        own = [RowPlace(node, plane) for node, plane in zip(self.node.tolist(), self.plane.tolist(), strict=True)]
+        return own * len(self.numbers)
+
+
+@dataclass(frozen=True, slots=True)
+class _NearPlanes:
+    """Planes of a pair, in the intervals in which it is near.
+
+    Attributes:
+        interval: (k,) numbers of them.
+        numbers: (k, NUMBERS) that all points of both bodies share.
+    """
+
+    interval: np.ndarray
+    numbers: np.ndarray
+
+
+def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
+    near = np.flatnonzero(ball_room(pair, frames) < within)
+    normals, offsets, gaps = planes(pair, frames, near)
+    room = gaps - pair.limit
+    found = np.zeros((len(near), NUMBERS))
+    found[:, NORMAL], found[:, ACROSS] = normals, _across(normals)
+    found[:, OFFSET] = offsets
+    if pair.second.shape.kind != "halfspace":
+        found[:, OFFSET] -= np.maximum(room, 0.0) / 2  # in the middle of what is left between the two
+    return _NearPlanes(near[room < within], found[room < within])
+
+
+def _of_half_space(pair: Pair, row: RowId, plane: _NearPlanes, number: int, motion: MotionRules) -> _Rows:
+    """One row for a point at a node: its plane is the surface."""
+    inside = plane.interval > 0
+    numbers = plane.numbers[inside]
+    points = np.arange(len(pair.first.points))
+    if pair.first.on_path and len(numbers):
+        points = reaching(pair.first, numbers[0, NORMAL], motion.max_tilt if motion.tilt_free else 0.0)
+    own = _of_points(pair.first, numbers, -pair.first.shape.ball, pair.limit)[points]
+    return _Rows(row, plane.interval[inside], np.full(len(numbers), number), own)
+
+
+def _of_points(body: Body, plane: np.ndarray, further: float, limit: float) -> np.ndarray:
+    """Of the points of a body's core, (points, k, NUMBERS) beside planes (k, NUMBERS), moved by `further`, m."""
+    own = np.tile(plane, (len(body.points), 1, 1))
+    own[:, :, POINT], own[:, :, DISC] = body.points[:, None], body.shape.discs[:, None]
+    own[:, :, AXIS], own[:, :, LIMIT] = body.rotation[:, 2], limit
+    own[:, :, OFFSET] += further
+    return own
 
 
 def _across(normals: np.ndarray) -> np.ndarray:

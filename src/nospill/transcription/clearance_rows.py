@@ -1,7 +1,7 @@
 """The rows of clearance in a problem, as expressions of its variables, and their derivatives.
 
-They stand behind all other rows, group by group and place by place; the variables of the planes behind all others, pair
-by pair and interval by interval.
+They stand behind all other rows, group by group; the variables of the planes behind all others, pair by pair and
+interval by interval.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ClearanceRows:
             numbers: as `Planes.parameters` has them.
         """
         self._groups, self._layout, self._intervals, self._size = groups, layout, intervals, int(w.numel())
-        self.count = row_count(groups, intervals)
+        self.count = row_count(groups)
         self._columns = [self._columns_of(group) for group in groups]
         starts = NUMBERS * np.cumsum([0, *map(len, self._columns)])
         parts = ca.vertsplit(numbers, starts.tolist()) if groups else []
@@ -80,13 +80,10 @@ class ClearanceRows:
 
     def _columns_of(self, group: Group) -> np.ndarray:
         """(rows, joints and `PLANE`) variables that each row of a group reads."""
-        layout, places = self._layout, group.places(self._intervals)
+        layout, (node, plane) = self._layout, np.array(group.places).T[:, :, None]
         joints = layout.joint_position.start + np.arange(group.between.inner, group.between.outer)
-        of_joints = np.repeat(places * layout.size, len(group.planes))[:, None] + joints
-        pair, before = np.array(group.planes).T
-        plane = (pair * self._intervals + places[:, None] - before).ravel()
         of_motion = self._intervals * layout.size + layout.states
-        return np.hstack([of_joints, of_motion + PLANE * plane[:, None] + np.arange(PLANE)])
+        return np.hstack([node * layout.size + joints, of_motion + PLANE * plane + np.arange(PLANE)])
 
 
 def _placed(

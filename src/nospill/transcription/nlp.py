@@ -110,8 +110,8 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
     upper = np.concatenate([zeros, whole.upper[chosen]])
 
     of_motion = intervals * stage.layout.size + stage.layout.states
-    w = MX.sym("w", of_motion + variable_count(clearance, intervals))
-    p = MX.sym("p", stage.sizes.parameters + NUMBERS * row_count(clearance, intervals))
+    w = MX.sym("w", of_motion + variable_count(clearance))
+    p = MX.sym("p", stage.sizes.parameters + NUMBERS * row_count(clearance))
     given = BlockCalls(stage, intervals, w, p)
     apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters :])
     gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)

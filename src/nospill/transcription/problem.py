@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,6 +36,20 @@ _SELF_MOTION_JERK = 1000.0
 
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
+
+
+class RowPlaces(NamedTuple):
+    """Where a row stands.
+
+    Attributes:
+        row: of the scene.
+        places: (m,) among the constraints.
+        nodes: (m,) that each is about.
+    """
+
+    row: RowId
+    places: np.ndarray
+    nodes: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,16 +95,18 @@ class Problem:
         return np.concatenate([of_table, self.planes.parameters(backoff)])
 
     @property
-    def places(self) -> tuple[tuple[RowId, np.ndarray], ...]:
-        """Each row that takes part with the places (nodes, m) of its own among the constraints, some more than once."""
-        transcription, found = self.transcription, list[tuple[RowId, np.ndarray]]()
-        inside = np.arange(transcription.intervals)[:, None] * transcription.rows_per_stage
-        end = np.array([[inside.size * transcription.rows_per_stage]])
-        for first, blocks in ((inside, transcription.blocks), (end, transcription.end_blocks)):
+    def places(self) -> tuple[RowPlaces, ...]:
+        """Where each row that takes part stands among the constraints, some rows more than once."""
+        transcription, found = self.transcription, list[RowPlaces]()
+        nodes = np.arange(transcription.intervals)
+        end = np.array([transcription.intervals])
+        for own_nodes, blocks in ((nodes, transcription.blocks), (end, transcription.end_blocks)):
             for block in blocks:
-                found.append((self.rows[block.row], first + np.arange(block.first, block.first + block.count)))
+                places = own_nodes[:, None] * transcription.rows_per_stage + block.first + np.arange(block.count)
+                found.append(RowPlaces(self.rows[block.row], places.ravel(), np.repeat(own_nodes, block.count)))
         behind = len(transcription.lower) - transcription.clearance_rows
-        return (*found, *((row, behind + places) for row, places in self.planes.places()))
+        apart = (RowPlaces(row, behind + places, nodes) for row, (places, nodes) in self.planes.places().items())
+        return (*found, *apart)
 
     def encode(self, stages: Stages) -> np.ndarray:
         """Scaled variables of a candidate on this problem's grid."""
@@ -97,11 +114,8 @@ class Problem:
         if layout.regular:
             values = determinants(self.scene.robot, table[:, layout.joint_position], self.self_motion)
             table = np.column_stack([table, values])
-        found = np.zeros(self.transcription.variables)  # planes are where they were found
-        found[: self.transcription.motion_variables] = (table / self.scales).ravel()[
-            : self.transcription.motion_variables
-        ]
-        return found
+        of_motion = (table / self.scales).ravel()[: self.transcription.motion_variables]
+        return np.concatenate([of_motion, self.planes.values])
 
     def duration(self, variables: np.ndarray) -> float:
         """End time of the candidate that scaled variables stand for, s."""
@@ -163,7 +177,7 @@ def build_problem(
         size = transcription.layout.size
         scales[size - 1] = least_determinant
         lower[size - 1 : intervals * size : size] = 1.0
-    of_planes = planes.bounds(intervals)
+    of_planes = planes.bounds()
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
     problem = Problem(
         scene=scene,

@@ -193,7 +193,7 @@ class _ClosedForm:
         return q
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=4096)  # a grid of positions of a redundant joint has 1,921 at most
 def _solver(arm: Kinematics, held: int | None, value: float | None) -> _ClosedForm | None:
     """The closed form of a chain with six moving joints; None where none is known."""
     try:

@@ -13,8 +13,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
-
 from nospill.errors import ScenarioError
 from nospill.laws.codegen import compiled_library
 

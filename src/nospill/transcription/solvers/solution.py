@@ -71,7 +71,7 @@ def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     transcription = problem.transcription
     distance = np.minimum(values - transcription.lower, transcription.upper - values)
     slack: dict[RowId, float] = {}
-    for row, places in problem.places:
+    for row, places, _ in problem.places:
         if row.constraint != Clearance.name:  # whose planes stand anywhere between the bodies
             slack[row] = min(float(np.min(distance[places])), slack.get(row, np.inf))
     return slack
