@@ -43,7 +43,7 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     active = replace(coarse.active, expected=stages.duration)
     coarse = replace(coarse, active=active)
     wanted = fine_intervals(active.scene, stages.duration)
-    first = _refined(coarse, wanted, active.near(coarse.solution.slack), log)
+    first = _refined(coarse, wanted, active.on_finer_grid(coarse.solution.slack), log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
     halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)

@@ -41,8 +41,6 @@ from nospill.transcription.clearance_block import (
     Between,
 )
 
-NEAR = 0.15
-"""Room, m, with which a pair has a plane in an interval."""
 _MOST_TURNED = 3.0
 """Tangent of the largest turn of a normal in each of two directions."""
 
@@ -156,7 +154,7 @@ def separating(
     moved = 0
     for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
         row = RowId(Clearance.name, pair.subject)
-        plane = _near_planes(pair, frames, np.inf if row in everywhere else NEAR)
+        plane = _near_planes(pair, frames, np.inf if row in everywhere else Clearance.least_size)
         still, moving = (
             found.setdefault(Between(robot.urdf, robot.joints, robot.tip, inner, outer), [])
             for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))
