@@ -19,7 +19,7 @@ from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.clearance_block import LIMIT, PLANE, clearance_block
-from nospill.transcription.clearance_planes import Planes, separating
+from nospill.transcription.clearance_planes import NEAR, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.task import Task
 
@@ -166,9 +166,10 @@ def test_pairs_have_planes_where_they_are_near() -> None:
     (pair,), frames = pairs_of(SUBJECTS[0]), joint_frames(arm_chain(scene().robot), (q[:-1] + q[1:]) / 2)
     room = Distances(pair.first, pair.second).at(frames, np.arange(23))[0] - pair.limit
     near, every = separating(scene(), [row], q), found_everywhere([row], q)
-    assert every.moved == 24 and near.moved == pytest.approx(np.sum(room < Clearance.least_size), abs=1) and 3 < near.moved < 20
+    assert every.moved == 24 and 3 < near.moved < 20
+    assert near.moved == pytest.approx(np.sum(room < NEAR), abs=1)
     of_near = {place.node for group in near.groups for place in group.places if group.between.count}
-    assert {*(np.flatnonzero(room < Clearance.least_size) + 1).tolist()} - {24} <= of_near
+    assert {*(np.flatnonzero(room < NEAR) + 1).tolist()} - {24} <= of_near
 
 
 def test_the_plane_of_a_half_space_does_not_turn() -> None:

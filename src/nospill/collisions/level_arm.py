@@ -21,7 +21,7 @@ _JUMP = 0.3
 _TURN = 0.1
 """rad; of the redundant joint between two looks."""
 _HELD = 121
-"""Positions of the redundant joint over its range at which configurations are looked for."""
+"""Positions of the redundant joint over its range at which configurations are looked for, beside stated ones."""
 _NEAR_ENDS = 0.15
 """m; from an end up to which the spare room grows to what it is elsewhere."""
 _AT_ONCE = 12
@@ -55,7 +55,11 @@ class LevelArm:
     def held(self) -> np.ndarray:
         """Positions of the redundant joint, rad, at which a closed form is at hand; a zero where there is none."""
         index = self.redundant
-        return np.zeros(1) if index is None else np.linspace(self.robot.lower[index], self.robot.upper[index], _HELD)
+        if index is None:
+            return np.zeros(1)
+        grid = np.linspace(self.robot.lower[index], self.robot.upper[index], _HELD)
+        stated = [q[index] for q in self.scene.path.ends if q is not None]
+        return np.sort(np.append(grid, stated))
 
     def held_of(self, q: np.ndarray) -> float:
         """The position of the redundant joint in a configuration; zero where there is none."""

@@ -30,6 +30,8 @@ _TO_ROOTS = 0.1
 """Share of the samples that are roots of the other tree."""
 _TRIES = 12
 """Positions of the redundant joint that are tried for each pose that is drawn."""
+_NEAR_STATED = 1e-3
+"""rad; a configuration that is nearer to a stated one is that, as the closed form finds it."""
 _EVERY = 6
 """Looks from node to node of a tree."""
 _SPEED = 1.0
@@ -121,7 +123,8 @@ def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> list[SampledWay] |
     """
     random, found = np.random.default_rng(seed), list[SampledWay]()
     start, goal = arm.ends
-    here = _rooted(arm, start[None])
+    first, last = arm.scene.path.ends
+    here = _rooted(arm, start[None], first)
     turned = np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1]
     for number, place in enumerate(arm.scene.motion.via, start=1):
         yaw = start[3] + (goal[3] - start[3]) * number / (len(arm.scene.motion.via) + 1)
@@ -131,7 +134,7 @@ def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> list[SampledWay] |
             return None
         found.append(leg)
         here = _Tree(leg.poses[-1:], leg.q[-1:])
-    leg = _between(arm, random, here, _rooted(arm, goal + turned), samples)
+    leg = _between(arm, random, here, _rooted(arm, goal + turned, last), samples)
     return None if leg is None else [*found, leg]
 
 
@@ -176,9 +179,12 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
     return SampledWay(np.concatenate(poses), np.concatenate(q))
 
 
-def _rooted(arm: LevelArm, poses: np.ndarray) -> _Tree:
-    """A tree of all clear configurations at some poses (k, 4)."""
-    found = [(pose, q) for pose in poses for held in arm.held for q in arm.solutions(pose, held)]
+def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) -> _Tree:
+    """A tree of all clear configurations at some poses (k, 4), or of the stated one (n,) there."""
+    held = arm.held if stated is None else [arm.held_of(stated)]
+    found = [(pose, q) for pose in poses for value in held for q in arm.solutions(pose, value)]
+    if stated is not None:
+        found = [(pose, q) for pose, q in found if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
     if not found:
         return _Tree(np.zeros((0, 4)), np.zeros((0, len(arm.robot.joints))))
     clear = arm.clear(np.array([pose for pose, _ in found]), np.array([q for _, q in found]))

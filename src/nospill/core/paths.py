@@ -34,12 +34,14 @@ class Path:
         notes: what was assumed or left out when it was made from recorded points, one sentence each, for people.
         joint: position of the redundant joint of seven along it, (m, 1) rad, from which a search may start; None where
             nothing is known of it.
+        ends: joint positions (n,) in which the arm starts and arrives, rad; None where it may choose.
     """
 
     breaks: np.ndarray
     coefficients: np.ndarray
     notes: tuple[str, ...] = ()
     joint: Pieces | None = None
+    ends: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
 
     def at(self, s: np.ndarray | Sequence[float] | float) -> np.ndarray:
         """Position and yaw at path parameters `s`; outside [0, 1] the end pieces are continued.

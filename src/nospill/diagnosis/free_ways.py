@@ -129,6 +129,9 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
             continue
         values = curve.pieces(np.linspace(0.0, 1.0, _POINTS)) / [1.0, 1.0, 1.0, LEVER, LEVER]
         values[[0, -1], :3] = arm.ends[:, :3]
+        for index, stated in zip((0, -1), scene.path.ends, strict=True):
+            if stated is not None:
+                values[index, 4] = arm.held_of(stated)
         try:
             found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
         except ScenarioError:  # between its points it passes a place too far away

@@ -138,6 +138,7 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     return [
         *([] if scene.motion.tilt_free else _level_rows(planned, played)),
         *_path_rows(planned, scene, played),
+        *_end_rows(scene, played),
         limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
         limit_row("rest as played", "joints", "rad/s", jump, both, ends),
@@ -175,6 +176,15 @@ def _path_rows(planned: np.ndarray, scene: Scene, played: Replay) -> list[Row]:
         limit_row("goal", "tray", "m", POSITION_TOLERANCE, played.t[both], error[0]),
         limit_row("goal attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t[both], error[1]),
     ]
+
+
+def _end_rows(scene: Scene, played: Replay) -> list[Row]:
+    """The row of joints that the scenario states for the ends of the motion, where it does."""
+    stated = [(at, q) for at, q in zip((0, -1), scene.path.ends, strict=True) if q is not None]
+    if not stated:
+        return []
+    gaps = np.array([np.max(np.abs(played.joint_position[at] - q)) for at, q in stated])
+    return [limit_row("end joints", "joints", "rad", ATTITUDE_TOLERANCE, played.t[[at for at, _ in stated]], gaps)]
 
 
 def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from dataclasses import replace
+from itertools import chain, pairwise
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
+from nospill.core.arrays import read_only
 from nospill.core.paths import Path, straight_line
 from nospill.core.units import as_written, format_quantity
 from nospill.core.waypoint_paths import path_through_poses, path_through_waypoints
 from nospill.errors import ScenarioError
+from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Table, Vector
 from nospill.scenario.freedom_entries import WIDEST, WidthAlong
 from nospill.scenario.path_table import PathTable
+from nospill.scenario.place_entry import Placed, PlaceTable, placed
 from nospill.scene.places import Region, Via
 
 LEAST_FREEDOM = 0.1
@@ -27,13 +32,6 @@ _LEAST_LEG = 0.01
 """m; least distance from a place on the way to the next."""
 _PLACES = 2001
 """Places of a path at which it is looked at."""
-
-
-class PlaceTable(Table):
-    """A place of the tray, level."""
-
-    position: Annotated[Point, Field(description="of the tray's centre")]
-    yaw: Annotated[Angle, Field(description="of the tray")] = 0.0
 
 
 class ViaTable(Table):
@@ -70,8 +68,10 @@ class FreeTable(PathTable):
     """`type = "free"`: from here to there, the way between them left to the planner."""
 
     type: Literal["free"]
-    start: Annotated[PlaceTable, Field(description="where the tray is at first, with the keys position and yaw")]
-    goal: Annotated[PlaceTable, Field(description="where it is to come, with the keys position and yaw")]
+    start: Annotated[
+        PlaceTable, Field(description="where the tray is at first, with the keys position and yaw, or joints")
+    ]
+    goal: Annotated[PlaceTable, Field(description="where it is to come, likewise")]
     via: Annotated[
         tuple[ViaTable, ...],
         Field(max_length=MOST_PLACES, description="places that it passes, in this order, with position, radius, name"),
@@ -112,19 +112,27 @@ class FreeTable(PathTable):
         Field(description="position of the redundant joint of seven at each point of `way`, with `way_yaw`"),
     ] = None
 
+    def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> FreeTable:
+        """See `PathTable`."""
+        ends = {"start": self.start, "goal": self.goal}
+        stated = next((key for key, entry in ends.items() if entry.joints is not None), None)
+        if base_is_free and stated is not None:
+            raise ScenarioError(f"{stated}.joints: where the tray is then depends on base_yaw, which is free; state it")
+        return self.model_copy(update={key: placed(entry, key, robot, tool) for key, entry in ends.items()})
+
     @property
     def width(self) -> float:
         """See `PathTable`."""
         stated = super().width
         if stated is not None:
             return stated
-        farthest = max(math.dist(self.start.position, place) for place in self.stated_places[1:])
+        farthest = max(math.dist(self.start.at, place) for place in self.stated_places[1:])
         return float(np.clip(farthest, LEAST_FREEDOM, WIDEST))
 
     @property
     def stated_places(self) -> list[tuple[float, ...]]:
         """Start, the places between and goal, m."""
-        return [self.start.position, *(item.position for item in self.via), self.goal.position]
+        return [self.start.at, *(item.position for item in self.via), self.goal.at]
 
     @property
     def regions(self) -> tuple[Region, ...]:
@@ -158,6 +166,12 @@ class FreeTable(PathTable):
 
     def build(self) -> Path:
         """See `PathTable`: the straight line, or the way through the stated points."""
+        ends = {key: end for key, end in (("start", self.start), ("goal", self.goal)) if isinstance(end, Placed)}
+        joints = {key: read_only(np.array(end.joints)) for key, end in ends.items() if end.joints is not None}
+        path, notes = self._between(), chain(*[end.note(key) for key, end in ends.items()])
+        return replace(path, ends=(joints.get("start"), joints.get("goal")), notes=(*path.notes, *notes))
+
+    def _between(self) -> Path:
         start, goal = self.start, self.goal
         yaw = (start.yaw, goal.yaw)
         self._check_places()
@@ -168,9 +182,9 @@ class FreeTable(PathTable):
                 )
             if self.via:
                 return path_through_waypoints(self.stated_places, yaw=yaw, smoothing=0.0)
-            return straight_line(start.position, goal.position, yaw=yaw)
+            return straight_line(start.at, goal.at, yaw=yaw)
         for name, place, point in (("start", start, self.way[0]), ("goal", goal, self.way[-1])):
-            gap = math.dist(place.position, point)
+            gap = math.dist(place.at, point)
             if gap > SAME_PLACE:
                 shown = format_quantity(gap, "length", digits=3)
                 raise ScenarioError(f"way: its end at the {name} is {shown} away from it; leave way out")

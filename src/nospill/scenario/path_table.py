@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
+from typing import Self
 
 from nospill.core.paths import Path
+from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
 from nospill.scenario.fields import Table
 from nospill.scenario.freedom_entries import Corridor
 from nospill.scene.places import Region, Via
@@ -51,8 +54,16 @@ class PathTable(Table):
         """
         return {}
 
+    def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> Self:
+        """The table with places of the tray for joints of the arm.
+
+        Raises:
+            ScenarioError: the joints are none in which the arm holds a level tray.
+        """
+        return self
+
     def build(self) -> Path:
-        """The path itself.
+        """The path itself, of a table whose joints are placed.
 
         Raises:
             ScenarioError: the numbers make no path.

@@ -26,6 +26,7 @@ from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_t
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
+from nospill.scenario.fields import FREE
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
@@ -113,16 +114,14 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         approach = None if scenario.approach is None else scenario.approach.build(robot)
     with _at(label, "[controller]"):
         controller = None if scenario.controller is None else scenario.controller.build(robot)
+    tool = Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange)
+    tray = Tray(size=read_only(scenario.tray.size), tool=tool, mass=scenario.tray.mass)
     with _at(label, "[path]"):
-        read_in = scenario.path.standalone(folder)
-        path_table = scenario.path.model_copy(update=read_in)
+        read_in, base_is_free = scenario.path.standalone(folder), scenario.robot.base_yaw == FREE
+        path_table = scenario.path.model_copy(update=read_in).placed(robot, tool, base_is_free=base_is_free)
+        scenario = scenario.model_copy(update={"path": path_table})
         path = path_table.build()
         passed = path_table.places_passed(path)
-    tray = Tray(
-        size=read_only(scenario.tray.size),
-        tool=Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange),
-        mass=scenario.tray.mass,
-    )
     scenario, cargo_tables = _every_object(scenario, table, folder, label)
     cargo = _cargo(scenario, label)
     _check_payload(robot, tray, cargo, scenario, label)

@@ -41,6 +41,8 @@ from nospill.transcription.clearance_block import (
     Between,
 )
 
+NEAR = 0.15
+"""Room, m, with which a pair has a plane in an interval; with 0.1 m the column of an example is passed more slowly."""
 _MOST_TURNED = 3.0
 """Tangent of the largest turn of a normal in each of two directions."""
 
@@ -154,7 +156,7 @@ def separating(
     moved = 0
     for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
         row = RowId(Clearance.name, pair.subject)
-        plane = _near_planes(pair, frames, np.inf if row in everywhere else Clearance.least_size)
+        plane = _near_planes(pair, frames, np.inf if row in everywhere else NEAR)
         still, moving = (
             found.setdefault(Between(robot.urdf, robot.joints, robot.tip, inner, outer), [])
             for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))

@@ -172,7 +172,9 @@ def build_problem(
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(structure, intervals, active=taking_part, clearance=planes.groups)
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
-    lower, upper = _bounds(scene, structure, transcription.layout, scales, intervals, exact_rest=exact_rest)
+    lower, upper = _bounds(
+        scene, structure, transcription.layout, scales, intervals, exact_rest=exact_rest, self_motion=self_motion
+    )
     if least_determinant is not None:
         size = transcription.layout.size
         scales[size - 1] = least_determinant
@@ -240,7 +242,14 @@ def _scales(
 
 
 def _bounds(
-    scene: Scene, structure: Structure, layout: Layout, scales: np.ndarray, intervals: int, *, exact_rest: bool
+    scene: Scene,
+    structure: Structure,
+    layout: Layout,
+    scales: np.ndarray,
+    intervals: int,
+    *,
+    exact_rest: bool,
+    self_motion: np.ndarray | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     lower = np.full((intervals + 1, layout.size), -np.inf)
     upper = np.full((intervals + 1, layout.size), np.inf)
@@ -258,8 +267,9 @@ def _bounds(
         row[: layout.interval] = 0.0
     if layout.redundant:
         free = 3 * (layout.chains - 1)
-        for row, bound in zip(ends, (-np.inf, np.inf, -np.inf, np.inf), strict=True):
-            row[free] = bound
+        for side, stated in zip((ends[:2], ends[2:]), scene.path.ends, strict=True):
+            value = np.inf if stated is None or self_motion is None else float(self_motion @ stated)
+            side[0][free], side[1][free] = (-value, value) if np.isinf(value) else (value, value)
     for row in ends[2:]:
         row[0] = 1.0
     for row in ends[:2]:

@@ -20,6 +20,7 @@ _REACHED = 1e-6  # m
 _CLEARLY_MISSED = 1e-3  # m
 _BISECTIONS = 20
 _PLACES = 9
+_SAME_BRANCH = 1e-6  # rad
 
 
 def explain(robot: Robot, path: Path, followed: Followed, *, searched: str = "", tool: Tool) -> ScenarioError:
@@ -47,6 +48,28 @@ def explain(robot: Robot, path: Path, followed: Followed, *, searched: str = "",
         f"singularity, the last near {place_in_words(path, lost)} at joints ({joints}) deg; "
         f"move the path or change its yaw there{searched}",
         Reason(ROBOT, "singularity", robot.name, lost),
+    )
+
+
+def arrives_elsewhere(robot: Robot, path: Path, q: np.ndarray) -> ScenarioError:
+    """Return the error for joint motions that all begin or end in other joints than those that are stated.
+
+    Args:
+        robot: the arm.
+        path: path of the tray, with joints at one of its ends.
+        q: (m, n) of the fastest of the motions, rad.
+    """
+    key, stated, there = next(
+        (key, stated, own)
+        for key, stated, own in zip(("start", "goal"), path.ends, q[[0, -1]], strict=True)
+        if stated is not None and not np.allclose(stated, own, rtol=0.0, atol=_SAME_BRANCH)
+    )
+    wanted, found = (", ".join(f"{value:.0f}" for value in np.degrees(own) + 0.0) for own in (stated, there))
+    verb = "begins" if key == "start" else "arrives"
+    return ScenarioError(
+        f"path: robot {robot.name!r} {verb} in joints ({found}) deg along it, on another branch than {key}.joints "
+        f"({wanted}) deg; give {key}.position and yaw in their place, or joints of that branch",
+        Reason(ROBOT, "branch", robot.name, 0.0 if key == "start" else 1.0),
     )
 
 

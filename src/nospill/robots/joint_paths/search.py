@@ -23,7 +23,7 @@ from nospill.core.paths import Path
 from nospill.core.piecewise import Pieces
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
-from nospill.robots.joint_paths.no_joint_path import explain
+from nospill.robots.joint_paths.no_joint_path import arrives_elsewhere, explain
 from nospill.robots.joint_paths.redundancy_grid import PLACES, POSITIONS, paths_on_grid
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, turn_choices
 from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
@@ -36,6 +36,10 @@ from nospill.robots.tool import FLANGE, Tool
 
 NEARLY_AS_FAST = 1.5
 """A branch may have this many times the best speed figure and still be taken because the arm is near to it."""
+
+
+_SAME_JOINTS = 1e-6
+"""rad; joints that are nearer to stated ones are those."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,21 +131,32 @@ def try_joint_paths(
     joint = redundant_joint(robot)
     followed: Followed | None = None
     found: list[JointPath] = []
+    elsewhere: list[JointPath] = []
     for held, moving in _tries(robot, path, joint):
         starts = _starts(robot, path, joint, moving, tool)
         followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held, moving=moving)
         rates = np.zeros(samples) if moving is None else moving(s, 1)[:, 0]
-        found = _within_limits(robot, path, s, [(q, rates) for q in followed.q[followed.complete]], held, tool=tool)
+        through = _within_limits(robot, path, s, [(q, rates) for q in followed.q[followed.complete]], held, tool=tool)
+        found = [one for one in through if _keeps_ends(path, one)]
         if found:
             break
+        elsewhere = elsewhere or through
     assert followed is not None  # there is one turn of the loop at least
-    searched = ""
-    if not found and joint is not None and has_closed_form(kinematics(robot), joint):
+    searched, ends_are_free = "", all(end is None for end in path.ends)
+    if not found and ends_are_free and joint is not None and has_closed_form(kinematics(robot), joint):
         held, motions = np.eye(len(robot.joints))[joint], paths_on_grid(robot, path, joint, s, tool=tool)
         found = _within_limits(robot, path, s, motions, held, tool=tool)
         searched = f"; searched: {POSITIONS} positions of {robot.joints[joint]} at {PLACES} places of the path"
     why = partial(explain, robot, path, followed, searched=searched, tool=tool)
+    if elsewhere:
+        why = partial(arrives_elsewhere, robot, path, elsewhere[0].q)
     return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
+
+
+def _keeps_ends(path: Path, joint_path: JointPath) -> bool:
+    """Whether a joint path begins and ends in the joints that are stated."""
+    both = zip(path.ends, joint_path.q[[0, -1]], strict=True)
+    return all(stated is None or float(np.abs(q - stated).max()) < _SAME_JOINTS for stated, q in both)
 
 
 def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | None) -> JointPath:
@@ -175,16 +190,30 @@ def _tries(robot: Robot, path: Path, joint: int | None) -> list[tuple[np.ndarray
     if joint is None:
         return [(None, None)]
     held = np.eye(len(robot.joints))[joint]
-    known = [] if path.joint is None else [(held, path.joint)]
+    start, goal = path.ends
+    if path.joint is not None:
+        known = [(held, path.joint)]
+    elif start is not None and goal is not None:  # evenly from one to the other
+        slope = np.array([goal[joint] - start[joint], start[joint]])
+        known = [(held, Pieces(np.array([0.0, 1.0]), slope[:, None, None]))]
+    else:
+        known = []
     return [*known, (held, None), (None, None)]
 
 
 def _starts(robot: Robot, path: Path, joint: int | None, moving: Pieces | None, tool: Tool) -> np.ndarray:
-    """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions."""
+    """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions.
+
+    Those that are stated at the start, alone; where they are stated at the goal, the redundant joint as there as well.
+    """
+    start, goal = path.ends
+    if start is not None:
+        return start[None]
     positions, rotations = tray_poses(path, np.zeros(1))
     if joint is None:
         return solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
-    values = held_positions(robot, joint) if moving is None else moving(np.zeros(1))[:, 0]
+    values = np.append(held_positions(robot, joint), [] if goal is None else goal[joint])
+    values = values if moving is None else moving(np.zeros(1))[:, 0]
     found = [solutions_anywhere(robot, positions[0], rotations[0], held=(joint, value), tool=tool) for value in values]
     return np.concatenate(found)
 

@@ -1,0 +1,115 @@
+"""A place at an end of a free path: position and yaw of the tray, or the joints of the arm there."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from nospill.core.arrays import read_only
+from nospill.core.units import format_quantity
+from nospill.errors import ModelError, ScenarioError
+from nospill.robots.description.urdf_tree import about_axis
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.newton import solve_joints
+from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
+from nospill.scenario.fields import JOINT_ANGLE, Angle, Point, Table
+
+MOST_LEAN = math.radians(0.5)
+"""How far the tray may lean in stated joints; angles read off a screen are rounded."""
+_SHOWN_LEAN = 1e-4
+"""rad; from which on a note tells of it."""
+
+
+class PlaceTable(Table):
+    """A place of the tray, level."""
+
+    position: Annotated[Point | None, Field(description="of the tray's centre")] = None
+    yaw: Annotated[Angle, Field(description="of the tray")] = 0.0
+    joints: Annotated[
+        list[Annotated[float, JOINT_ANGLE]] | None,
+        Field(
+            description="of the arm there, one angle for each moving joint, in the place of position and yaw; the tray "
+            "is level in them to 0.5 deg"
+        ),
+    ] = None
+
+    @property
+    def at(self) -> tuple[float, float, float]:
+        """The position, m, once it is known."""
+        assert self.position is not None  # as `Placed` has it
+        x, y, z = self.position
+        return x, y, z
+
+
+class Placed(PlaceTable):
+    """A place with its position.
+
+    Attributes:
+        lean: of the tray in stated joints, rad, which are level now.
+        moved: how far the joints are from those that were stated, rad.
+    """
+
+    lean: float = 0.0
+    moved: float = 0.0
+
+    def note(self, key: str) -> tuple[str, ...]:
+        """What was changed, for people."""
+        if self.lean < _SHOWN_LEAN:
+            return ()
+        lean, moved = (format_quantity(value, "angle", digits=3) for value in (self.lean, self.moved))
+        return (f"{key}: the tray leans {lean} in the stated joints; level, they are up to {moved} from them",)
+
+
+def placed(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Placed:
+    """The place with position and yaw, and with joints in which the tray is level.
+
+    Args:
+        entry: as stated.
+        key: its name in the scenario.
+        robot: the arm.
+        tool: frame of the tray on its flange.
+
+    Raises:
+        ScenarioError: position and joints are both given or both missing; the joints are too many, too few or outside
+            their limits, or the tray leans in them. The message starts with the key.
+    """
+    if entry.joints is None:
+        if entry.position is None:
+            raise ScenarioError(f"{key}: position is missing; give it, or joints")
+        return Placed(position=entry.position, yaw=entry.yaw)
+    if entry.position is not None or entry.yaw:
+        raise ScenarioError(f"{key}: joints stand in the place of position and yaw; give one or the other")
+    q = _within_limits(entry.joints, f"{key}.joints", robot)
+    positions, rotations = kinematics(robot).poses(q[None], tool=tool)
+    lean = math.acos(min(1.0, float(rotations[0, 2, 2])))
+    if lean > MOST_LEAN:
+        shown, most = (format_quantity(value, "angle", digits=3) for value in (lean, MOST_LEAN))
+        raise ScenarioError(f"{key}.joints: the tray leans {shown} there; it must be level, to {most}")
+    yaw = math.atan2(rotations[0, 1, 0], rotations[0, 0, 0])
+    try:
+        level = solve_joints(robot, positions, about_axis((0.0, 0.0, 1.0), yaw)[None], q[None], tool=tool)[0]
+    except ModelError:
+        raise ScenarioError(f"{key}.joints: no joints near them hold the tray level; the arm is straight") from None
+    inside = np.clip(level, robot.lower, robot.upper)
+    moved = float(np.max(np.abs(level - q)))
+    if np.any(inside != level):
+        raise ScenarioError(f"{key}.joints: level, a joint would be outside its limits; move it away from them")
+    x, y, z = positions[0].tolist()
+    return Placed(position=(x, y, z), yaw=yaw, joints=level.tolist(), lean=lean, moved=moved)
+
+
+def _within_limits(joints: list[float], key: str, robot: Robot) -> np.ndarray:
+    if len(joints) != len(robot.joints):
+        names = ", ".join(robot.joints)
+        raise ScenarioError(f"{key} has {len(joints)} angles where {len(robot.joints)} are needed: {names}")
+    for name, value, lower, upper in zip(robot.joints, joints, robot.lower, robot.upper, strict=True):
+        if not lower <= value <= upper:
+            raise ScenarioError(
+                f"{key} has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
+                f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
+            )
+    return read_only(np.array(joints))
