@@ -66,7 +66,7 @@ def test_an_end_out_of_reach_is_refused_whatever_the_way(end: str) -> None:
     [
         ({"goal": START}, r"\[path\]: goal is the start, place and yaw; give another one"),
         ({"goal": {"yaw": 1.0}}, r"\[path\]: goal: position is missing; give it, or joints"),
-        ({"start": {**START, "jaw": 1.0}}, r'\[path.start\]: unknown key "jaw"; allowed here: position, yaw'),
+        ({"start": {**START, "jaw": 1.0}}, r'\[path.start\]: unknown key "jaw"; allowed here: position, yaw, joints'),
         ({"start": [1.0, 2.0, 3.0]}, r"\[path\]: start is not a table"),
         ({"goal": {"position": [1.0, 2.0]}}, r"\[path.goal\]: position \[1.0, 2.0\] has 2 values where 3 are needed"),
         ({"yaw": "free"}, r'\[path\]: unknown key "yaw"; allowed here: corridor, type, start, goal, via, region, way'),

@@ -12,8 +12,6 @@ from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError, ScenarioError
 from nospill.robots.description.urdf_tree import about_axis
-from nospill.robots.kinematics.forward import kinematics
-from nospill.robots.kinematics.newton import solve_joints
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import JOINT_ANGLE, Angle, Point, Table
@@ -83,6 +81,10 @@ def placed(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Placed:
         return Placed(position=entry.position, yaw=entry.yaw)
     if entry.position is not None or entry.yaw:
         raise ScenarioError(f"{key}: joints stand in the place of position and yaw; give one or the other")
+    # imported here: slow to import, and needed for stated joints only
+    from nospill.robots.kinematics.forward import kinematics
+    from nospill.robots.kinematics.newton import solve_joints
+
     q = _within_limits(entry.joints, f"{key}.joints", robot)
     positions, rotations = kinematics(robot).poses(q[None], tool=tool)
     lean = math.acos(min(1.0, float(rotations[0, 2, 2])))
