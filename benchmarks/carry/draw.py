@@ -1,6 +1,6 @@
 """Draw the problems of the benchmark into a file: one JSON line each, those that are there are kept.
 
-    python -m benchmarks.carry.draw --first 0 --cases 210 --out benchmarks/results/carry-problems.jsonl.gz
+    python -m benchmarks.carry.draw --first 0 --cases 236 --out benchmarks/results/carry-problems.jsonl.gz
 
 Most of the time goes into problems for which no motion is found; so they are drawn once, and the runs read them.
 """
@@ -36,7 +36,7 @@ def main(words: list[str] | None = None) -> None:
     """Draw what is missing."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of the problems")
-    parser.add_argument("--cases", type=int, default=210, help="seeds from the first to this less one")
+    parser.add_argument("--cases", type=int, default=236, help="seeds from the first to this less one")
     parser.add_argument("--out", type=Path, default=PROBLEMS)
     arguments = parser.parse_args(words)
     problems = read_problems(arguments.out)

@@ -1,6 +1,6 @@
 """The benchmark behind docs/carrying.md: trays carried among obstacles, each problem with a motion known to exist.
 
-    python -m benchmarks.carry.run --out FILE --cases 210 --jobs 2     run, or go on where it stopped
+    python -m benchmarks.carry.run --out FILE --cases 236 --jobs 2     run, or go on where it stopped
     python -m benchmarks.carry.run --out FILE --only 17                one problem alone, printed and not kept
     python -m benchmarks.carry.run --report FILE ...                   tables into docs/carrying.md
 
@@ -78,7 +78,7 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, default=REPOSITORY / "benchmarks" / "results" / "carry.jsonl")
     parser.add_argument("--problems", type=Path, default=PROBLEMS, help="as benchmarks.carry.draw wrote them")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of the problems")
-    parser.add_argument("--cases", type=int, default=210, help="seeds from the first to this less one")
+    parser.add_argument("--cases", type=int, default=236, help="seeds from the first to this less one")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time")
     parser.add_argument("--limit", type=float, default=600.0, help="longest processor time of a problem, s")
     parser.add_argument("--only", type=int, metavar="SEED", help="run one problem alone and print its line")
