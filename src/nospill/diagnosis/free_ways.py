@@ -44,8 +44,9 @@ def freest_way(scene: Scene) -> Scene:
     """The scene with a way in the place of one that its path leaves open.
 
     It is the fastest of the plain ways and detours on which nothing is in the way of the level tray, or a much faster
-    one that is found by sampling where the fastest of all is blocked; where none is clear, the fastest of those that
-    are found by sampling; where there is none either, the one with most room, and the certificate decides then.
+    one that is found by sampling where the straight one or a faster one is blocked; where none is clear, the fastest of
+    those that are found by sampling; where there is none either, the one with most room, and the certificate decides
+    then.
 
     Raises:
         ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there; or the arm can follow no

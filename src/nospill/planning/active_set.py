@@ -16,7 +16,7 @@ import numpy as np
 from nospill.judge.certificate import Judgement
 from nospill.judge.variant_rows import attributed, missing, uses_at_end
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BESIDE_JERK_NAMES, BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
+from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
@@ -122,10 +122,6 @@ class ActiveSet:
     def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left."""
         return frozenset(row for row, value in slack.items() if value <= room) & self.possible
-
-    def on_finer_grid(self, slack: Mapping[RowId, float]) -> frozenset[RowId]:
-        """Rows for a finer grid: those near their limits, and those on jerks that a coarse grid does not show."""
-        return self.near(slack) | frozenset(row for row in self.possible if row.constraint in BESIDE_JERK_NAMES)
 
     def without_far(self, rows: Iterable[Row]) -> ActiveSet:
         """The same without the rows that stay far from their limits in a judged motion."""

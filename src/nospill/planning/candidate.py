@@ -85,10 +85,7 @@ def exported(candidate: Candidate) -> Trajectory:
 
 def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = None) -> Problem:
     """The problem of the active set on a motion's grid, with some planes between bodies or those found about it."""
-    if planes is None:
-        q = node_positions(active.scene, motion)
-        planes = separating(active.task.scene, active.rows, q, everywhere=active.everywhere)
-    objects = {name for name, _ in active.members}
+    objects, q = {name for name, _ in active.members}, node_positions(active.scene, motion)
     return build_problem(
         active.scene,
         motion.intervals,
@@ -100,7 +97,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         exact_rest=len(objects) == len(active.members),
         self_motion=motion.self_motion,
         least_determinant=active.task.passage.determinant,
-        planes=planes,
+        planes=planes or separating(active.task.scene, active.rows, q, active.everywhere),
     )
 
 
@@ -119,29 +116,23 @@ def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
 
 
 def solved(
-    active: ActiveSet,
-    start: Stages,
-    log: Log,
-    options: Options = MappingProxyType({}),
-    warm: Solution | None = None,
-    planes: Planes | None = None,
+    active: ActiveSet, start: Stages, log: Log, options: Options = MappingProxyType({}), warm: Candidate | None = None
 ) -> Candidate:
-    """Solve on the grid of a start.
+    """Solve on a start's grid with the multipliers of `warm`, of a problem of the same shape; of one task, its planes.
 
-    With the multipliers of `warm`, an answer of a problem of the same shape, and with its planes or those found anew.
     Where the weights of a longer motion hold the answer back, it is solved again from there with its own.
     """
     planning = active.scene.planning
     stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
-        problem = problem_about(active, start, planes)
+        problem = problem_about(active, start, warm.planes if warm and warm.active.task is active.task else None)
     with log.phase("solve", stage):
         usual = SolveOptions(
             max_iterations=planning.max_iterations,
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
-        solution = solve(problem, start, options=replace(usual, **options), warm=warm)
+        solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
     log.solutions.append(solution)
     expected, found = active.expected or start.duration, solution.stages.duration
     if usable(solution) and weigh_too_much(active.scene, expected, found):
@@ -149,8 +140,7 @@ def solved(
         again = solved(replace(active, expected=found), solution.stages, log, options)
         if usable(again.solution):
             return again
-    values = solution.variables[problem.transcription.motion_variables :]
-    return Candidate(active, solution, replace(problem.planes, values=values))
+    return Candidate(active, solution, problem.planes_at(solution.variables))
 
 
 def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
@@ -164,8 +154,7 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         joining, touching = broken - active.rows, broken & active.task.around_solids
         if not joining and touching <= active.everywhere:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
-        active = active.with_rows(active.rows | joining)
-        active = replace(active, everywhere=active.everywhere | (touching - joining))
+        active = replace(active.with_rows(active.rows | joining), everywhere=active.everywhere | (touching - joining))
         # where bodies touch, from the start again: no plane leads out of the middle of an obstacle
         if not touching:
             start, options = candidate.stages, {**options, **near_optimum(BARRIERS[1])}

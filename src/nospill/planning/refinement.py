@@ -9,6 +9,7 @@ from nospill import diagnosis
 from nospill.errors import ModelError, NoSolutionError
 from nospill.judge.certificate import Judgement, judge_motion
 from nospill.judge.tracks import judged_tracks, variant_tracks
+from nospill.laws.constraints import BESIDE_JERK_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
@@ -43,7 +44,8 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     active = replace(coarse.active, expected=stages.duration)
     coarse = replace(coarse, active=active)
     wanted = fine_intervals(active.scene, stages.duration)
-    first = _refined(coarse, wanted, active.on_finer_grid(coarse.solution.slack), log)
+    jerks = {row for row in active.possible if row.constraint in BESIDE_JERK_NAMES}  # that a coarse grid does not show
+    first = _refined(coarse, wanted, active.near(coarse.solution.slack) | jerks, log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
     halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)
@@ -141,8 +143,7 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
     same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
-    warm, planes = (before.solution, before.planes) if same else (None, None)
-    again = solved(active, before.stages, log, near_optimum(barrier, most), warm, planes)
+    again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None)
     if not again.has_converged:
         again = solved(active, before.stages, log)
     return again if usable(again.solution) else None

@@ -166,5 +166,4 @@ class Searcher:
         found = diagnosis.last_resort(self, joint_path, last)
         assert isinstance(found, Candidate)  # as `Trial.solve` returns it
         self.log.starts.append(found.stages.duration)
-        active = ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows)
-        return replace(found, active=active)
+        return replace(found, active=ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows))

@@ -15,7 +15,6 @@ from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
-from nospill.transcription.solvers import Solution
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.task import Task
@@ -38,7 +37,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
             active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
-            found = _solved_again(active, last.stages, log, warm=last.solution)
+            found = _solved_again(active, last.stages, log, warm=last)
             if found is not None:
                 return found
     with log.phase("certify"):
@@ -68,7 +67,7 @@ def _cautious(active: ActiveSet) -> ActiveSet:
     return active.with_backoff({key: BY_NAME[key.constraint].restart_backoff for key in active.backoff})
 
 
-def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Solution | None) -> Candidate | None:
+def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     problem = problem_about(active, start)
     if is_broken(problem, start):

@@ -117,6 +117,10 @@ class Problem:
         of_motion = (table / self.scales).ravel()[: self.transcription.motion_variables]
         return np.concatenate([of_motion, self.planes.values])
 
+    def planes_at(self, variables: np.ndarray) -> Planes:
+        """The planes where scaled variables put them."""
+        return replace(self.planes, values=variables[self.transcription.motion_variables :])
+
     def duration(self, variables: np.ndarray) -> float:
         """End time of the candidate that scaled variables stand for, s."""
         index = self.transcription.layout.interval
