@@ -138,7 +138,7 @@ def test_a_solve_whose_systems_fail_is_made_again_and_says_so(
     source = tmp_path / "failing.c"
     text = "\n".join(file.read_text() for file in linear_solvers.SOURCES)
     fault = "static int calls;\nif (++calls > 2) { info[0] = NO_MEMORY; return; }\n"
-    marked = "    *maxfrt = *n;\n"
+    marked = "    *maxfrt = 2 * *n;\n"
     assert text.count(marked) == 1
     source.write_text(text.replace(marked, marked + fault))
     monkeypatch.setattr(linear_solvers, "SOURCES", (source,))

@@ -44,7 +44,7 @@ _SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion
 
 _FORMAT = "4"
 _FLAGS = ("-O1", "-shared", "-fPIC")
-_FLAGS_OF_SOURCES = ("-O2", "-std=c99", "-shared", "-fPIC")
+_FLAGS_OF_SOURCES = ("-O3", "-std=c99", "-shared", "-fPIC")
 
 
 def functions(

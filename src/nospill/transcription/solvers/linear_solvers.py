@@ -1,8 +1,8 @@
 """Linear solvers of IPOPT's steps: LDL^T with pivots fixed beforehand, and MUMPS.
 
-`ldl` is pivot_order.c and sparse_ldl.c, compiled at its first use and kept with the compiled functions; IPOPT loads it
-as MA27. `auto` is `ldl` where that can be had, and `mumps` elsewhere (no compiler, NOSPILL_COMPILE=off); a solve that
-ends with linear systems which `ldl` could not solve is made again with `mumps`.
+`ldl` is the C files beside this one, compiled as one at its first use and kept with the compiled functions; IPOPT
+loads it as MA27. `auto` is `ldl` where that can be had, and `mumps` elsewhere (no compiler, NOSPILL_COMPILE=off); a
+solve that ends with linear systems which `ldl` could not solve is made again with `mumps`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from nospill.laws.codegen import compiled_library
 Settings = dict[str, Any]
 """Of IPOPT, as `casadi.nlpsol` takes them."""
 
-SOURCES = tuple(Path(__file__).with_name(name) for name in ("pivot_order.c", "sparse_ldl.c"))
+_FILES = ("pivot_order.c", "pivot_tree.c", "supernodes.c", "dense_update.c", "sparse_ldl.c")
+SOURCES = tuple(Path(__file__).with_name(name) for name in _FILES)
 """Of `ldl`, one after the other."""
 
 UNSOLVED = (

@@ -10,6 +10,7 @@
    touches the next one only: its levels (distances from the first node) are eliminated from the far end, each by minimum
    degree. Inequalities, each a pair with its slack, come before all. */
 
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>

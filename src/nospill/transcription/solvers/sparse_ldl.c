@@ -1,5 +1,5 @@
 /* Sparse LDL^T with pivots of one or two rows, behind the entry points of MA27, by which IPOPT loads a linear solver;
-   compiled together with pivot_order.c, which comes first.
+   compiled together with pivot_order.c, supernodes.c and dense_update.c, which come first.
 
    All state is in the caller's arrays. IKEEP (3 N): position of each row, width of the pivot at each position (0 at the
    second row of a pair), how far the analysis is. IW: the structure. A: the entries, then the factor. */
@@ -13,66 +13,30 @@ static const double LEAST_PIVOT = 1e-9;
 
 enum { NOT_ORDERED, ORDERED, ANALYSED };
 enum { LIW_TOO_SMALL = -3, LA_TOO_SMALL = -4, SINGULAR = -5, NO_MEMORY = -20 };
-
-/* ---- structure ---- */
-
-typedef struct {
-    int *position, *width;           /* as in IKEEP */
-    int *companion;                  /* position of the row that is eliminated with a pivot and no other, -1 for none */
-    int *parent;                     /* elimination tree; a pivot goes by the position of its first row */
-    int *start, *entry, *other;      /* entries of each row left of the diagonal and on it: index, other position */
-    int *first, *end, *row;          /* each column of the factor: where it begins, ends; positions of its rows */
-    int *mark, *stack, *path;        /* of a factorisation */
-    double *pivot, *coupling;        /* inverted: diagonal, and what stands between the two rows of a pivot */
-    double *y;                       /* a pivot's rows in the making, two values a column, zero in between */
-    double *factor;                  /* beside `row`; not divided by the pivots */
-} View;
-
-enum { HEADER = 1 }; /* of IW: the number of entries */
-
-/* The arrays in IW and A. */
-static View view(int n, int entries, int *iw, double *a) {
-    View v;
-    v.position = iw + HEADER, v.width = v.position + n, v.companion = v.width + n, v.parent = v.companion + n;
-    v.end = v.parent + n, v.mark = v.end + n, v.stack = v.mark + n, v.path = v.stack + n, v.start = v.path + n;
-    v.first = v.start + n + 1, v.entry = v.first + n + 1, v.other = v.entry + entries;
-    v.row = v.other + entries;
-    v.pivot = a + entries, v.coupling = v.pivot + n, v.y = v.coupling + n, v.factor = v.y + 2 * n;
-    return v;
-}
-
-static int head(const View *v, int position) { return v->width[position] ? position : position - 1; }
-
-/* Entries by rows, elimination tree, and the most room that each column of the factor may take. */
-static void analyse(const View *v, int n, int entries, const int *row, const int *column) {
-    for (int k = 0; k < entries; k++)
-        v->other[k] = greater(v->position[row[k] - 1], v->position[column[k] - 1]);
-    sort_by(entries, v->other, n, v->start, v->entry);
-    for (int q = 0; q < entries; q++)
-        v->other[q] = lesser(v->position[row[v->entry[q]] - 1], v->position[column[v->entry[q]] - 1]);
-    memset(v->first, 0, ((size_t)n + 1) * sizeof *v->first);
-    for (int i = 0; i < n; i++) v->parent[i] = v->mark[i] = v->companion[i] = -1;
-    for (int k = 0; k < n && v->width[k] > 0; k += v->width[k]) {
-        v->mark[k] = k;
-        for (int q = v->start[k]; q < v->start[k + v->width[k]]; q++)
-            for (int i = head(v, v->other[q]); v->mark[i] != k; i = v->parent[i]) {
-                if (v->parent[i] < 0) v->parent[i] = k;
-                v->first[i + 1] += v->width[k];
-                v->mark[i] = k;
-            }
-    }
-    for (int i = 0; i < n; i++) {
-        if (v->width[i] == 0) v->first[i + 1] = v->first[i] - v->first[i - 1]; /* as much as the row before it */
-        if (v->width[i] < 0) v->companion[-1 - v->width[i]] = i;
-        v->first[i + 1] += v->first[i];
-    }
-}
+enum { BLOCK_COLUMNS = 8 }; /* of a panel, eliminated one by one before the next ones are brought up to date */
 
 /* ---- numbers ---- */
 
+typedef struct {
+    Structure s;
+    double *pivot, *coupling; /* inverted: diagonal, and what stands between the two rows of a pivot */
+    double *factor;           /* panels, not divided by the pivots; then of each slack its coupling and its diagonal */
+    double *work;
+} View;
+
+/* The arrays in IW and A. */
+static View view(int n, int *iw, double *a) {
+    View v = {structure_in(n, iw), NULL, NULL, NULL, NULL};
+    v.pivot = a + v.s.entries, v.coupling = v.pivot + n, v.factor = v.coupling + n;
+    v.work = v.factor + v.s.factor + n;
+    return v;
+}
+
+static long long room(int n, const Structure *s) { return s->entries + 3LL * n + s->factor + s->most + n; }
+
 /* Divide by pivot i what stands in its rows. */
-static void divide(const View *v, int i, const double *in, double *out) {
-    if (v->width[i] == 1)
+INLINE void divide(const View *v, int i, const double *in, double *out) {
+    if (v->s.width[i] == 1)
         out[0] = in[0] * v->pivot[i];
     else {
         double one = in[0], two = in[1];
@@ -81,24 +45,10 @@ static void divide(const View *v, int i, const double *in, double *out) {
     }
 }
 
-/* Take what column c contributes off one row in the making or two; `one`, `two`: their values there, divided by the
-   pivot. */
-static void eliminate(const View *v, int c, int rows, double one, double two) {
-    const double *restrict f = v->factor;
-    double *restrict y = v->y;
-    if (rows == 1)
-        for (int q = v->first[c]; q < v->end[c]; q++) y[2 * v->row[q]] -= f[q] * one;
-    else
-        for (int q = v->first[c]; q < v->end[c]; q++) {
-            y[2 * v->row[q]] -= f[q] * one;
-            y[2 * v->row[q] + 1] -= f[q] * two;
-        }
-}
-
 /* Invert pivot k, of the diagonal d and e with c between. Returns the number of its negative eigenvalues, -1 where it
    is singular. Of a pair nothing may be left, though the matrix is regular: dividing by it would lose all digits. It is
    moved by an amount that IPOPT's iterative refinement makes good. */
-static int invert(const View *v, int k, int second, double d, double c, double e) {
+INLINE int invert(const View *v, int k, int second, double d, double c, double e) {
     if (second < 0) {
         if (fabs(d) < LEAST_PIVOT) d += v->pivot[k] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
         v->pivot[k] = 1.0 / d;
@@ -114,82 +64,137 @@ static int invert(const View *v, int k, int second, double d, double c, double e
     return determinant < 0.0 ? 1 : d < 0.0 ? 2 : 0;
 }
 
-/* Row of the factor, or two where they are a pair, and the pivot. Returns the number of its negative eigenvalues, -1
-   where it is singular. */
-static int next_pivot(const View *v, int n, int k, const double *value) {
-    int rows = v->width[k], companion = v->companion[k], second = rows == 2 ? k + 1 : companion, top = n;
-    double d = v->pivot[k], c = 0.0, e = second < 0 ? 0.0 : v->pivot[second];
-    v->mark[k] = k;
-    for (int part = 0; part < rows; part++)
-        for (int q = v->start[k + part]; q < v->start[k + part + 1]; q++) {
-            int j = v->other[q], length = 0;
-            if (j >= k) {
-                *(part == 0 ? &d : j == k ? &c : &e) += value[v->entry[q]];
-                continue;
-            }
-            v->y[2 * j + part] += value[v->entry[q]];
-            for (int i = head(v, j); v->mark[i] != k; i = v->parent[i]) v->path[length++] = i, v->mark[i] = k;
-            while (length) v->stack[--top] = v->path[--length];
-        }
-    if (companion >= 0)
-        for (int q = v->start[companion]; q < v->start[companion + 1]; q++)
-            *(v->other[q] == companion ? &e : &c) += value[v->entry[q]];
-    for (; top < n; top++) {
-        int i = v->stack[top], width = v->width[i];
-        double *y = v->y + 2 * i, at[2][2] = {{y[0], 0.0}, {y[1], 0.0}}, by[2][2] = {{0.0, 0.0}, {0.0, 0.0}};
-        y[0] = y[1] = 0.0;
-        if (width == 2) at[0][1] = y[2], at[1][1] = y[3], y[2] = y[3] = 0.0;
-        for (int part = 0; part < rows; part++) divide(v, i, at[part], by[part]);
-        for (int own = 0; own < width; own++) {
-            eliminate(v, i + own, rows, by[0][own], by[1][own]);
-            for (int part = 0; part < rows; part++)
-                if (at[part][own] != 0.0) /* of the two columns of a pair often one is empty here */
-                    v->row[v->end[i + own]] = k + part, v->factor[v->end[i + own]++] = at[part][own];
-        }
-        d -= at[0][0] * by[0][0] + at[0][1] * by[0][1];
-        c -= at[1][0] * by[0][0] + at[1][1] * by[0][1];
-        e -= at[1][0] * by[1][0] + at[1][1] * by[1][1];
-    }
-    return invert(v, k, second, d, c, e);
-}
-
-/* Returns the number of negative eigenvalues, -1 where a pivot is singular. */
-static int factorise(const View *v, int n, const double *value) {
+/* Columns of a panel from `begin` to `end`, up to date but for each other; `divided`: the same by the pivots. Returns
+   the number of negative eigenvalues, -1 where a pivot is singular. */
+INLINE int eliminate(const View *v, int first, int begin, int end, int height, double *panel, double *divided) {
     int negative = 0;
-    memset(v->y, 0, 2 * (size_t)n * sizeof *v->y);
-    for (int i = 0; i < n; i++) v->mark[i] = -1, v->end[i] = v->first[i];
-    for (int k = 0; k < n && v->width[k] > 0; k += v->width[k]) {
-        int count = next_pivot(v, n, k, value);
+    for (int k = begin, wide; k < end; k += wide) {
+        int at = first + k, companion = v->s.companion[at];
+        double *restrict one = panel + (size_t)k * height, *restrict two = one + height;
+        double *restrict by_one = divided + (size_t)k * height, *restrict by_two = by_one + height;
+        wide = v->s.width[at];
+        double d = one[k] + v->pivot[at], c = 0.0, e = 0.0;
+        if (wide == 2) c = one[k + 1], e = two[k + 1] + v->pivot[at + 1];
+        if (companion >= 0) c = v->factor[v->s.factor + at], e = v->factor[v->s.factor + companion] + v->pivot[companion];
+        int count = invert(v, at, wide == 2 ? at + 1 : companion, d, c, e);
         if (count < 0) return -1;
         negative += count;
+        double p = v->pivot[at], q = v->coupling[at], r = wide == 2 ? v->pivot[at + 1] : 0.0;
+        if (wide == 1)
+            for (int i = k + 1; i < height; i++) by_one[i] = one[i] * p;
+        else
+            for (int i = k + 2; i < height; i++) {
+                by_one[i] = one[i] * p + two[i] * q;
+                by_two[i] = one[i] * q + two[i] * r;
+            }
+        for (int j = k + wide; j < end; j++) {
+            double *restrict to = panel + (size_t)j * height, f = one[j], g = wide == 2 ? two[j] : 0.0;
+            if (wide == 1)
+                for (int i = j; i < height; i++) to[i] -= by_one[i] * f;
+            else
+                for (int i = j; i < height; i++) to[i] -= by_one[i] * f + by_two[i] * g;
+        }
     }
     return negative;
 }
 
-/* x <- solution, by position. */
-static void substitute(const View *v, int n, double *x) {
-    int last = 0;
-    for (int i = 0; i < n && v->width[i] > 0; i += v->width[i]) {
-        int companion = v->companion[i];
-        double one = x[i];
-        divide(v, i, x + i, x + i);
-        if (companion >= 0) {
-            x[i] += x[companion] * v->coupling[i];
-            x[companion] = one * v->coupling[i] + x[companion] * v->pivot[companion];
+/* Take what a panel contributes off the panels that its rows are columns of. */
+INLINE void contribute(const View *v, int p, int own, int height, const double *panel, const double *divided,
+                       double *product, int with_fma) {
+    const Structure *s = &v->s;
+    int below = height - own;
+    for (int u = s->update[p]; u < s->update[p + 1]; u++) {
+        int t = s->target[2 * u], from = s->target[2 * u + 1], rows = below - from;
+        int until = u + 1 < s->update[p + 1] ? s->target[2 * u + 3] : below, columns = until - from;
+        int far = s->first[t + 1] - s->first[t] + s->list[t + 1] - s->list[t];
+        const int *local = s->local + s->where[u];
+        double *to = v->factor + s->panel[t];
+        const double *f = panel + own + from, *g = divided + own + from;
+        if (own == 1) {
+            for (int j = 0; j < columns; j++)
+                for (int i = j; i < rows; i++) to[local[i] + (size_t)local[j] * far] -= g[i] * f[j];
+            continue;
         }
-        for (last = i; last < i + v->width[i]; last++)
-            for (int q = v->first[last]; q < v->end[last]; q++) x[v->row[q]] -= v->factor[q] * x[last];
-    }
-    for (int i = last - 1; i >= 0; i--) {
-        double sum[2] = {0.0, 0.0};
-        if (v->width[i] == 0) continue;
-        for (int own = 0; own < v->width[i]; own++)
-            for (int q = v->first[i + own]; q < v->end[i + own]; q++) sum[own] += v->factor[q] * x[v->row[q]];
-        if (v->companion[i] >= 0) x[v->companion[i]] -= sum[0] * v->coupling[i];
-        divide(v, i, sum, sum);
-        for (int own = 0; own < v->width[i]; own++) x[i + own] -= sum[own];
+        memset(product, 0, (size_t)rows * columns * sizeof *product);
+        update(rows, columns, own, g, f, height, product, rows, with_fma);
+        for (int j = 0; j < columns; j++) {
+            double *column = to + (size_t)local[j] * far;
+            for (int i = j; i < rows; i++) column[local[i]] += product[i + (size_t)j * rows];
+        }
     }
 }
+
+/* Returns the number of negative eigenvalues, -1 where a pivot is singular. */
+INLINE int factorise(const View *v, int n, const double *value, int with_fma) {
+    const Structure *s = &v->s;
+    int negative = 0;
+    memset(v->factor, 0, ((size_t)s->factor + n) * sizeof *v->factor);
+    for (int k = 0; k < s->entries; k++) v->factor[s->place[k]] += value[k];
+    for (int p = 0; p < s->panels; p++) {
+        int first = s->first[p], own = s->first[p + 1] - first, height = own + s->list[p + 1] - s->list[p];
+        double *panel = v->factor + s->panel[p], *divided = v->work;
+        for (int begin = 0, end; begin < own; begin = end) {
+            for (end = begin; end < own && end < begin + BLOCK_COLUMNS;) end += s->width[first + end];
+            if (begin)
+                update(height - begin, end - begin, begin, divided + begin, panel + begin, height,
+                       panel + begin + (size_t)begin * height, height, with_fma);
+            int count = eliminate(v, first, begin, end, height, panel, divided);
+            if (count < 0) return -1;
+            negative += count;
+        }
+        contribute(v, p, own, height, panel, divided, v->work + (size_t)own * height, with_fma);
+    }
+    return negative;
+}
+
+/* x <- solution, by position; `y`: room for the rows of a panel. */
+INLINE void substitute(const View *v, double *x, double *y) {
+    const Structure *s = &v->s;
+    for (int p = 0; p < s->panels; p++) {
+        int first = s->first[p], own = s->first[p + 1] - first, height = own + s->list[p + 1] - s->list[p], wide;
+        const int *row = s->row + s->list[p] - own;
+        memcpy(y, x + first, (size_t)own * sizeof *y);
+        for (int i = own; i < height; i++) y[i] = x[row[i]];
+        for (int k = 0; k < own; k += wide) {
+            int at = first + k, companion = s->companion[at];
+            const double *one = v->factor + s->panel[p] + (size_t)k * height;
+            double was = y[k];
+            wide = s->width[at];
+            divide(v, at, y + k, y + k);
+            if (companion >= 0) {
+                y[k] += x[companion] * v->coupling[at];
+                x[companion] = was * v->coupling[at] + x[companion] * v->pivot[companion];
+            }
+            if (wide == 1)
+                take_off(height, k + 1, one, y[k], y);
+            else
+                take_two_off(height, k + 2, one, one + height, y[k], y[k + 1], y);
+        }
+        memcpy(x + first, y, (size_t)own * sizeof *y);
+        for (int i = own; i < height; i++) x[row[i]] = y[i];
+    }
+    for (int p = s->panels - 1; p >= 0; p--) {
+        int first = s->first[p], own = s->first[p + 1] - first, height = own + s->list[p + 1] - s->list[p];
+        const int *row = s->row + s->list[p] - own;
+        memcpy(y, x + first, (size_t)own * sizeof *y);
+        for (int i = own; i < height; i++) y[i] = x[row[i]];
+        for (int k = own - 1; k >= 0; k--) {
+            int at = first + k, wide = s->width[at];
+            const double *one = v->factor + s->panel[p] + (size_t)k * height;
+            if (wide == 0) continue;
+            double sum[2] = {product(height, k + wide, one, y), 0.0};
+            if (wide == 2) sum[1] = product(height, k + wide, one + height, y);
+            if (s->companion[at] >= 0) x[s->companion[at]] -= sum[0] * v->coupling[at];
+            divide(v, at, sum, sum);
+            for (int part = 0; part < wide; part++) y[k + part] -= sum[part];
+        }
+        memcpy(x + first, y, (size_t)own * sizeof *y);
+    }
+}
+
+WITH_FMA static int factorise_with_fma(const View *v, int n, const double *value) { return factorise(v, n, value, 1); }
+
+WITH_FMA static void substitute_with_fma(const View *v, double *x, double *y) { substitute(v, x, y); }
 
 /* ---- entry points; the arguments of MA27, of which only those named here are looked at ---- */
 
@@ -211,11 +216,9 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
              const int *liw, int *ikeep, const int *nsteps, int *maxfrt, int *iw1, const int *icntl, const double *cntl,
              int *info) {
     int *state = ikeep + 2 * *n, negative;
-    long long need_iw = HEADER + 10LL * *n + 2 + 2LL * *nz, need_a;
-    View v;
     (void)nsteps, (void)iw1, (void)icntl, (void)cntl;
     memset(info, 0, 20 * sizeof *info);
-    *maxfrt = *n;
+    *maxfrt = 2 * *n;
     if (*state == NOT_ORDERED) {
         if (!order_pivots(*n, *nz, irn, icn, a, ikeep, ikeep + *n)) {
             info[0] = NO_MEMORY;
@@ -224,27 +227,30 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         *state = ORDERED;
     }
     if (*state == ORDERED) {
-        if (need_iw > *liw) {
-            info[0] = LIW_TOO_SMALL, info[1] = (int)need_iw;
-            return;
-        }
-        v = view(*n, *nz, iw, a);
-        memcpy(v.position, ikeep, 2 * (size_t)*n * sizeof *ikeep);
-        analyse(&v, *n, *nz, irn, icn);
-    } else
-        v = view(*n, *nz, iw, a);
-    need_iw += v.first[*n], need_a = *nz + 4LL * *n + v.first[*n];
-    if (need_iw > *liw || need_a > *la) {
+        long long length = 0;
+        int *structure = structure_of(*n, *nz, irn, icn, ikeep, ikeep + *n, &length);
+        if (!structure || length > INT_MAX) {
+            info[0] = NO_MEMORY;
+        } else if (length > *liw) {
+            info[0] = LIW_TOO_SMALL, info[1] = (int)length;
+        } else
+            memcpy(iw, structure, (size_t)length * sizeof *iw);
+        free(structure);
+        if (info[0]) return;
+    }
+    View v = view(*n, iw, a);
+    if (room(*n, &v.s) > *la) {
         *state = ORDERED; /* the caller does not keep what is in IW */
-        info[0] = need_iw > *liw ? LIW_TOO_SMALL : LA_TOO_SMALL;
-        info[1] = (int)(need_iw > *liw ? need_iw : need_a);
+        info[0] = LA_TOO_SMALL, info[1] = (int)room(*n, &v.s);
         return;
     }
     *state = ANALYSED;
-    iw[0] = *nz;
     int primal = primal_rows(*nz, irn, icn);
-    for (int i = 0; i < *n; i++) v.pivot[v.position[i]] = i < primal ? REGULARISATION : -REGULARISATION;
-    negative = factorise(&v, *n, a);
+    for (int i = 0; i < *n; i++) {
+        v.pivot[v.s.position[i]] = i < primal ? REGULARISATION : -REGULARISATION;
+        v.coupling[i] = 0.0;
+    }
+    negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, 0);
     if (negative < 0)
         info[0] = SINGULAR;
     else
@@ -253,9 +259,12 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
 
 void ma27cd_(const int *n, double *a, const int *la, int *iw, const int *liw, double *w, const int *maxfrt, double *rhs,
              int *iw1, const int *nsteps, const int *icntl, const double *cntl) {
-    View v = view(*n, iw[0], iw, a);
+    View v = view(*n, iw, a);
     (void)la, (void)liw, (void)maxfrt, (void)iw1, (void)nsteps, (void)icntl, (void)cntl;
-    for (int i = 0; i < *n; i++) w[v.position[i]] = rhs[i];
-    substitute(&v, *n, w);
-    for (int i = 0; i < *n; i++) rhs[i] = w[v.position[i]];
+    for (int i = 0; i < *n; i++) w[v.s.position[i]] = rhs[i];
+    if (HAS_FMA)
+        substitute_with_fma(&v, w, w + *n);
+    else
+        substitute(&v, w, w + *n);
+    for (int i = 0; i < *n; i++) rhs[i] = w[v.s.position[i]];
 }

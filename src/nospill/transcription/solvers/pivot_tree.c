@@ -1,0 +1,100 @@
+/* Elimination tree of pivots whose order is given. They are renumbered so that each comes after its descendants, and right
+   before its parent where it can; what they fill in stays the same. */
+
+typedef struct {
+    int pivots;
+    int *node;           /* of each position, -1 for a slack that is eliminated with another row */
+    int *wide;           /* rows of each pivot */
+    int *parent, *count; /* of the tree; rows below */
+    int *start, *other;  /* earlier neighbours of each pivot, some more than once */
+    int *begin, *below;  /* later pivots in which each fills in, ascending */
+    int *mark;
+} Tree;
+
+/* Later neighbours of every pivot by row subtrees: parents where they are not known yet, and how many rows there are. */
+static void climb(Tree *t, int with_lists) {
+    for (int i = 0; i < t->pivots; i++) t->mark[i] = -1;
+    if (!with_lists)
+        for (int i = 0; i < t->pivots; i++) t->parent[i] = -1, t->count[i] = 0;
+    for (int k = 0; k < t->pivots; k++) {
+        t->mark[k] = k;
+        for (int q = t->start[k]; q < t->start[k + 1]; q++)
+            for (int i = t->other[q]; t->mark[i] != k; i = t->parent[i]) {
+                if (t->parent[i] < 0) t->parent[i] = k;
+                if (with_lists) t->below[t->begin[i]++] = k;
+                t->count[i] += !with_lists;
+                t->mark[i] = k;
+            }
+    }
+}
+
+/* Entries between pivots by the later of the two. */
+static void neighbours(Tree *t, int entries, const int *row, const int *column, const int *position, int *key, int *lo,
+                       int *sequence) {
+    for (int k = 0; k < entries; k++) {
+        int a = t->node[position[row[k] - 1]], b = t->node[position[column[k] - 1]];
+        key[k] = a < 0 || b < 0 || a == b ? -1 : greater(a, b), lo[k] = lesser(a, b);
+    }
+    sort_by(entries, key, t->pivots, t->start, sequence);
+    for (int q = 0; q < t->start[t->pivots]; q++) t->other[q] = lo[sequence[q]];
+}
+
+typedef struct {
+    int parent, inner, node;
+    unsigned key;
+} Child;
+
+static int compare(const void *one, const void *two) {
+    const Child *a = one, *b = two;
+    if (a->parent != b->parent) return a->parent < b->parent ? -1 : 1;
+    if (a->inner != b->inner) return a->inner < b->inner ? -1 : 1;
+    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    return a->node < b->node ? -1 : a->node > b->node;
+}
+
+/* Sequence of the pivots with every one after its descendants: leaves with the same rows side by side, then the others,
+   that of the most rows last. */
+static void postorder(const Tree *t, Child *child, int *begin, int *stack, int *sequence) {
+    int next = 0, depth = 0, roots;
+    for (int i = 0; i < t->pivots; i++)
+        child[i] = (Child){t->parent[i] < 0 ? t->pivots : t->parent[i], 0, i, 0};
+    for (int i = 0; i < t->pivots; i++) {
+        if (t->parent[i] >= 0) child[t->parent[i]].inner = 1;
+        for (int q = t->start[i]; q < t->start[i + 1]; q++) child[t->other[q]].key += 2654435761u * (unsigned)(i + 1);
+    }
+    for (int i = 0; i < t->pivots; i++)
+        if (child[i].inner) child[i].key = (unsigned)t->count[i];
+    qsort(child, (size_t)t->pivots, sizeof *child, compare);
+    for (int i = 0; i <= t->pivots + 1; i++) begin[i] = 0;
+    for (int i = 0; i < t->pivots; i++) begin[child[i].parent + 1]++;
+    for (int i = 0; i <= t->pivots; i++) begin[i + 1] += begin[i];
+    roots = begin[t->pivots];
+    for (int r = roots; r < t->pivots; r++) { /* begin[i] moves on with the children that are done */
+        stack[depth++] = child[r].node;
+        while (depth) {
+            int i = stack[depth - 1];
+            if (begin[i] < t->pivots && child[begin[i]].parent == i)
+                stack[depth++] = child[begin[i]++].node;
+            else
+                sequence[next++] = i, depth--;
+        }
+    }
+}
+
+/* Number the pivots, and the rows with them, in a sequence. */
+static void renumber(Tree *t, int n, const int *sequence, int *position, int *width, int *scratch) {
+    int *fresh = scratch, *at = scratch + n, next = 0, *wide = at + n;
+    for (int k = 0; k < t->pivots; k++) fresh[sequence[k]] = k, wide[k] = t->wide[sequence[k]];
+    for (int k = 0, from = 0; k < t->pivots; from += t->wide[k++]) at[fresh[k]] = from;
+    int *moved = wide + n;
+    for (int i = 0; i < n; i++) moved[i] = i;
+    for (int k = 0; k < t->pivots; k++)
+        for (int own = 0; own < wide[k]; own++) moved[at[k] + own] = next++;
+    for (int i = next; i < n; i++) width[i] = -1 - moved[-1 - width[i]];
+    for (int i = 0; i < n; i++) position[i] = moved[position[i]];
+    next = 0;
+    for (int k = 0; k < t->pivots; k++) {
+        t->wide[k] = wide[k];
+        for (int own = 0; own < wide[k]; own++) width[next] = own ? 0 : wide[k], t->node[next++] = k;
+    }
+}

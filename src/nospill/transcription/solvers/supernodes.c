@@ -1,0 +1,261 @@
+/* Structure of the factor: columns with nearly the same rows are one supernode, a dense panel.
+
+   A pivot joins the panel before it where it is the parent of that, or a leaf of the same parent, and few places of the
+   panel stay zero. */
+
+/* Most places of a panel that may be zero, as part of all; panels of few columns may have more. */
+static const double MOST_ZEROS = 0.1;
+enum { FEW_COLUMNS = 4 };
+
+typedef struct {
+    int entries, columns, panels, rows, targets, locals, factor, most; /* sizes; most: room that a panel takes at work */
+    int *position;  /* of each row of the matrix; slacks that are eliminated with their multiplier come last */
+    int *width;     /* of the pivot at each position: 1, 2, 0 at the second row of a pair */
+    int *companion; /* position of the slack that is eliminated with the pivot, -1 for none */
+    int *place;     /* of each entry, in the factor; a slack's coupling and diagonal come after all panels */
+    int *first;     /* column of each panel */
+    int *list;      /* where the rows below each panel begin in `row` */
+    int *row;       /* positions */
+    int *panel;     /* where each begins in the factor; by columns, the panel's own rows above those of the list */
+    int *update;    /* where each panel's targets begin */
+    int *target;    /* the panel, and the first of the rows that are columns there */
+    int *local;     /* for each target, from that row on: rows in the target's panel */
+    int *where;     /* where the rows of each target begin in `local` */
+} Structure;
+
+enum { SIZES = 8 };
+
+/* Lay out the structure in an array whose first numbers are its sizes; returns the array's length. */
+static long long lay_out(Structure *s, int n, int *array) {
+    long long next = SIZES;
+    int **part[] = {&s->position, &s->width, &s->companion, &s->place,  &s->first, &s->list,
+                    &s->panel,    &s->update, &s->row,      &s->target, &s->where, &s->local};
+    int size[] = {n,           n,           n,       s->entries,     s->panels + 1, s->panels + 1, s->panels + 1,
+                  s->panels + 1, s->rows, 2 * s->targets, s->targets, s->locals};
+    for (int k = 0; k < 12; k++) {
+        if (array) *part[k] = array + next;
+        next += size[k];
+    }
+    return next;
+}
+
+/* ---- panels ---- */
+
+/* Union of ascending lists; returns its length. */
+static int merge(const int *a, int na, const int *b, int nb, int *out) {
+    int count = 0;
+    for (int i = 0, j = 0; i < na || j < nb;) {
+        int x = i < na ? a[i] : b[j];
+        if (j < nb && b[j] < x) x = b[j];
+        i += i < na && a[i] == x, j += j < nb && b[j] == x;
+        out[count++] = x;
+    }
+    return count;
+}
+
+static int rows_of(const Tree *t, const int *list, int count) {
+    int rows = 0;
+    for (int k = 0; k < count; k++) rows += t->wide[list[k]];
+    return rows;
+}
+
+/* Divide the pivots into panels: the first pivot of each in `first`, the later pivots that it reaches in `list` (where
+   they begin) and `reach`. Returns the number of panels. */
+static int divide_into_panels(const Tree *t, const int *leaf, int *first, int *list, int *reach, int *scratch) {
+    int panels = 0, columns = 0, count = 0, leaves = 0, *now = scratch;
+    long long held = 0;
+    first[0] = list[0] = 0;
+    for (int k = 0; k < t->pivots; k++) {
+        const int *own = t->below + t->begin[k];
+        int length = t->begin[k + 1] - t->begin[k], wide = t->wide[k], rows = rows_of(t, own, length), joins = 0;
+        long long alone = (long long)wide * (wide + 1) / 2 + (long long)wide * rows;
+        if (columns > 0 && count > 0) {
+            int chained = now[0] == k, beside = leaves && leaf[k] && length > 0 && now[0] == own[0];
+            if (chained || beside) {
+                int *both = reach + list[panels], joint = chained ? length : merge(now, count, own, length, both);
+                int all = columns + wide, below = chained ? rows : rows_of(t, both, joint);
+                long long size = (long long)all * (all + 1) / 2 + (long long)all * below;
+                joins = all <= FEW_COLUMNS || (double)(size - held - alone) < MOST_ZEROS * (double)size;
+                if (joins) {
+                    memcpy(now, chained ? own : both, (size_t)joint * sizeof *now);
+                    columns = all, count = joint, held += alone, leaves = beside;
+                }
+            }
+        }
+        if (!joins) {
+            if (columns > 0) {
+                memcpy(reach + list[panels], now, (size_t)count * sizeof *now);
+                list[panels + 1] = list[panels] + count, first[++panels] = k;
+            }
+            memcpy(now, own, (size_t)length * sizeof *now);
+            columns = wide, count = length, held = alone, leaves = leaf[k];
+        }
+    }
+    memcpy(reach + list[panels], now, (size_t)count * sizeof *now);
+    list[panels + 1] = list[panels] + count, first[panels + 1] = t->pivots;
+    return panels + 1;
+}
+
+/* ---- all of it ---- */
+
+/* Place in the factor of position i (a row) and j <= i (a column). */
+static int place_of(const Structure *s, const int *panel_of, int i, int j) {
+    int p = panel_of[j], own = s->first[p + 1] - s->first[p], height = own + s->list[p + 1] - s->list[p], at;
+    if (i < s->first[p + 1])
+        at = i - s->first[p];
+    else {
+        int low = s->list[p], high = s->list[p + 1] - 1;
+        while (low < high) {
+            int middle = (low + high) / 2;
+            if (s->row[middle] < i)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        at = own + low - s->list[p];
+    }
+    return s->panel[p] + (j - s->first[p]) * height + at;
+}
+
+/* Where the rows of each panel go in the panels that they are columns of. With no arrays yet, how many there are. */
+static void find_targets(Structure *s, const int *panel_of, int counting) {
+    s->targets = s->locals = 0;
+    for (int p = 0; p < s->panels; p++) {
+        if (!counting) s->update[p] = s->targets;
+        for (int k = s->list[p]; k < s->list[p + 1];) {
+            int t = panel_of[s->row[k]], from = k, below = s->list[t], own = s->first[t + 1] - s->first[t];
+            if (!counting)
+                s->target[2 * s->targets] = t, s->target[2 * s->targets + 1] = k - s->list[p],
+                s->where[s->targets] = s->locals;
+            for (; k < s->list[p + 1] && s->row[k] < s->first[t + 1]; k++) continue;
+            for (int i = from; !counting && i < s->list[p + 1]; i++) {
+                if (i < k)
+                    s->local[s->locals + i - from] = s->row[i] - s->first[t];
+                else {
+                    while (s->row[below] < s->row[i]) below++;
+                    s->local[s->locals + i - from] = own + below - s->list[t];
+                }
+            }
+            s->targets++, s->locals += s->list[p + 1] - from;
+        }
+    }
+    if (!counting) s->update[s->panels] = s->targets;
+}
+
+/* The structure, laid out in an array that the caller frees, NULL without memory. `position`, `width`: as order_pivots
+   leaves them. */
+static int *structure_of(int n, int entries, const int *row, const int *column, const int *position, const int *width,
+                         long long *length) {
+    size_t rows = (size_t)n + 2, all = (size_t)entries + 1;
+    int *whole = malloc((18 * rows + 4 * all) * sizeof *whole), *lists = NULL, *array = NULL;
+    Child *child = malloc(rows * sizeof *child);
+    Structure s = {.entries = entries};
+    if (!whole || !child) goto done;
+    int *own_position = whole, *own_width = whole + rows, *leaf = whole + 2 * rows, *sequence = whole + 3 * rows;
+    int *scratch = whole + 4 * rows, *key = whole + 16 * rows, *lo = key + all, *by = lo + all; /* 4 rows of scratch */
+    Tree t = {0,
+              whole + 8 * rows,
+              whole + 9 * rows,
+              whole + 10 * rows,
+              whole + 11 * rows,
+              whole + 12 * rows,
+              by + all,
+              whole + 13 * rows,
+              NULL,
+              whole + 14 * rows};
+    memcpy(own_position, position, (size_t)n * sizeof *position);
+    memcpy(own_width, width, (size_t)n * sizeof *width);
+    for (int i = 0; i < n; i++) {
+        t.node[i] = own_width[i] > 0 ? t.pivots++ : own_width[i] == 0 ? t.pivots - 1 : -1;
+        if (own_width[i] > 0) t.wide[t.pivots - 1] = own_width[i];
+        s.columns += own_width[i] >= 0;
+    }
+    neighbours(&t, entries, row, column, own_position, key, lo, by);
+    climb(&t, 0);
+    postorder(&t, child, t.begin, scratch, sequence);
+    renumber(&t, n, sequence, own_position, own_width, scratch);
+    neighbours(&t, entries, row, column, own_position, key, lo, by);
+    for (int i = 0; i < t.pivots; i++) t.parent[i] = -1;
+    climb(&t, 0);
+    t.begin[0] = 0;
+    for (int i = 0; i < t.pivots; i++) t.begin[i + 1] = t.begin[i] + t.count[i], leaf[i] = 1;
+    for (int i = 0; i < t.pivots; i++)
+        if (t.parent[i] >= 0) leaf[t.parent[i]] = 0;
+    lists = malloc(2 * ((size_t)t.begin[t.pivots] + 1) * sizeof *lists);
+    if (!lists) goto done;
+    t.below = lists;
+    climb(&t, 1);
+    for (int i = t.pivots; i > 0; i--) t.begin[i] = t.begin[i - 1];
+    t.begin[0] = 0;
+
+    int *reach = lists + t.begin[t.pivots] + 1, *first = sequence, *list = scratch, *panel_of = scratch + 2 * rows;
+    s.panels = divide_into_panels(&t, leaf, first, list, reach, scratch + rows);
+    int *at = whole + 15 * rows; /* first position of each pivot */
+    for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from;
+    at[t.pivots] = s.columns;
+    s.rows = rows_of(&t, reach, list[s.panels]);
+    long long factor = 0;
+    int *fixed[] = {leaf, scratch + rows, t.parent}; /* first column, list and panel, until there is an array */
+    s.first = fixed[0], s.list = fixed[1], s.panel = fixed[2];
+    s.row = malloc(((size_t)s.rows + 1) * sizeof *s.row);
+    if (!s.row) goto done;
+    s.first[0] = s.list[0] = s.panel[0] = 0;
+    for (int p = 0, next = 0; p < s.panels; p++) {
+        for (int k = list[p]; k < list[p + 1]; k++)
+            for (int own = 0; own < t.wide[reach[k]]; own++) s.row[next++] = at[reach[k]] + own;
+        s.first[p + 1] = at[first[p + 1]], s.list[p + 1] = next;
+        int own = s.first[p + 1] - s.first[p], below = next - s.list[p];
+        factor += (long long)own * (own + below);
+        if (factor > INT_MAX / 2) goto free_row;
+        s.panel[p + 1] = (int)factor;
+        s.most = greater(s.most, (own + below) * (own + greater(below < own ? below : own, 0)));
+        for (int i = s.first[p]; i < s.first[p + 1]; i++) panel_of[i] = p;
+    }
+    s.factor = (int)factor;
+    find_targets(&s, panel_of, 1);
+    for (int p = 0; p < s.panels; p++) { /* room: the panel divided by its pivots, and its widest update */
+        int own = s.first[p + 1] - s.first[p], below = s.list[p + 1] - s.list[p], run = 0, widest = 0, of = -1;
+        for (int k = s.list[p]; k < s.list[p + 1]; k++) {
+            run = panel_of[s.row[k]] == of ? run + 1 : 1, of = panel_of[s.row[k]];
+            widest = greater(widest, run);
+        }
+        s.most = greater(s.most, (own + below) * own + below * widest);
+    }
+    *length = lay_out(&s, n, NULL);
+    array = malloc((size_t)*length * sizeof *array);
+    if (array) {
+        Structure to = s;
+        lay_out(&to, n, array);
+        memcpy(to.position, own_position, (size_t)n * sizeof *array);
+        memcpy(to.width, own_width, (size_t)n * sizeof *array);
+        for (int i = 0; i < n; i++) to.companion[i] = -1;
+        for (int i = 0; i < n; i++)
+            if (own_width[i] < 0) to.companion[-1 - own_width[i]] = i;
+        memcpy(to.first, s.first, ((size_t)s.panels + 1) * sizeof *array);
+        memcpy(to.list, s.list, ((size_t)s.panels + 1) * sizeof *array);
+        memcpy(to.panel, s.panel, ((size_t)s.panels + 1) * sizeof *array);
+        memcpy(to.row, s.row, (size_t)s.rows * sizeof *array);
+        find_targets(&to, panel_of, 0);
+        for (int k = 0; k < entries; k++) {
+            int i = own_position[row[k] - 1], j = own_position[column[k] - 1], high = greater(i, j), low = lesser(i, j);
+            to.place[k] = high < s.columns ? place_of(&to, panel_of, high, low)
+                          : low < s.columns ? s.factor + low : s.factor + high;
+        }
+        int sizes[SIZES] = {to.entries, to.columns, to.panels, to.rows, to.targets, to.locals, to.factor, to.most};
+        memcpy(array, sizes, sizeof sizes);
+    }
+free_row:
+    free(s.row);
+done:
+    free(whole), free(child), free(lists);
+    return array;
+}
+
+/* The structure in an array that was laid out before. */
+static Structure structure_in(int n, int *array) {
+    Structure s = {array[0], array[1], array[2], array[3], array[4], array[5], array[6], array[7],
+                   NULL,     NULL,     NULL,     NULL,     NULL,     NULL,     NULL,     NULL,
+                   NULL,     NULL,     NULL,     NULL};
+    lay_out(&s, n, array);
+    return s;
+}
