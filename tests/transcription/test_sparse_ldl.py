@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from nospill.transcription.solvers import linear_solvers
 from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
@@ -54,6 +56,32 @@ def kkt(
     return matrix
 
 
+def chain(seed: int, stages: int = 30, variables: int = 9, equalities: int = 5, inequalities: int = 6) -> np.ndarray:
+    """A motion in stages: each with equations to the next, bounds on its own variables, and the shared duration."""
+    random = np.random.default_rng(seed)
+    free, slacks = stages * variables + 1, stages * inequalities
+    primal, rows = free + slacks, (stages - 1) * equalities + slacks
+    matrix = np.zeros((primal + rows, primal + rows))
+    jacobian = matrix[primal:, :primal]
+    for stage in range(stages):
+        own = slice(stage * variables, (stage + 1) * variables)
+        root = random.normal(size=(variables, variables))
+        matrix[own, own] = root @ root.T + 0.1 * np.eye(variables)
+        bounds = (stages - 1) * equalities + stage * inequalities + np.arange(inequalities)
+        jacobian[bounds, own] = random.normal(size=(inequalities, variables)) * (random.random(variables) < 0.6)
+        jacobian[bounds, free + stage * inequalities + np.arange(inequalities)] = -1.0
+        if stage + 1 < stages:
+            equations = slice(stage * equalities, (stage + 1) * equalities)
+            both = slice(stage * variables, (stage + 2) * variables)
+            jacobian[equations, both] = random.normal(size=(equalities, 2 * variables))
+            jacobian[equations, free - 1] = random.normal(size=equalities)
+    matrix[free - 1, free - 1] = 1.0
+    slack = np.arange(free, primal)
+    matrix[slack, slack] = 10.0 ** random.uniform(-4, 4, slacks)
+    matrix[:primal, primal:] = jacobian.T
+    return matrix
+
+
 def refined(factor: Factor, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solution after two steps of iterative refinement; IPOPT makes one at least."""
     x = factor.solve(right)
@@ -79,6 +107,46 @@ def test_systems_of_an_interior_point_method(library: Path, seed: int) -> None:
     matrix = kkt(seed, curvature=4.0 if seed % 2 else 0.3)
     entries = of_upper(matrix)
     check(Factor(library, entries), matrix, entries.value)
+
+
+@pytest.mark.parametrize(("stages", "variables", "equalities"), [(2, 3, 1), (40, 9, 5), (12, 30, 22), (5, 90, 70)])
+def test_chains_of_stages(library: Path, stages: int, variables: int, equalities: int) -> None:
+    """Panels of several columns, and panels that reach into the next ones."""
+    matrix = chain(stages, stages, variables, equalities)
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 14), st.integers(1, 12), st.data())
+def test_any_chain(library: Path, seed: int, stages: int, variables: int, data: st.DataObject) -> None:
+    equalities = data.draw(st.integers(0, variables))
+    matrix = chain(seed, stages, variables, equalities, data.draw(st.integers(0, 4)))
+    entries = of_upper(matrix)
+    factor = Factor(library, entries)
+    assert factor.factorise(entries.value) == 0
+    assert factor.negative == np.sum(np.linalg.eigvalsh(matrix) < 0.0)
+    right = matrix @ np.ones(len(matrix))
+    assert np.max(np.abs(matrix @ refined(factor, matrix, right) - right)) <= 1e-9 * np.max(np.abs(right))
+
+
+def test_processors_without_fused_products_find_the_same(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = tmp_path / "plain.c"
+    plain.write_text("#define WITHOUT_FMA\n" + "\n".join(file.read_text() for file in linear_solvers.SOURCES))
+    monkeypatch.setattr(linear_solvers, "SOURCES", (plain,))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
+    other = linear_solvers.ldl_library()
+    assert other is not None and other != library
+    matrix = chain(3)
+    entries, right = of_upper(matrix), np.ones(len(matrix))
+    one, two = Factor(library, entries), Factor(other, entries)
+    check(two, matrix, entries.value)
+    assert one.factorise(entries.value) == 0
+    assert one.negative == two.negative
+    np.testing.assert_allclose(refined(one, matrix, right), refined(two, matrix, right), rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

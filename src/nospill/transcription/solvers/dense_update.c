@@ -1,7 +1,7 @@
 /* The dense part of a factorisation: products of columns. What calls them is compiled twice, with and without the fused
    products of vectors that most processors have. */
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#if !defined(WITHOUT_FMA) && defined(__x86_64__) && defined(__GNUC__)
 #define WITH_FMA __attribute__((target("avx2,fma")))
 #define HAS_FMA (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 #else

@@ -245,9 +245,8 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         return;
     }
     *state = ANALYSED;
-    int primal = primal_rows(*nz, irn, icn);
     for (int i = 0; i < *n; i++) {
-        v.pivot[v.s.position[i]] = i < primal ? REGULARISATION : -REGULARISATION;
+        v.pivot[v.s.position[i]] = i < v.s.primal ? REGULARISATION : -REGULARISATION;
         v.coupling[i] = 0.0;
     }
     negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, 0);

@@ -8,7 +8,7 @@ static const double MOST_ZEROS = 0.1;
 enum { FEW_COLUMNS = 4 };
 
 typedef struct {
-    int entries, columns, panels, rows, targets, locals, factor, most; /* sizes; most: room that a panel takes at work */
+    int entries, columns, panels, rows, targets, locals, factor, most, primal; /* sizes; most: room for work on a panel */
     int *position;  /* of each row of the matrix; slacks that are eliminated with their multiplier come last */
     int *width;     /* of the pivot at each position: 1, 2, 0 at the second row of a pair */
     int *companion; /* position of the slack that is eliminated with the pivot, -1 for none */
@@ -23,7 +23,7 @@ typedef struct {
     int *where;     /* where the rows of each target begin in `local` */
 } Structure;
 
-enum { SIZES = 8 };
+enum { SIZES = 9 };
 
 /* Lay out the structure in an array whose first numbers are its sizes; returns the array's length. */
 static long long lay_out(Structure *s, int n, int *array) {
@@ -149,7 +149,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     size_t rows = (size_t)n + 2, all = (size_t)entries + 1;
     int *whole = malloc((18 * rows + 4 * all) * sizeof *whole), *lists = NULL, *array = NULL;
     Child *child = malloc(rows * sizeof *child);
-    Structure s = {.entries = entries};
+    Structure s = {.entries = entries, .primal = primal_rows(entries, row, column)};
     if (!whole || !child) goto done;
     int *own_position = whole, *own_width = whole + rows, *leaf = whole + 2 * rows, *sequence = whole + 3 * rows;
     int *scratch = whole + 4 * rows, *key = whole + 16 * rows, *lo = key + all, *by = lo + all; /* 4 rows of scratch */
@@ -241,7 +241,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
             to.place[k] = high < s.columns ? place_of(&to, panel_of, high, low)
                           : low < s.columns ? s.factor + low : s.factor + high;
         }
-        int sizes[SIZES] = {to.entries, to.columns, to.panels, to.rows, to.targets, to.locals, to.factor, to.most};
+        int sizes[SIZES] = {to.entries, to.columns, to.panels, to.rows, to.targets, to.locals, to.factor, to.most, to.primal};
         memcpy(array, sizes, sizeof sizes);
     }
 free_row:
@@ -253,9 +253,8 @@ done:
 
 /* The structure in an array that was laid out before. */
 static Structure structure_in(int n, int *array) {
-    Structure s = {array[0], array[1], array[2], array[3], array[4], array[5], array[6], array[7],
-                   NULL,     NULL,     NULL,     NULL,     NULL,     NULL,     NULL,     NULL,
-                   NULL,     NULL,     NULL,     NULL};
+    Structure s = {.entries = array[0], .columns = array[1], .panels = array[2], .rows = array[3], .targets = array[4],
+                   .locals = array[5], .factor = array[6], .most = array[7], .primal = array[8]};
     lay_out(&s, n, array);
     return s;
 }
