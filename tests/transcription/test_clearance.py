@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import casadi as ca
@@ -13,13 +14,14 @@ from nospill.collisions.distances import Distances, separation
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import reaching
 from nospill.core.attitudes import matrices, tray_quaternions
+from nospill.core.paths import Path
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.clearance_block import LIMIT, PLANE, clearance_block
-from nospill.transcription.clearance_planes import NEAR, Planes, separating
+from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.task import Task
 
@@ -140,6 +142,27 @@ def test_assembled_derivatives_against_automatic_differentiation() -> None:
     given = transcription.hess_lag(w, p, 0.0, multipliers)
     expected = ca.Function("h", [x, q], [ca.triu(hessian)])(w, p)
     np.testing.assert_allclose(np.array(ca.DM(given)), np.array(expected), atol=1e-8)
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_planes_change_no_other_row(degree: int) -> None:
+    """The numbers of the planes stand behind those of the path, whatever degree that has."""
+    random = np.random.default_rng(7)
+    model = scene().with_one_mode()
+    path = Path(np.array([0.0, 0.4, 1.0]), random.uniform(-0.5, 0.5, (degree + 1, 2, 4)))
+    model = replace(model, path=path)
+    rows = [RowId(Clearance.name, name) for name in SUBJECTS]
+    planes = found_everywhere(rows, POSE + np.linspace(0.0, 0.3, INTERVALS)[:, None])
+    with_planes, without = (
+        build_problem(model, INTERVALS, nominal_duration=1.0, backoff={}, active=set(rows), planes=own)
+        for own in (planes, NO_PLANES)
+    )
+    variables = random.uniform(0.05, 0.6, with_planes.transcription.variables)
+    values = with_planes.transcription.constraint_function(variables, with_planes.parameters)
+    motion = variables[: without.transcription.variables]
+    expected = np.asarray(without.transcription.constraint_function(motion, without.parameters))
+    assert with_planes.transcription.clearance_rows > 0
+    np.testing.assert_allclose(np.asarray(values)[: len(expected)], expected, atol=1e-12)
 
 
 def test_each_row_finds_its_own_rows_with_its_back_off() -> None:

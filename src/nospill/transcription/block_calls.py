@@ -146,7 +146,8 @@ class BlockCalls:
         tray = self._stage.tray
         s = self._map(tray.block.instants, 1)(self._tray, self._parameters(tray.parameters))
         span = ca.low(self.p[tray.breaks.tolist()], ca.vec(s))
-        table = ca.vertcat(self.p, 0)[tray.path.ravel(order="F").tolist()]
+        own = self.p[: self._stage.sizes.parameters]  # behind them stand those of the planes between bodies
+        table = ca.vertcat(own, 0)[tray.path.ravel(order="F").tolist()]
         chosen = ca.reshape(table, *tray.path.shape)[:, span]
         return ca.reshape(chosen, len(tray.path) * len(INSTANTS), self._intervals)
 
