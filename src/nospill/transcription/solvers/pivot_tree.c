@@ -1,5 +1,5 @@
-/* Elimination tree of pivots whose order is given. They are renumbered so that each comes after its descendants, and right
-   before its parent where it can; what they fill in stays the same. */
+/* Elimination tree of pivots whose order is given. They are renumbered so that each comes after its descendants, and
+   right before its parent where it can; what they fill in stays the same. */
 
 typedef struct {
     int pivots;

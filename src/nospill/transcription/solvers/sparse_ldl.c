@@ -1,5 +1,5 @@
 /* Sparse LDL^T with pivots of one or two rows, behind the entry points of MA27, by which IPOPT loads a linear solver;
-   compiled together with pivot_order.c, supernodes.c and dense_update.c, which come first.
+   compiled together with the other files beside it, which come first (`linear_solvers.py`).
 
    All state is in the caller's arrays. IKEEP (3 N): position of each row, width of the pivot at each position (0 at the
    second row of a pair), how far the analysis is. IW: the structure. A: the entries, then the factor. */
