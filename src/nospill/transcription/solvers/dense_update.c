@@ -70,7 +70,7 @@ INLINE void take_two_off(int rows, int begin, const double *restrict one, const 
 }
 
 /* Sum of the products from row `begin` on, in eight parts. */
-INLINE double product(int rows, int begin, const double *column, const double *y) {
+INLINE double dot(int rows, int begin, const double *column, const double *y) {
     Four sum[2] = {{0.0}, {0.0}};
     double rest = 0.0;
     int i = begin;

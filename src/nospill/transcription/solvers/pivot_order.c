@@ -7,8 +7,8 @@
 
    Each dual row is paired with a primal row by a large entry: the two make one pivot, which is regular however small
    the diagonal is. Pairs and single rows are the nodes of a graph, which is long and thin, since a stage of the motion
-   touches the next one only: its levels (distances from the first node) are eliminated from the far end, each by minimum
-   degree. Inequalities, each a pair with its slack, come before all. */
+   touches the next one only: its levels (distances from the first node) are eliminated from the far end, each by
+   minimum degree. Inequalities, each a pair with its slack, come before all. */
 
 #include <limits.h>
 #include <math.h>

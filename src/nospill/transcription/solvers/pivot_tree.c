@@ -11,7 +11,7 @@ typedef struct {
     int *mark;
 } Tree;
 
-/* Later neighbours of every pivot by row subtrees: parents where they are not known yet, and how many rows there are. */
+/* Later neighbours of every pivot, by row subtrees: first the parents and how many there are, then the lists. */
 static void climb(Tree *t, int with_lists) {
     for (int i = 0; i < t->pivots; i++) t->mark[i] = -1;
     if (!with_lists)
@@ -40,36 +40,26 @@ static void neighbours(Tree *t, int entries, const int *row, const int *column, 
 }
 
 typedef struct {
-    int parent, inner, node;
-    unsigned key;
+    int parent, count, node;
 } Child;
 
 static int compare(const void *one, const void *two) {
     const Child *a = one, *b = two;
     if (a->parent != b->parent) return a->parent < b->parent ? -1 : 1;
-    if (a->inner != b->inner) return a->inner < b->inner ? -1 : 1;
-    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    if (a->count != b->count) return a->count < b->count ? -1 : 1;
     return a->node < b->node ? -1 : a->node > b->node;
 }
 
-/* Sequence of the pivots with every one after its descendants: leaves with the same rows side by side, then the others,
-   that of the most rows last. */
+/* Sequence of the pivots with every one after its descendants, of several children that of the most rows last. */
 static void postorder(const Tree *t, Child *child, int *begin, int *stack, int *sequence) {
-    int next = 0, depth = 0, roots;
-    for (int i = 0; i < t->pivots; i++)
-        child[i] = (Child){t->parent[i] < 0 ? t->pivots : t->parent[i], 0, i, 0};
-    for (int i = 0; i < t->pivots; i++) {
-        if (t->parent[i] >= 0) child[t->parent[i]].inner = 1;
-        for (int q = t->start[i]; q < t->start[i + 1]; q++) child[t->other[q]].key += 2654435761u * (unsigned)(i + 1);
-    }
-    for (int i = 0; i < t->pivots; i++)
-        if (child[i].inner) child[i].key = (unsigned)t->count[i];
+    int next = 0, depth = 0;
+    for (int i = 0; i < t->pivots; i++) /* roots are children of one pivot more */
+        child[i] = (Child){t->parent[i] < 0 ? t->pivots : t->parent[i], t->count[i], i};
     qsort(child, (size_t)t->pivots, sizeof *child, compare);
     for (int i = 0; i <= t->pivots + 1; i++) begin[i] = 0;
     for (int i = 0; i < t->pivots; i++) begin[child[i].parent + 1]++;
     for (int i = 0; i <= t->pivots; i++) begin[i + 1] += begin[i];
-    roots = begin[t->pivots];
-    for (int r = roots; r < t->pivots; r++) { /* begin[i] moves on with the children that are done */
+    for (int r = begin[t->pivots]; r < t->pivots; r++) { /* begin[i] moves on with the children that are done */
         stack[depth++] = child[r].node;
         while (depth) {
             int i = stack[depth - 1];

@@ -75,18 +75,21 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int height, d
         wide = v->s.width[at];
         double d = one[k] + v->pivot[at], c = 0.0, e = 0.0;
         if (wide == 2) c = one[k + 1], e = two[k + 1] + v->pivot[at + 1];
-        if (companion >= 0) c = v->factor[v->s.factor + at], e = v->factor[v->s.factor + companion] + v->pivot[companion];
+        const double *of_slacks = v->factor + v->s.factor;
+        if (companion >= 0) c = of_slacks[at], e = of_slacks[companion] + v->pivot[companion];
         int count = invert(v, at, wide == 2 ? at + 1 : companion, d, c, e);
         if (count < 0) return -1;
         negative += count;
-        double p = v->pivot[at], q = v->coupling[at], r = wide == 2 ? v->pivot[at + 1] : 0.0;
+        double p = v->pivot[at];
         if (wide == 1)
             for (int i = k + 1; i < height; i++) by_one[i] = one[i] * p;
-        else
+        else {
+            double q = v->coupling[at], r = v->pivot[at + 1];
             for (int i = k + 2; i < height; i++) {
                 by_one[i] = one[i] * p + two[i] * q;
                 by_two[i] = one[i] * q + two[i] * r;
             }
+        }
         for (int j = k + wide; j < end; j++) {
             double *restrict to = panel + (size_t)j * height, f = one[j], g = wide == 2 ? two[j] : 0.0;
             if (wide == 1)
@@ -182,8 +185,8 @@ INLINE void substitute(const View *v, double *x, double *y) {
             int at = first + k, wide = s->width[at];
             const double *one = v->factor + s->panel[p] + (size_t)k * height;
             if (wide == 0) continue;
-            double sum[2] = {product(height, k + wide, one, y), 0.0};
-            if (wide == 2) sum[1] = product(height, k + wide, one + height, y);
+            double sum[2] = {dot(height, k + wide, one, y), 0.0};
+            if (wide == 2) sum[1] = dot(height, k + wide, one + height, y);
             if (s->companion[at] >= 0) x[s->companion[at]] -= sum[0] * v->coupling[at];
             divide(v, at, sum, sum);
             for (int part = 0; part < wide; part++) y[k + part] -= sum[part];
@@ -245,10 +248,7 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         return;
     }
     *state = ANALYSED;
-    for (int i = 0; i < *n; i++) {
-        v.pivot[v.s.position[i]] = i < v.s.primal ? REGULARISATION : -REGULARISATION;
-        v.coupling[i] = 0.0;
-    }
+    for (int i = 0; i < *n; i++) v.pivot[v.s.position[i]] = i < v.s.primal ? REGULARISATION : -REGULARISATION;
     negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, 0);
     if (negative < 0)
         info[0] = SINGULAR;

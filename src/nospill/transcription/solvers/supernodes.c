@@ -1,14 +1,11 @@
-/* Structure of the factor: columns with nearly the same rows are one supernode, a dense panel.
+/* Structure of the factor: columns with nearly the same rows are one supernode, a dense panel. A pivot joins the panel
+   before it where it is the parent of that and few places of the panel stay zero. */
 
-   A pivot joins the panel before it where it is the parent of that, or a leaf of the same parent, and few places of the
-   panel stay zero. */
-
-/* Most places of a panel that may be zero, as part of all; panels of few columns may have more. */
+/* Most places of a panel that may be zero, as part of all. */
 static const double MOST_ZEROS = 0.1;
-enum { FEW_COLUMNS = 4 };
 
 typedef struct {
-    int entries, columns, panels, rows, targets, locals, factor, most, primal; /* sizes; most: room for work on a panel */
+    int entries, columns, panels, rows, targets, locals, factor, most, primal; /* sizes; most: room for work */
     int *position;  /* of each row of the matrix; slacks that are eliminated with their multiplier come last */
     int *width;     /* of the pivot at each position: 1, 2, 0 at the second row of a pair */
     int *companion; /* position of the slack that is eliminated with the pivot, -1 for none */
@@ -41,59 +38,28 @@ static long long lay_out(Structure *s, int n, int *array) {
 
 /* ---- panels ---- */
 
-/* Union of ascending lists; returns its length. */
-static int merge(const int *a, int na, const int *b, int nb, int *out) {
-    int count = 0;
-    for (int i = 0, j = 0; i < na || j < nb;) {
-        int x = i < na ? a[i] : b[j];
-        if (j < nb && b[j] < x) x = b[j];
-        i += i < na && a[i] == x, j += j < nb && b[j] == x;
-        out[count++] = x;
-    }
-    return count;
-}
-
-static int rows_of(const Tree *t, const int *list, int count) {
+/* Rows below a pivot. */
+static int rows_below(const Tree *t, int pivot) {
     int rows = 0;
-    for (int k = 0; k < count; k++) rows += t->wide[list[k]];
+    for (int k = t->begin[pivot]; k < t->begin[pivot + 1]; k++) rows += t->wide[t->below[k]];
     return rows;
 }
 
-/* Divide the pivots into panels: the first pivot of each in `first`, the later pivots that it reaches in `list` (where
-   they begin) and `reach`. Returns the number of panels. */
-static int divide_into_panels(const Tree *t, const int *leaf, int *first, int *list, int *reach, int *scratch) {
-    int panels = 0, columns = 0, count = 0, leaves = 0, *now = scratch;
+/* Divide the pivots into panels, the first pivot of each in `first`; below a panel are the rows below its last pivot.
+   Returns the number of panels. */
+static int divide_into_panels(const Tree *t, int *first) {
+    int panels = 0, columns = 0;
     long long held = 0;
-    first[0] = list[0] = 0;
     for (int k = 0; k < t->pivots; k++) {
-        const int *own = t->below + t->begin[k];
-        int length = t->begin[k + 1] - t->begin[k], wide = t->wide[k], rows = rows_of(t, own, length), joins = 0;
-        long long alone = (long long)wide * (wide + 1) / 2 + (long long)wide * rows;
-        if (columns > 0 && count > 0) {
-            int chained = now[0] == k, beside = leaves && leaf[k] && length > 0 && now[0] == own[0];
-            if (chained || beside) {
-                int *both = reach + list[panels], joint = chained ? length : merge(now, count, own, length, both);
-                int all = columns + wide, below = chained ? rows : rows_of(t, both, joint);
-                long long size = (long long)all * (all + 1) / 2 + (long long)all * below;
-                joins = all <= FEW_COLUMNS || (double)(size - held - alone) < MOST_ZEROS * (double)size;
-                if (joins) {
-                    memcpy(now, chained ? own : both, (size_t)joint * sizeof *now);
-                    columns = all, count = joint, held += alone, leaves = beside;
-                }
-            }
-        }
-        if (!joins) {
-            if (columns > 0) {
-                memcpy(reach + list[panels], now, (size_t)count * sizeof *now);
-                list[panels + 1] = list[panels] + count, first[++panels] = k;
-            }
-            memcpy(now, own, (size_t)length * sizeof *now);
-            columns = wide, count = length, held = alone, leaves = leaf[k];
-        }
+        long long wide = t->wide[k], all = columns + wide, rows = rows_below(t, k);
+        long long alone = wide * (wide + 1) / 2 + wide * rows, size = all * (all + 1) / 2 + all * rows;
+        if (k > 0 && t->parent[k - 1] == k && (double)(size - held - alone) < MOST_ZEROS * (double)size)
+            columns = (int)all, held += alone;
+        else
+            first[panels++] = k, columns = (int)wide, held = alone;
     }
-    memcpy(reach + list[panels], now, (size_t)count * sizeof *now);
-    list[panels + 1] = list[panels] + count, first[panels + 1] = t->pivots;
-    return panels + 1;
+    first[panels] = t->pivots;
+    return panels;
 }
 
 /* ---- all of it ---- */
@@ -147,12 +113,12 @@ static void find_targets(Structure *s, const int *panel_of, int counting) {
 static int *structure_of(int n, int entries, const int *row, const int *column, const int *position, const int *width,
                          long long *length) {
     size_t rows = (size_t)n + 2, all = (size_t)entries + 1;
-    int *whole = malloc((18 * rows + 4 * all) * sizeof *whole), *lists = NULL, *array = NULL;
+    int *whole = malloc((15 * rows + 4 * all) * sizeof *whole), *lists = NULL, *array = NULL;
     Child *child = malloc(rows * sizeof *child);
     Structure s = {.entries = entries, .primal = primal_rows(entries, row, column)};
     if (!whole || !child) goto done;
-    int *own_position = whole, *own_width = whole + rows, *leaf = whole + 2 * rows, *sequence = whole + 3 * rows;
-    int *scratch = whole + 4 * rows, *key = whole + 16 * rows, *lo = key + all, *by = lo + all; /* 4 rows of scratch */
+    int *own_position = whole, *own_width = whole + rows, *sequence = whole + 2 * rows, *at = whole + 3 * rows;
+    int *scratch = whole + 4 * rows, *key = whole + 15 * rows, *lo = key + all, *by = lo + all; /* scratch: 4 rows */
     Tree t = {0,
               whole + 8 * rows,
               whole + 9 * rows,
@@ -175,40 +141,34 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     postorder(&t, child, t.begin, scratch, sequence);
     renumber(&t, n, sequence, own_position, own_width, scratch);
     neighbours(&t, entries, row, column, own_position, key, lo, by);
-    for (int i = 0; i < t.pivots; i++) t.parent[i] = -1;
     climb(&t, 0);
     t.begin[0] = 0;
-    for (int i = 0; i < t.pivots; i++) t.begin[i + 1] = t.begin[i] + t.count[i], leaf[i] = 1;
-    for (int i = 0; i < t.pivots; i++)
-        if (t.parent[i] >= 0) leaf[t.parent[i]] = 0;
-    lists = malloc(2 * ((size_t)t.begin[t.pivots] + 1) * sizeof *lists);
+    for (int i = 0; i < t.pivots; i++) t.begin[i + 1] = t.begin[i] + t.count[i];
+    t.below = lists = malloc(((size_t)t.begin[t.pivots] + 1) * sizeof *lists);
     if (!lists) goto done;
-    t.below = lists;
     climb(&t, 1);
     for (int i = t.pivots; i > 0; i--) t.begin[i] = t.begin[i - 1];
     t.begin[0] = 0;
 
-    int *reach = lists + t.begin[t.pivots] + 1, *first = sequence, *list = scratch, *panel_of = scratch + 2 * rows;
-    s.panels = divide_into_panels(&t, leaf, first, list, reach, scratch + rows);
-    int *at = whole + 15 * rows; /* first position of each pivot */
-    for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from;
+    int *first = sequence, *panel_of = scratch;
+    s.panels = divide_into_panels(&t, first);
+    for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from; /* first position */
     at[t.pivots] = s.columns;
-    s.rows = rows_of(&t, reach, list[s.panels]);
+    for (int p = 0; p < s.panels; p++) s.rows += rows_below(&t, first[p + 1] - 1);
     long long factor = 0;
-    int *fixed[] = {leaf, scratch + rows, t.parent}; /* first column, list and panel, until there is an array */
-    s.first = fixed[0], s.list = fixed[1], s.panel = fixed[2];
+    s.first = scratch + rows, s.list = scratch + 2 * rows, s.panel = scratch + 3 * rows; /* until there is an array */
     s.row = malloc(((size_t)s.rows + 1) * sizeof *s.row);
     if (!s.row) goto done;
     s.first[0] = s.list[0] = s.panel[0] = 0;
     for (int p = 0, next = 0; p < s.panels; p++) {
-        for (int k = list[p]; k < list[p + 1]; k++)
-            for (int own = 0; own < t.wide[reach[k]]; own++) s.row[next++] = at[reach[k]] + own;
+        int last = first[p + 1] - 1;
+        for (int k = t.begin[last]; k < t.begin[last + 1]; k++)
+            for (int own = 0; own < t.wide[t.below[k]]; own++) s.row[next++] = at[t.below[k]] + own;
         s.first[p + 1] = at[first[p + 1]], s.list[p + 1] = next;
-        int own = s.first[p + 1] - s.first[p], below = next - s.list[p];
-        factor += (long long)own * (own + below);
+        int own = s.first[p + 1] - s.first[p];
+        factor += (long long)own * (own + next - s.list[p]);
         if (factor > INT_MAX / 2) goto free_row;
         s.panel[p + 1] = (int)factor;
-        s.most = greater(s.most, (own + below) * (own + greater(below < own ? below : own, 0)));
         for (int i = s.first[p]; i < s.first[p + 1]; i++) panel_of[i] = p;
     }
     s.factor = (int)factor;
@@ -237,11 +197,12 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
         memcpy(to.row, s.row, (size_t)s.rows * sizeof *array);
         find_targets(&to, panel_of, 0);
         for (int k = 0; k < entries; k++) {
-            int i = own_position[row[k] - 1], j = own_position[column[k] - 1], high = greater(i, j), low = lesser(i, j);
+            int i = own_position[row[k] - 1], j = own_position[column[k] - 1];
+            int high = greater(i, j), low = lesser(i, j);
             to.place[k] = high < s.columns ? place_of(&to, panel_of, high, low)
                           : low < s.columns ? s.factor + low : s.factor + high;
         }
-        int sizes[SIZES] = {to.entries, to.columns, to.panels, to.rows, to.targets, to.locals, to.factor, to.most, to.primal};
+        int sizes[SIZES] = {s.entries, s.columns, s.panels, s.rows, s.targets, s.locals, s.factor, s.most, s.primal};
         memcpy(array, sizes, sizeof sizes);
     }
 free_row:
