@@ -267,7 +267,7 @@ def test_what_is_violated_outside_the_problem_joins_and_the_answer_is_that_of_th
     task, log, q = Task.of(scene), Log(None, 120.0), found.trajectory.joint_position
     for first in (frozenset({("c5", "")}), frozenset((cargo.name, "") for cargo in scene.cargo)):
         active = ActiveSet.of(task, q, first)
-        begun = solved_from(active, started_from(active, found.trajectory), log)
+        begun = solved_from(active, started_from(active, found.trajectory, log), log)
         assert begun is not None and begun.active.members == first
         judged = certified_by_refinement(begun, log)
         assert judged.judgement.certificate.ok

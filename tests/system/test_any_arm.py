@@ -23,6 +23,8 @@ from nospill.robots.kinematics.regularity import clearance, determinants, keeps_
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
+from nospill.transcription.passages import stage_determinants
+from nospill.transcription.trajectory_start import from_trajectory
 
 Changed = Callable[..., Scene]
 
@@ -109,6 +111,19 @@ def test_seven_joints_use_their_freedom() -> None:
     found = planned("franka-fr3", True)
     direction = self_motion(found.scene.robot, found.trajectory.joint_position)
     assert np.ptp(found.trajectory.joint_position @ direction) > 0.1
+
+
+@pytest.mark.slow
+def test_a_start_from_a_trajectory_counts_the_redundant_joint_as_it_is_told() -> None:
+    """Along the opposite direction the determinant changes its sign, and with it what a bound on it says."""
+    found = planned("franka-fr3", True)
+    best = self_motion(found.scene.robot, found.trajectory.joint_position)
+    own, opposite = (from_trajectory(found.scene, found.trajectory, 50, direction) for direction in (None, -best))
+    assert own.self_motion is not None and np.array_equal(own.self_motion, best)
+    assert opposite.self_motion is not None and np.array_equal(opposite.self_motion, -best)
+    values = stage_determinants(found.scene, own)
+    assert np.abs(values).min() > 0.0
+    assert np.allclose(stage_determinants(found.scene, opposite), -values, rtol=1e-9, atol=0.0)
 
 
 # --- limits ----------------------------------------------------------------------------------------------------------

@@ -130,6 +130,7 @@ def solved(
         usual = SolveOptions(
             max_iterations=planning.max_iterations,
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
+            loose_tolerances=bool(active.refined),  # an iteration takes four times as long, and back-off counts more
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)

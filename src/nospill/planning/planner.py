@@ -86,10 +86,9 @@ def _planned(
     found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
     answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
     saved = savings(answer.problem(), answer.solution, limits) if answer.has_converged else {}
-    report = replace(report, savings={row.label: value for row, value in saved.items()})
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
-    report = replace(report, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
+    report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
     return replace(found, report=report), judged.candidate
 
 

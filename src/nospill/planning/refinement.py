@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.errors import ModelError, NoSolutionError
 from nospill.judge.certificate import Judgement, judge_motion
 from nospill.judge.tracks import judged_tracks, variant_tracks
-from nospill.laws.constraints import BESIDE_JERK_NAMES
+from nospill.laws.constraints import BESIDE_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.plans.log import Log
 from nospill.transcription.export_samples import on_grid
-from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers import usable
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
-from nospill.transcription.trajectory_start import from_trajectory, with_liquids
+from nospill.transcription.trajectory_start import from_trajectory
 
 REFINE_ITERATIONS = 150
 _TIGHTEN_ITERATIONS = 100
@@ -40,17 +39,29 @@ _SLOWEST = 4.0
 
 def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     """The coarse answer on the fine grid, or as far as that is reached: the certificate is independent of the grid."""
-    stages = coarse.stages
-    active = replace(coarse.active, expected=stages.duration)
-    coarse = replace(coarse, active=active)
+    coarse = replace(coarse, active=replace(coarse.active, expected=coarse.stages.duration))
+    active, stages = coarse.active, coarse.stages
     wanted = fine_intervals(active.scene, stages.duration)
     jerks = {row for row in active.possible if row.constraint in BESIDE_JERK_NAMES}  # that a coarse grid does not show
-    first = _refined(coarse, wanted, active.near(coarse.solution.slack) | jerks, log)
+    rows = active.near(coarse.solution.slack) | jerks
+    first = _with_modes(coarse, rows, log) or _refined(coarse, wanted, rows, log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
     halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)
     last = None if halfway is None else _refined(halfway, wanted, active.possible, log)
     return last or halfway or coarse
+
+
+def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candidate | None:
+    """The coarse answer on the fine grid with the modes that it asks for; None where it asks for none, or in vain."""
+    if coarse.active.task.scene.planned_modes > 1 and any(row.constraint in LIQUID_NAMES for row in rows):
+        with suppress(NoSolutionError):
+            judged = _judged(coarse, log)
+            after = coarse.active.after(judged.judgement)
+            active = after.with_rows(after.rows.union(rows))
+            if active.refined:
+                return _converged(active, started_from(active, judged.trajectory, log, coarse.stages), BARRIERS, log)
+    return None
 
 
 def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
@@ -103,7 +114,7 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
                 break
         else:
             grown, tightened = grown + 1, 0
-            start = _grown(active, judged, log)
+            start = started_from(active, judged.trajectory, log, before.stages)
             better = solved_from(active, start, log, BARRIERS[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
@@ -149,23 +160,12 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     return again if usable(again.solution) else None
 
 
-def _grown(active: ActiveSet, judged: Judged, log: Log) -> Stages:
-    """A judged motion with the liquids of a problem with more members or modes, on the grid that resolves them."""
-    before, trajectory = judged.candidate, judged.trajectory
+def started_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages | None = None) -> Stages:
+    """A motion as a start on the fine grid; the redundant joint is counted as in the last answer, as its bounds are."""
     with log.phase("corners"):
-        slosh = variant_tracks(trajectory, active.task.scene, active.names)
-        layout = layout_of(structure_of(before.active.scene))
-        start = with_liquids(active.scene, before.stages, layout, trajectory.t, slosh)
-        intervals = max(start.intervals, fine_intervals(active.scene, start.duration))
-        same = intervals == start.intervals
-        return start if same else on_grid(active.scene, start, intervals, active.task.passage.along)
-
-
-def started_from(active: ActiveSet, trajectory: Trajectory) -> Stages:
-    """A motion of the whole scene as a start for the members of a problem, on the fine grid."""
-    slosh = variant_tracks(trajectory, active.task.scene, active.names)
-    intervals = fine_intervals(active.scene, trajectory.end_time)
-    return from_trajectory(active.scene, replace(trajectory, slosh=slosh), intervals)
+        moved = replace(trajectory, slosh=variant_tracks(trajectory, active.task.scene, active.names))
+        intervals = fine_intervals(active.scene, trajectory.end_time)
+        return from_trajectory(active.scene, moved, intervals, last.self_motion if last else None)
 
 
 def solved_from(

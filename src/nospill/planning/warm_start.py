@@ -50,7 +50,7 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
-    return _solved_again(active, started_from(active, earlier.trajectory), log, warm=None)
+    return _solved_again(active, started_from(active, earlier.trajectory, log), log, warm=None)
 
 
 def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
@@ -59,7 +59,7 @@ def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
     active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)
     active = _cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
     active = replace(active, expected=given.trajectory.end_time)
-    return _solved_again(active, started_from(active, given.trajectory), log, warm=None)
+    return _solved_again(active, started_from(active, given.trajectory, log), log, warm=None)
 
 
 def _cautious(active: ActiveSet) -> ActiveSet:

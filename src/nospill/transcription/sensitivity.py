@@ -30,7 +30,7 @@ _NUMBERS = {
 """Key of a limit of an object or of the motion -> name of its number, where that is another."""
 
 
-def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict[RowId, float]:
+def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict[str, float]:
     """Seconds that the motion would be shorter with one limit `WIDER`, to the first order.
 
     A limit of objects is widened for all of them at once: like objects are at their limits at the same instants, and
@@ -43,17 +43,17 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         rows: whose limits, subjects as in the scene; those without a limit that can be widened by itself are left out.
 
     Returns:
-        By row, with the subject `ALL` where it is about more than one; nothing where the duration is stated.
+        By the row's label, with the subject `ALL` where it is about more than one; nothing where a duration is stated.
         The limit is that of the scenario: with `max_slosh_height` the residual height moves too, with `friction` what
         holds objects against turning.
     """
-    found: dict[RowId, float] = {}
+    found: dict[str, float] = {}
     if problem.scene.motion.duration is not None:
         return found
     for row in rows:
         constraint = BY_NAME.get(row.constraint)
         key = constraint.limit_key if constraint is not None else None
-        name = row if isinstance(key, JointKey) else RowId(row.constraint, ALL)
+        name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
         more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
         if name not in found and more is not None and less is not None:
             slope = (_lagrangian(problem, solution, more) - _lagrangian(problem, solution, less)) / (2.0 * _STEP)

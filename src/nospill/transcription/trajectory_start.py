@@ -12,14 +12,21 @@ from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
 from nospill.transcription.collocation import POINTS
-from nospill.transcription.layout import Layout, layout_of
+from nospill.transcription.layout import layout_of
 from nospill.transcription.stages import Stages
 
 
-def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Stages:
+def from_trajectory(
+    scene: Scene, trajectory: Trajectory, intervals: int, direction: np.ndarray | None = None
+) -> Stages:
     """An exported motion as a start: sampled linearly, slosh accelerations from differences of the velocities.
 
-    Liquids that the trajectory does not know, or fewer modes of them, start at rest.
+    Args:
+        scene: of the problem; liquids that the trajectory does not know, or fewer modes of them, start at rest.
+        trajectory: the motion.
+        intervals: of the grid.
+        direction: (n,) of the joints' positions along which the redundant joint's motion is counted, as in the problem
+            before: bounds on the determinant hold for that one. The motion's own when left out.
     """
     structure = structure_of(scene)
     layout = layout_of(structure)
@@ -36,7 +43,8 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
         rate = np.gradient(column, trajectory.t)
         chains.append(np.column_stack([column, rate, np.gradient(rate, trajectory.t)]))
     joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
-    direction = self_motion(scene.robot, trajectory.joint_position) if layout.redundant else None
+    if direction is None and layout.redundant:
+        direction = self_motion(scene.robot, trajectory.joint_position)
     if direction is not None:
         chains.append(np.column_stack([part @ direction for part in joints]))
     for index, chain in enumerate(chains):
@@ -48,28 +56,6 @@ def from_trajectory(scene: Scene, trajectory: Trajectory, intervals: int) -> Sta
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
     return Stages(interval, table, direction)
-
-
-def with_liquids(
-    scene: Scene, stages: Stages, layout: Layout, t: np.ndarray, slosh: Mapping[str, SloshTrack]
-) -> Stages:
-    """A motion with the liquids of another problem.
-
-    Args:
-        scene: of that problem; it differs from the one the motion answers in its liquids alone.
-        stages: the motion.
-        layout: of the motion.
-        t: (m,) s, times of the tracks.
-        slosh: the liquids along the motion by the names of the scene's cargo; others start at rest.
-    """
-    wanted = layout_of(structure_of(scene))
-    table = np.zeros((len(stages.table), wanted.size - wanted.regular))
-    chains = slice(0, layout.interval + 1)
-    table[:, chains], table[:, wanted.jerks] = stages.table[:, chains], stages.table[:, layout.jerks]
-    for order in range(layout.orders + 1):
-        table[:, wanted.joint_derivative(order)] = stages.table[:, layout.joint_derivative(order)]
-    _fill_liquids(table, scene, t, slosh)
-    return Stages(stages.interval, table, stages.self_motion)
 
 
 def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping[str, SloshTrack]) -> None:
