@@ -33,7 +33,9 @@ class Configurations:
         for pair in pairs:
             for body in (pair.first, pair.second):
                 numbers.setdefault(body, len(numbers))
-        self._bodies = tuple(numbers)
+        self._joints = np.array([body.joint for body in numbers])
+        self._points = tuple(np.array([getattr(body, of) for body in numbers]) for of in ("centre", "position"))
+        self._axes = np.array([body.rotation for body in numbers])
         self._first = np.array([numbers[pair.first] for pair in pairs])
         self._second = np.array([numbers[pair.second] for pair in pairs])
         self._radii = np.array([pair.first.radius for pair in pairs])
@@ -60,12 +62,9 @@ class Configurations:
 
     def _gaps(self, frames: JointFrames) -> np.ndarray:
         """Bounds (k, m) on the distances of the pairs by ball and box, m."""
-        turns = [frames.rotation[body.joint] for body in self._bodies]
-        at = [frames.position[body.joint] for body in self._bodies]
-        placed = list(zip(self._bodies, at, turns, strict=True))
-        centres = np.array([place + turn @ body.centre for body, place, turn in placed])
-        origins = np.array([place + turn @ body.position for body, place, turn in placed])
-        axes = np.array([turn @ body.rotation for body, _, turn in placed])
+        turns, at = frames.rotation[self._joints], frames.position[self._joints]
+        centres, origins = (at + (turns @ points[:, None, :, None])[..., 0] for points in self._points)
+        axes = turns @ self._axes[:, None]
         gaps = centres[self._first] - origins[self._second]
         local = (gaps[:, :, None] @ axes[self._second])[:, :, 0]
         beyond = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
-from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.kinematics.closed_form import TURN, approximate_solutions
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
@@ -65,20 +64,27 @@ class LevelArm:
         """The position of the redundant joint in a configuration; zero where there is none."""
         return 0.0 if self.redundant is None else float(q[self.redundant])
 
-    def solutions(self, pose: np.ndarray, held: float) -> np.ndarray:
-        """All configurations (k, n) within the limits at a pose, rad; whole turns of joints are left out."""
-        index = self.redundant
-        # the nearest position at which there is a closed form: making one takes as long as ten solutions
-        at = float(self.held[int(np.argmin(np.abs(self.held - held)))])
-        q = approximate_solutions(
-            self.robot,
-            pose[:3],
-            about_axis((0.0, 0.0, 1.0), float(pose[3])),
-            tool=self.scene.tray.tool,
-            held=None if index is None else (index, at),
-        )
+    def solutions(self, poses: np.ndarray, held: np.ndarray) -> list[np.ndarray]:
+        """All configurations (k, n) within the limits at each of some poses, rad; whole turns of joints are left out.
+
+        Args:
+            poses: (m, 4).
+            held: (m,) positions of the redundant joint, rad; nothing counts where there is none.
+        """
+        turns = np.tile(np.eye(3), (len(poses), 1, 1))
+        turns[:, 0, 0] = turns[:, 1, 1] = np.cos(poses[:, 3])
+        turns[:, 1, 0] = np.sin(poses[:, 3])
+        turns[:, 0, 1] = -turns[:, 1, 0]
+        given = None
+        if self.redundant is not None:
+            # the nearest positions at which there is a closed form: making one takes as long as ten solutions
+            given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
+        found = approximate_solutions(self.robot, poses[:, :3], turns, tool=self.scene.tray.tool, held=given)
+        q = np.concatenate(found)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
-        return q[np.all(self._turning | (q <= self.robot.upper), axis=1)]
+        inside = np.all(self._turning | (q <= self.robot.upper), axis=1)
+        ends = np.cumsum([len(some) for some in found])[:-1]
+        return [some[kept] for some, kept in zip(np.split(q, ends), np.split(inside, ends), strict=True)]
 
     def clear(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Whether nothing is in the way (m,) of configurations (m, n), rad, that hold the tray at poses (m, 4)."""
@@ -110,8 +116,9 @@ class LevelArm:
         lost = False
         while len(found) < steps and not lost:
             chunk: list[np.ndarray] = []
-            for at in range(len(found), min(len(found) + _AT_ONCE, steps)):
-                near = self._followed(poses[at], q, float(joint[at]))
+            ahead = slice(len(found), min(len(found) + _AT_ONCE, steps))
+            for choices in self.solutions(poses[ahead], joint[ahead]):
+                near = self._nearest(choices, q)
                 if near is None:
                     lost = True
                     break
@@ -123,10 +130,10 @@ class LevelArm:
             lost = lost or count < len(chunk)
         return poses[: len(found)], np.array(found).reshape(-1, len(self.robot.joints)), not lost
 
-    def _followed(self, pose: np.ndarray, q: np.ndarray, held: float) -> np.ndarray | None:
-        found = self.solutions(pose, held)
-        if not len(found):
+    def _nearest(self, choices: np.ndarray, q: np.ndarray) -> np.ndarray | None:
+        """The nearest of some configurations (k, n) to the one before, on whose branch it is; None where none is."""
+        if not len(choices):
             return None
-        steps = np.abs(self.apart(found, q)).max(axis=1)
+        steps = np.abs(self.apart(choices, q)).max(axis=1)
         best = int(np.argmin(steps))
-        return found[best] if steps[best] < _JUMP else None
+        return choices[best] if steps[best] < _JUMP else None

@@ -102,7 +102,7 @@ class _Draws:
         pose = self._random.uniform(low, high)
         # few positions of a redundant joint let an arm hold a level tray at a given pose
         tries = self._random.choice(self._arm.held, min(_TRIES, len(self._arm.held)))
-        found = next((some for held in tries.tolist() if len(some := self._arm.solutions(pose, held))), None)
+        found = next((some for some in self._arm.solutions(np.tile(pose, (len(tries), 1)), tries) if len(some)), None)
         if found is None:
             return None
         q = found[int(self._random.integers(len(found)))]
@@ -181,8 +181,10 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
 
 def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) -> _Tree:
     """A tree of all clear configurations at some poses (k, 4), or of the stated one (n,) there."""
-    held = arm.held if stated is None else [arm.held_of(stated)]
-    found = [(pose, q) for pose in poses for value in held for q in arm.solutions(pose, value)]
+    held = arm.held if stated is None else np.array([arm.held_of(stated)])
+    each = np.repeat(poses, len(held), axis=0)
+    choices = arm.solutions(each, np.tile(held, len(poses)))
+    found = [(pose, q) for pose, some in zip(each, choices, strict=True) for q in some]
     if stated is not None:
         found = [(pose, q) for pose, q in found if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
     if not found:

@@ -1,6 +1,7 @@
 """Inverse solutions: closure, completeness against random-start Newton, limits and turns; many poses at once."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from nospill.errors import ModelError, ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.search import inverse_solutions, solve_joints
-from nospill.robots.kinematics.closed_form import solutions_anywhere
+from nospill.robots.kinematics.closed_form import TURN, approximate_solutions, solutions_anywhere, with_turns
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, newton
 from nospill.robots.tool import Tool
@@ -140,3 +141,30 @@ def test_solve_joints_names_the_worst_sample(bad):
     positions[3, 0] = bad
     with pytest.raises(ModelError, match=r"1 of 5 tray poses; worst is sample 3 at .* allowed 1e-11"):
         solve_joints(ROBOT, positions, rotations, q)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(JOINTS, max_size=4))
+def test_whole_turns_are_all_that_the_limits_leave_in_their_order(rows):
+    q = np.array(rows).reshape(-1, 6)
+    middle = 0.5 * (ROBOT.lower + ROBOT.upper)
+    lowest, highest = np.maximum(ROBOT.lower, middle - TURN), np.minimum(ROBOT.upper, middle + TURN)
+    expected = [
+        moved
+        for row in q
+        for turns in product((-1, 0, 1), (-1, 0, 1), (-1, 0, 1), range(-2, 3), (-1, 0, 1), range(-3, 4))
+        if np.all((moved := row + TURN * np.array(turns)) >= lowest) and np.all(moved <= highest)
+    ]
+    found = with_turns(ROBOT, q)
+    assert np.allclose(found, np.array(expected).reshape(-1, 6), rtol=0.0, atol=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(JOINTS, min_size=1, max_size=4))
+def test_the_closed_form_of_many_poses_is_that_of_each_to_six_digits(rows):
+    positions, rotations = ARM.poses(np.array(rows), tool=TOOL)
+    found = approximate_solutions(ROBOT, positions, rotations, tool=TOOL)
+    assert len(found) == len(rows)
+    for position, rotation, some in zip(positions, rotations, found, strict=True):
+        exact = solutions_anywhere(ROBOT, position, rotation, tool=TOOL)
+        assert all(distance(q, some) < 1e-5 for q in exact)

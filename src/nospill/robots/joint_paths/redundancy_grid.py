@@ -10,13 +10,13 @@ leads through, there is none.
 
 from __future__ import annotations
 
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 
 from nospill.core.paths import Path
 from nospill.robots.joint_paths.following import MAX_PREDICTION, tray_poses
-from nospill.robots.kinematics.closed_form import TURN, approximate_solutions, turn_choices
+from nospill.robots.kinematics.closed_form import approximate_solutions, with_turns
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, newton
 from nospill.robots.robot import Robot
@@ -81,19 +81,23 @@ def paths_on_grid(
 
 def _configurations(robot: Robot, path: Path, joint: int, place: float, tool: Tool) -> np.ndarray:
     """All configurations (k, n) within the limits at a place of the path, to the accuracy of the closed form."""
-    positions, rotations = tray_poses(path, np.array([place]))
+    position, rotation = tray_poses(path, np.array([place]))
 
-    def at(value: float) -> list[np.ndarray]:
-        found = approximate_solutions(robot, positions[0], rotations[0], tool=tool, held=(joint, value))
-        return [q + TURN * np.array(turns) for q in found for turns in product(*turn_choices(robot, q, q))]
+    def at(values: np.ndarray) -> list[np.ndarray]:
+        poses = np.repeat(position, len(values), axis=0), np.repeat(rotation, len(values), axis=0)
+        return approximate_solutions(robot, *poses, tool=tool, held=(joint, values))
 
-    values = np.linspace(robot.lower[joint], robot.upper[joint], POSITIONS).tolist()
-    rows = [at(value) for value in values]
-    between: list[list[np.ndarray]] = []
-    for (low, some), (high, others) in pairwise(zip(values, rows, strict=True)):
-        if len(some) != len(others):
-            between += [at(value) for value in np.linspace(low, high, _FINER + 1)[1:-1].tolist()]
-    return np.array([q for found in rows + between for q in found]).reshape(-1, len(robot.joints))
+    values = np.linspace(robot.lower[joint], robot.upper[joint], POSITIONS)
+    found = at(values)
+    counts = [len(with_turns(robot, q)) for q in found]
+    between = [
+        np.linspace(low, high, _FINER + 1)[1:-1]
+        for (low, some), (high, others) in pairwise(zip(values.tolist(), counts, strict=True))
+        if some != others
+    ]
+    if between:
+        found += at(np.concatenate(between))
+    return with_turns(robot, np.concatenate(found))
 
 
 def _shortest_ways(columns: list[np.ndarray], max_speed: np.ndarray) -> list[np.ndarray]:

@@ -11,7 +11,6 @@ EAIK knows neither tool nor limits and mixes least-squares answers in; all three
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 
@@ -25,6 +24,7 @@ TURN = 2.0 * np.pi
 SAME = 1e-6
 """Solutions closer than this in every joint (rad, whole turns removed) are one."""
 
+_NO_POSE = np.eye(4)
 _TRIALS = 8
 _ROUGHLY = 1e-3
 _RANDOM_STARTS = 256
@@ -55,9 +55,25 @@ def inverse_solutions(
     Raises:
         ScenarioError: the arm has more joints to solve for than six.
     """
-    exact = solutions_anywhere(robot, position, rotation, tool=tool, held=held)
-    rows = [q + TURN * np.array(turns) for q in exact for turns in product(*turn_choices(robot, q, q))]
-    return np.array(rows).reshape(-1, len(robot.joints))
+    return with_turns(robot, solutions_anywhere(robot, position, rotation, tool=tool, held=held))
+
+
+def with_turns(robot: Robot, q: np.ndarray) -> np.ndarray:
+    """All configurations (j, n) within the limits that differ from given ones (k, n) by whole turns of joints, rad.
+
+    A joint with a range of several turns is kept within one turn of its middle, as in `turn_choices`.
+    """
+    middle = 0.5 * (robot.lower + robot.upper)
+    bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - q) / TURN - 1e-12)
+    more = np.floor((np.minimum(robot.upper, middle + TURN) - q) / TURN + 1e-12) - bottom
+    fitting = np.all(more >= 0.0, axis=1)
+    rows, more = (q + TURN * bottom)[fitting], more[fitting].astype(int)
+    for joint in np.flatnonzero(np.any(more > 0, axis=0)):
+        again = np.repeat(np.arange(len(rows)), more[:, joint] + 1)
+        turns = [turn for count in more[:, joint].tolist() for turn in range(count + 1)]
+        rows, more = rows[again], more[again]
+        rows[:, joint] += TURN * np.array(turns)
+    return rows
 
 
 def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[list[int]]:
@@ -121,23 +137,37 @@ def solutions_anywhere(
 
 def approximate_solutions(
     robot: Robot,
-    position: np.ndarray,
-    rotation: np.ndarray,
+    positions: np.ndarray,
+    rotations: np.ndarray,
     *,
     tool: Tool = FLANGE,
-    held: tuple[int, float] | None = None,
-) -> np.ndarray:
-    """Solutions (k, n) for one pose, rad, as the closed form finds them: to some six digits, limits ignored.
+    held: tuple[int, np.ndarray] | None = None,
+) -> list[np.ndarray]:
+    """Solutions for many poses as the closed form finds them: to some six digits, limits ignored.
 
-    Empty where no closed form is known.
+    Args:
+        robot: the arm.
+        positions: (m, 3) tool origin in the base frame, m.
+        rotations: (m, 3, 3) tool axes to base axes.
+        tool: frame carried by the flange.
+        held: index of the joint that is given and its positions (m,), rad; needed with seven joints.
+
+    Returns:
+        For each pose (k, n), rad; empty where no closed form is known.
     """
     arm = kinematics(robot)
-    solver = _solver(arm, *((None, None) if held is None else held))
-    return np.zeros((0, arm.n)) if solver is None else solver.solutions(*_flange(position, rotation, tool))
+    placed = zip(*_flange(positions, rotations, tool), strict=True)
+    index, values = (None, [None] * len(positions)) if held is None else (held[0], held[1].tolist())
+    solvers = {value: _solver(arm, index, value) for value in set(values)}
+    none = np.zeros((0, arm.n))
+    return [
+        none if (solver := solvers[value]) is None else solver.solutions(*pose)
+        for value, pose in zip(values, placed, strict=True)
+    ]
 
 
 def _flange(position: np.ndarray, rotation: np.ndarray, tool: Tool) -> tuple[np.ndarray, np.ndarray]:
-    """Position (3,) and rotation (3, 3) of the flange that carries the tool at a pose."""
+    """Position (..., 3) and rotation (..., 3, 3) of the flange that carries the tool at a pose."""
     flange_rotation = np.asarray(rotation, dtype=float) @ tool.rotation.T
     return np.asarray(position, dtype=float) - flange_rotation @ np.asarray(tool.position, dtype=float), flange_rotation
 
@@ -176,19 +206,19 @@ class _ClosedForm:
         points = position + np.cross(axes, jacobian[:3, moving].T)
         offsets = np.diff(np.vstack([np.zeros(3), points, position]), axis=0)
         self._solver = EAIK.Robot(axes.T, offsets.T, np.eye(3), [], True)
-        self._zero_rotation, self._moving, self._at = rotation, moving, q[0]
+        self._from_zero, self._moving, self._at = rotation.T, moving, q[0]
         self.known = bool(self._solver.has_known_decomposition())
 
     def solutions(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """All joint positions (k, n) for a flange pose, as EAIK finds them; least-squares answers are left out."""
-        pose = np.eye(4)
-        pose[:3, :3] = rotation @ self._zero_rotation.T
+        pose = _NO_POSE.copy()
+        pose[:3, :3] = rotation @ self._from_zero
         pose[:3, 3] = position
         answer = self._solver.calculate_IK(pose)
-        rows = np.array(answer.Q, dtype=float).reshape(-1, len(self._moving))
-        approximate = np.array(answer.is_LS, dtype=bool).reshape(-1)
-        exact = rows[~approximate & np.isfinite(rows).all(axis=1)]
-        q = np.tile(self._at, (len(exact), 1))
+        rows = np.asarray(answer.Q).reshape(-1, len(self._moving))
+        exact = rows[~np.asarray(answer.is_LS, dtype=bool) & np.isfinite(rows).all(axis=1)]
+        q = np.empty((len(exact), len(self._at)))
+        q[:] = self._at
         q[:, self._moving] = exact
         return q
 

@@ -46,19 +46,19 @@ def joint_frames(chain: BodyChain, q: np.ndarray, qd: np.ndarray | None = None) 
     w' = w + z qd and v' = v + w x r from joint to joint, as in `kinematics.chain`.
     """
     count, samples = len(chain.bodies), len(q)
-    rates = np.zeros_like(q) if qd is None else qd
     position, velocity, spin = (np.zeros((count + 1, samples, 3)) for _ in range(3))
     rotation = np.empty((count + 1, samples, 3, 3))
     rotation[0] = np.eye(3)
+    cosines, sines = np.cos(q).T[:, :, None], np.sin(q).T[:, :, None]
     for index, body in enumerate(chain.bodies):
         step = rotation[index] @ body.position
         position[index + 1] = position[index] + step
-        velocity[index + 1] = velocity[index] + cross(spin[index], step)
-        fixed = rotation[index] @ body.rotation
-        spin[index + 1] = spin[index] + fixed[:, :, 2] * rates[:, index, None]
-        c, s = np.cos(q[:, index])[:, None], np.sin(q[:, index])[:, None]
-        x, y = fixed[:, :, 0], fixed[:, :, 1]
-        rotation[index + 1] = np.stack([c * x + s * y, c * y - s * x, fixed[:, :, 2]], axis=2)
+        fixed, turned = rotation[index] @ body.rotation, rotation[index + 1]
+        x, y, c, s = fixed[:, :, 0], fixed[:, :, 1], cosines[index], sines[index]
+        turned[:, :, 0], turned[:, :, 1], turned[:, :, 2] = c * x + s * y, c * y - s * x, fixed[:, :, 2]
+        if qd is not None:
+            velocity[index + 1] = velocity[index] + cross(spin[index], step)
+            spin[index + 1] = spin[index] + fixed[:, :, 2] * qd[:, index, None]
     return JointFrames(position, rotation, velocity, spin)
 
 
