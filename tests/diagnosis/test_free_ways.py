@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -10,12 +12,17 @@ from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
 from nospill.diagnosis import free_ways, freest_way
 from nospill.diagnosis.collisions import tray_is_clear
+from nospill.diagnosis.not_found import not_found
+from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.robots.joint_paths.search import joint_paths
+from nospill.planning.search import Searcher
+from nospill.plans.log import Log
+from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
+from nospill.transcription.task import Task
 
 pytest.importorskip("coal")
 pytestmark = pytest.mark.slow
@@ -84,6 +91,21 @@ def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(NoSolutionError, match=r"No way found for the arm: .* ways that were tried") as caught:
         freest_way(scene_of(*walls, TABLE))
     assert caught.value.exit_code == 3
+
+
+def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> None:
+    """Straight through a column, where no way round it was found: the message is about the way."""
+    scene = scene_of(COLUMN, TABLE)
+    through = along(scene, scene.path.at(np.linspace(0.0, 1.0, 7))[:, :3])
+    path = preferred_path(joint_paths(through.robot, through.path, tool=through.tray.tool), through.robot, None)
+    run = Searcher(Task.of(through), Log(None, 60.0))
+    error = not_found(Trials(run, path), None)
+    assert re.match(
+        r"No way found: on the one with most room clearance of \w+ to column is −.* and random searches found no clear "
+        r"one\. Move the obstacle, the ends of the path or the arm's base",
+        str(error),
+    )
+    assert error.reason is not None and error.reason.constraint == "clearance"
 
 
 def test_a_goal_beside_an_obstacle_is_bad_input() -> None:

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nospill.cli import app
-from nospill.diagnosis import last_resort, motion, with_change
+from nospill.diagnosis import last_resort, not_found, with_change
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.planner import plan
@@ -134,11 +134,11 @@ def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(chang
     run = Searcher(Task.of(scene), Log(None, scene.planning.max_plan_time))
     trial = run.trial(scene, way)
     last = trial.solve(trial.start(USUAL_START), iterations=12)
-    message = str(motion._never(Trials(run, way), last))
+    message = str(not_found.not_found(Trials(run, way), last))
     assert re.search(
         r"although a smooth motion of \d+ s keeps every limit.*; the last one tried breaks .* slip of", message
     )
-    assert "the last one tried" not in str(motion._never(Trials(run, way), None))
+    assert "the last one tried" not in str(not_found.not_found(Trials(run, way), None))
 
 
 def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Changed) -> None:

@@ -6,35 +6,21 @@ What is suggested was found by solving the changed task, not by extrapolation.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
-
-import numpy as np
 
 from nospill.diagnosis.changes import advice
-from nospill.diagnosis.least_relaxation import SPARE, is_helped, least_share, wide_enough
+from nospill.diagnosis.least_relaxation import is_helped, least_share
+from nospill.diagnosis.not_found import no_time_to_plan, not_found
 from nospill.diagnosis.options import Option, smaller_turn
-from nospill.diagnosis.quasi_static import (
-    longer_time,
-    path_place,
-    quasi_static_motion,
-    require_possible_at_rest,
-    with_time,
-    without_time,
-)
-from nospill.diagnosis.reach import helpful_changes
+from nospill.diagnosis.quasi_static import require_possible_at_rest
 from nospill.diagnosis.relaxation import Relaxation
 from nospill.diagnosis.relaxations import relaxations_of
-from nospill.diagnosis.search import SLOW, WITHIN, Answer, Found, Searcher, Trials, first_share, is_possible
-from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
-from nospill.judge.verdict import Row
+from nospill.diagnosis.search import WITHIN, Answer, Found, Searcher, Trials, first_share
+from nospill.errors import MOTION, NOT_CONVERGED, Change, NoSolutionError, Reason
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath, preferred_path, try_joint_paths
-from nospill.robots.kinematics.redundancy import redundant_joint
-from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import EndCondition, Scene
-from nospill.transcription.solvers import Solution
 
 _TIME_SPARE, _JERK_SPARE = 1.04, 1.08
 """What `SPARE` is, for the duration: the fine grid and the judge take something on top; most where joint jerks bind,
@@ -67,7 +53,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
     trials = Trials(run, joint_path)
     require_possible_at_rest(trials)
     if run.out_of_time:
-        raise _no_time_to_plan(run.scene, last)
+        raise no_time_to_plan(run.scene, last)
     found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:
         if run.scene.motion.duration is None:
@@ -75,7 +61,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
         raise _faster_only(run.scene.motion.duration, found)
     if found is not None:
         raise _too_slow(trials, found)
-    raise _never(trials, last)
+    raise not_found(trials, last)
 
 
 def _faster_only(duration: float, found: Found) -> NoSolutionError:
@@ -240,100 +226,3 @@ def _is_fast_enough(trials: Trials, option: Option, amount: float) -> bool:
     best = preferred_path(paths, scene.robot, scene.start_near)
     found = trials.fastest(replace(scene, path=moved.path), joint_path=best)
     return found is not None and found.duration <= WITHIN * trials.limit
-
-
-# --- at no speed, or not found -------------------------------------------------------------------------------------
-
-
-def _never(trials: Trials, last: Answer | None) -> NoSolutionError:
-    """The error where not even with the time left open a motion was found."""
-    scene, limit = trials.run.scene, trials.limit
-    if last is not None and last.solution.solve_time_s >= 0.99 * scene.planning.max_solve_time:
-        return _no_time_to_solve(trials, last.solution)
-    _require_regular(trials)
-    slow = max(limit, SLOW)
-    judged = quasi_static_motion(with_time(scene, slow), trials.joint_path)
-    if judged is not None and not judged[0].ok:
-        worst = judged[0].worst
-        changes = [*longer_time(trials, worst.use), *_smooth_enough(trials, worst, slow)]
-        at_s = path_place(judged[1], worst.at_s)
-        return NoSolutionError(
-            f"No motion found: {without_time(worst)} at {place_in_words(scene.path, at_s)}, "
-            f"even in a smooth motion of {0.95 * slow:.3g} s. " + advice(changes, "Relax that limit."),
-            Reason(MOTION, worst.constraint, worst.subject, at_s, worst.use - 1.0, changes=tuple(changes)),
-        )
-    status = "no start was solved"
-    if last is not None:
-        status = f"{last.solution.status} after {last.solution.iterations} iterations"
-    return NoSolutionError(
-        f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
-        f'the end condition "{scene.motion.end}" may be out of reach{_nearest(last)}. '
-        "Try another end condition, more starts or more intervals.",
-        Reason(NOT_CONVERGED, "planning", "solver"),
-    )
-
-
-def _require_regular(trials: Trials) -> None:
-    """Raise NoSolutionError if the arm passes a singularity on its way, with what leads it past."""
-    scene, joint_path = trials.run.scene, trials.joint_path
-    if redundant_joint(scene.robot) is not None:
-        return
-    values = determinants(scene.robot, joint_path.q, None)
-    if keeps_branch(values):
-        return
-    at_s = float(joint_path.s[int(np.argmin(np.abs(values)))])
-    reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
-    changes = helpful_changes(scene, reason, partial(is_possible, trials.run))
-    raise NoSolutionError(
-        f"No motion found: robot {scene.robot.name!r} passes a singularity near {place_in_words(scene.path, at_s)}, "
-        "where it would have to stop or to turn joints in no time. "
-        + advice(changes, "Move the path or change its yaw there."),
-        replace(reason, changes=changes),
-    )
-
-
-def _smooth_enough(trials: Trials, worst: Row, slow: float) -> list[Change]:
-    """Changes with which the slowest smooth motion itself keeps every limit, else those found by solving."""
-    scene, share = trials.run.scene, worst.use * SPARE - 1.0
-    for relaxation in relaxations_of(scene, worst.constraint, worst.subject, {}):
-        if share <= relaxation.most:
-            judged = quasi_static_motion(with_time(relaxation.scene(share), slow), trials.joint_path)
-            if judged is not None and judged[0].ok:
-                return [relaxation.change(share)]
-    return [change for _, change in wide_enough(trials, worst.constraint, worst.subject, worst.use - 1.0)]
-
-
-def _no_time_to_plan(scene: Scene, last: Answer | None) -> NoSolutionError:
-    """The error for a search that was ended; says what its last attempt breaks most."""
-    nearest = _nearest(last)
-    slower = "state a longer motion.duration" if scene.motion.duration is None else "a longer motion.duration"
-    further = f"{slower}, relax that limit or take another end condition" if nearest else slower
-    return NoSolutionError(
-        f"No motion found within planning.max_plan_time {scene.planning.max_plan_time:.3g} s{nearest}. "
-        f"Give it more time, {further}.",
-        Reason(NOT_CONVERGED, "planning", "max_plan_time"),
-    )
-
-
-def _nearest(last: Answer | None) -> str:
-    """What the last attempt breaks most, as the end of a sentence; nothing where there was none."""
-    if last is None or not last.solution.slack:
-        return ""
-    (name, subject), least = min(last.solution.slack.items(), key=lambda entry: entry[1])
-    does = "breaks" if least < 0.0 else "is no motion yet and comes nearest to"
-    return f"; the last one tried {does} the limit on {name} of {subject}"
-
-
-def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:
-    scene, usual = trials.run.scene, 120.0
-    now = scene.planning.max_solve_time
-    patient = replace(scene, planning=replace(scene.planning, max_solve_time=usual))
-    found = trials.fastest(patient)
-    text = f"max_solve_time {usual:.4g} s instead of {now:.3g} s"
-    change = Change("solver", "planning.max_solve_time", usual, text)
-    changes = (change,) if found is not None and found.duration <= trials.limit else ()
-    return NoSolutionError(
-        f"No motion found: {last.status} ({now:.3g} s, {last.iterations} iterations). "
-        + advice(changes, "Give it more time."),
-        Reason(NOT_CONVERGED, "planning", "max_solve_time", changes=changes),
-    )

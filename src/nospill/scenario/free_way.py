@@ -35,6 +35,12 @@ def has_free_way(scene: Scene) -> bool:
     return table.get("type") == "free" and "way" not in table
 
 
+def has_found_way(scene: Scene) -> bool:
+    """Whether the scene goes the way that the planner took in the place of one left open."""
+    table = _path_table(scene)
+    return table.get("type") == "free" and "way" in table
+
+
 @dataclass(frozen=True, slots=True)
 class Way:
     """A way that the arm can follow.
