@@ -199,7 +199,7 @@ def test_what_one_mode_allows_twenty_refuse() -> None:
     scene = replace(scene, cargo=scene.cargo[:1])
     paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     path = preferred_path(paths, scene.robot, scene.start_near)
-    trajectory = exported(found_motion(Task.of(scene), path, Log(None, 300.0)))
+    trajectory = exported(found_motion(Task.of(scene.with_one_mode()), path, Log(None, 300.0)))
     blind, seeing = (judge_motion(trajectory, item) for item in (scene.with_one_mode(), scene))
     names = (HEIGHT, RESIDUAL)
     assert all(row(blind, name, "c1").use < 1.003 for name in names)
