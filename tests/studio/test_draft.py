@@ -110,6 +110,22 @@ def test_the_selection_survives_undo() -> None:
     assert draft.selected == 1
 
 
+def test_obstacles_come_move_and_go_each_in_one_step() -> None:
+    draft = Draft(TABLE)
+    assert draft.obstacles == [] and not draft.remove_obstacle(0)
+    draft.add_obstacle({"name": "box", "shape": "box", "at": ["0 m", "0 m", "0 m"]})
+    draft.add_obstacle(draft.obstacles[0] | {"name": "other"})  # the name of a cup
+    assert [entry["name"] for entry in draft.obstacles] == ["box", "other2"] and draft.chosen == 1
+    for y in (0.1, 0.2, 0.3):
+        draft.move_obstacle(1, (0.5, y, -0.00125), ended=y == 0.3)
+    draft.move_obstacle(1, (0.5, 0.4, 0.0))
+    assert draft.undo() and draft.value(("obstacle", 1, "at")) == ["500 mm", "300 mm", "-1.25 mm"]
+    assert draft.undo() and draft.value(("obstacle", 1, "at")) == ["0 m", "0 m", "0 m"]
+    assert draft.remove_obstacle(0) and draft.chosen == 0
+    assert draft.remove_obstacle(0) and "obstacle" not in draft.table
+    assert draft.undo() and draft.undo() and len(draft.obstacles) == 2
+
+
 KEYS = st.sampled_from(
     [("tray", "friction"), ("tray", "size", 1), ("cargo", 0, "at", 0), ("cargo", 1, "radius"), ("motion", "tilt")]
 )

@@ -6,6 +6,7 @@ import copy
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -29,6 +30,7 @@ from nospill.studio.fields import (
     scenario_fields,
     shown_text,
 )
+from nospill.studio.obstacles import new_obstacle, obstacle_fields, place_of
 
 DraftOf = Callable[[str], Draft]
 
@@ -36,7 +38,9 @@ DraftOf = Callable[[str], Draft]
 def all_fields(draft: Draft) -> list[Field]:
     """Every field there is, of all objects."""
     whole = [field for fields in scenario_fields(draft).values() for field in fields]
-    return [NAME, *whole, *[field for index in range(len(draft.cargo)) for field in object_fields(draft, index)]]
+    cargo = [field for index in range(len(draft.cargo)) for field in object_fields(draft, index)]
+    around = [field for index in range(len(draft.obstacles)) for field in obstacle_fields(draft, index)]
+    return [NAME, *whole, *cargo, *around]
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -61,7 +65,7 @@ def test_what_is_right_has_no_fault(draft_of: DraftOf, name: str) -> None:
     assert found.scene.source == read_scenario(name).source
 
 
-@pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups", "coffee-to-go"])
+@pytest.mark.parametrize("name", ["mixed-tray", "matrix-rigid", "pp-two-cups", "coffee-to-go", "cups-around-a-column"])
 def test_nonsense_is_marked_where_it_is_typed(draft_of: DraftOf, name: str) -> None:
     for field in all_fields(draft_of(name)):
         if field.kind == "choice" or field.key[-1] == "label":  # any text is a label
@@ -107,6 +111,47 @@ def test_each_fault_stands_beside_its_field(draft_of: DraftOf, key: Key, text: s
     assert homeless == []
     if says is not None:
         assert says in " ".join(notes[key if key[2:] != ("at", 1) else (*key[:3], 0)])
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "says"),
+    [
+        ("at", "0, 0, 0.2", "swallows the foot of the arm"),
+        ("at", "0.75, 0.5, 0.4", "stands in the way of the path's end"),
+        ("size", "0, 1, 1", "out of range"),
+        ("clearance", "-1 mm", "out of range"),
+        ("name", "table", "already taken"),
+    ],
+)
+def test_what_is_wrong_with_an_obstacle_stands_beside_its_field(
+    draft_of: DraftOf, key: str, text: str, says: str
+) -> None:
+    draft = draft_of("cups-around-a-column")
+    draft.type_in(("obstacle", 0, key), read_text(text, "list" if key in ("at", "size") else "quantity"))
+    found = check(draft.table)
+    assert found.scene is None
+    notes, homeless = faults_by_field(all_fields(draft), found.faults)
+    place = ("obstacle", 1 if key == "name" else 0, key)
+    assert homeless == [] and says in " ".join(notes[place])
+
+
+@pytest.mark.parametrize("shape", ["box", "cylinder", "sphere", "capsule", "halfspace"])
+def test_a_new_obstacle_and_one_of_another_shape_are_right(draft_of: DraftOf, shape: str) -> None:
+    draft = draft_of("cups-around-a-column")
+    path = read_scenario("cups-around-a-column").path
+    draft.add_obstacle(new_obstacle(shape, path))
+    place = place_of(draft.obstacles[-1])
+    assert place is not None and np.allclose(place, path.at(0.5)[0, :3] - [0.0, 0.0, 0.3], atol=1e-3)
+    assert (shape == "halfspace") != (check(draft.table).faults == ())  # half of space holds an end of the path
+    for other in ("sphere", "box", shape):
+        changed = chosen(draft, ("obstacle", len(draft.obstacles) - 1, "shape"), other).obstacles[-1]
+        assert changed["shape"] == other and ("radius" in changed) == (other in ("cylinder", "sphere", "capsule"))
+    assert draft.obstacles[-1].keys() == new_obstacle(shape, None).keys()
+
+
+def test_a_place_that_cannot_be_read_has_no_arrows() -> None:
+    assert all(place_of({"at": at}) is None for at in (None, 3.0, [0.0, 0.0], [0.0, 0.0, "x"], "far"))
+    assert place_of({}) is None
 
 
 def test_several_faults_are_all_shown(draft_of: DraftOf) -> None:

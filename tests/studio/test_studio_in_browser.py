@@ -23,7 +23,8 @@ pytestmark = [
     pytest.mark.filterwarnings(r"ignore:Queued a \w+ on a closed connection"),
 ]
 
-from nospill.scenario import scene_from_table, write_scenario  # noqa: E402
+from nospill.core.units import quantity  # noqa: E402
+from nospill.scenario import read_scenario, scene_from_table, write_scenario  # noqa: E402
 from nospill.studio.server import studio  # noqa: E402
 from nospill.studio.session import Session  # noqa: E402
 from tests.waiting import PATIENCE, finished, first_line, wait_until  # noqa: E402
@@ -150,7 +151,7 @@ def test_a_phone_and_a_keyboard_suffice_to_move_fill_plan_and_save(
         keys.press("Control+z")
         page.wait_for_selector("#nospill-previous")
         tab_to(page, "Tray")
-        for name in ("Scenario", "Certificate", "Motion", "Files"):
+        for name in ("Around", "Scenario", "Certificate", "Motion", "Files"):
             keys.press("ArrowRight")
             page.get_by_role("tab", name=name, selected=True).wait_for()
         assert page.locator("#nospill-certificate tbody tr").count() > 10
@@ -243,3 +244,47 @@ def test_what_is_wrong_is_marked_and_plans_nothing(
     far = camera.position
     page.set_viewport_size({"width": 600, "height": 800})
     until(page, lambda: bool(np.any(np.abs(camera.position - far) > 0.1)), "the camera stands back in a narrow window")
+
+
+def test_arrows_move_an_obstacle_in_the_layout(
+    tmp_path: Path, open_tab: Callable[..., Any], capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The column of the example is drawn along y by the green arrow, which is one step back."""
+    sessions: dict[int, Session] = {}
+    with studio(read_scenario("cups-around-a-column").source, folder=tmp_path, port=0, sessions=sessions) as address:
+        page = open_tab(address, width=1280)
+        (session,) = sessions.values()
+        before = session.draft.obstacles[0]["at"]
+        until(page, lambda: float(np.linalg.norm(session.camera.look_at)) > 0.1, "the camera to see the scene whole")
+        page.wait_for_timeout(2000)  # the arrows are drawn by the next picture
+        begin, end = (on_screen(page, session, np.array([0.86, y, 0.45])) for y in (0.12, 0.42))
+        page.mouse.move(*begin)
+        page.wait_for_timeout(300)
+        page.mouse.down()
+        for share in np.linspace(0.0, 1.0, 6):
+            page.mouse.move(*(begin + share * (end - begin)))
+            page.wait_for_timeout(100)
+        page.mouse.up()
+        until(page, lambda: session.draft.obstacles[0]["at"][1] not in ("0 m", before[1]), "the column to move")
+        page.wait_for_timeout(500)
+        x, y, z = (quantity(value, "length") for value in session.draft.obstacles[0]["at"])
+        assert (x, z) == (0.86, 0.45) and 0.2 < y < 0.4 and y == pytest.approx(round(y / 0.005) * 0.005)
+        press(page, "Undo")
+        until(page, lambda: session.draft.obstacles[0]["at"] == before, "the column to be back")
+        page.get_by_role("tab", name="Around").click()
+        press(page, "Remove this obstacle")
+        until(page, lambda: len(session.draft.obstacles) == 1, "the column to be gone")
+    assert capfd.readouterr().err == ""
+
+
+def on_screen(page: Any, session: Session, point: np.ndarray) -> np.ndarray:
+    """Where a point, m, is in the page, px."""
+    camera, canvas = session.camera, page.locator("canvas[data-engine]").bounding_box()
+    ahead = np.asarray(camera.look_at) - camera.position
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    gap = point - camera.position
+    scale = canvas["height"] / 2 / np.tan(camera.fov / 2) / (gap @ ahead)
+    middle = np.array([canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2])
+    return middle + scale * np.array([gap @ right, -gap @ np.cross(right, ahead)])

@@ -12,6 +12,7 @@ from nospill.core.units import quantity
 from nospill.errors import ScenarioError
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, OWN_ROBOT, Field
+from nospill.studio.obstacles import choose_shape
 from nospill.studio.placing import size_keys
 
 NEW_CUP: dict[str, Any] = {
@@ -57,6 +58,8 @@ def choose(draft: Draft, field: Field, choice: str, *, path: Path | None) -> dic
         return {} if choice == OWN_ROBOT else _robot(choice)
     if field.key == ("path", "type"):
         return _path(choice, path) if choice != draft.value(field.key) else {}
+    if field.key[0] == "obstacle" and isinstance(field.key[1], int):
+        return choose_shape(draft, field.key[1], choice)
     if field.key[0] == "cargo" and field.key[-1] == "shape":
         return _shape(draft, field.key, choice)
     if field.key[0] == "cargo" and field.key[-1] == "liquid":

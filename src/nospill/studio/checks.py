@@ -20,7 +20,7 @@ from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.carrier_reader import check_carrier, seated
 from nospill.scenario.layout import layout_faults
-from nospill.scenario.messages import cargo_place, faults_of
+from nospill.scenario.messages import cargo_place, entry_place, faults_of
 from nospill.scenario.model import Scenario
 from nospill.scenario.reader import read_object
 from nospill.scene.cargo import Cargo
@@ -29,7 +29,9 @@ from nospill.scene.tray import Tray
 from nospill.studio.draft import Key
 
 _MORE = re.compile(r" \(and \d+ more mistakes?( in [^()]*)?\)$")
-_PLACE = re.compile(r'(?P<place>\[[a-z_.]+\]|cargo (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL)
+_PLACE = re.compile(
+    r'(?P<place>\[[a-z_.]+\]|(?:cargo|obstacle) (?:\d+|"(?:[^"\\]|\\.)*"))(?:: )(?P<text>.*)', re.DOTALL
+)
 _LABEL = "studio"
 _MAIN_KEY = {"robot": "model", "path": "type", "tray": "mass"}
 """Where a fault of a whole table is shown."""
@@ -42,7 +44,7 @@ class Fault:
     Attributes:
         key: place of the value in the table, or of the table it belongs to.
         text: sentence that starts with the key.
-        where: "[tray]", 'cargo "c2"' or "".
+        where: "[tray]", 'cargo "c2"', 'obstacle "column"' or "".
     """
 
     key: Key
@@ -97,6 +99,8 @@ def _without_tags(location: Key, kind: str) -> Key:
         if len(keys) > 1 and keys[0] == "liquid":
             keys = ("liquid", *keys[2:])
         return (*location[:2], "shape") if tagged else (*location[:2], *keys)
+    if location[:1] == ("obstacle",) and len(location) > 1:
+        return (*location[:2], "shape") if tagged else (*location[:2], *location[3:])
     if location[:1] == ("path",):
         return ("path", "type") if tagged else ("path", *location[2:])
     return location
@@ -147,10 +151,13 @@ def _from_sentence(line: str, table: Mapping[str, Any]) -> Fault:
 
 
 def _placed(where: str, text: str, table: Mapping[str, Any]) -> Fault:
-    if where.startswith("cargo "):
-        places = [cargo_place(index, entry) for index, entry in enumerate(table["cargo"])]
-        index = places.index(where) if where in places else int(where.removeprefix("cargo ")) - 1
-        return Fault(_cargo_key(index, text, table), text, where)
+    kind, _, called = where.partition(" ")
+    if kind in ("cargo", "obstacle"):
+        places = [entry_place(kind, index, entry) for index, entry in enumerate(table[kind])]
+        index = places.index(where) if where in places else int(called) - 1
+        if kind == "cargo":
+            return Fault(_cargo_key(index, text, table), text, where)
+        return Fault((kind, index, _first_key(text, list(table[kind][index])) or "at"), text, where)
     head = where.strip("[]").split(".")[0]
     model = Scenario.model_fields[head].annotation
     known: Sequence[str] = list(getattr(model, "model_fields", {})) + list(_mapping(table.get(head)))

@@ -17,6 +17,10 @@ from nospill.studio.tray_plan import WIDTH
 if TYPE_CHECKING:
     import viser
 
+NEW_OBSTACLES = {"Box": "box", "Cylinder": "cylinder"}
+"""Shapes that are added, by their buttons; another shape is chosen afterwards."""
+NO_OBSTACLE = "none"
+"""What stands in the place of an obstacle while there are none."""
 _LAST = 1e6
 """Order of what stands below fields that are added later."""
 _FIRST, _STOP, _SECOND = (0, 114, 178), (166, 60, 0), (110, 118, 126)
@@ -27,7 +31,7 @@ class Controls:
     """Handles of everything a session sets or listens to.
 
     Attributes:
-        groups: fields by their heading; "Object" and "File" besides those of `fields.scenario_fields`.
+        groups: fields by their heading; "Object", "Obstacle" and "File" besides those of `fields.scenario_fields`.
         motion_tab: container for the player.
     """
 
@@ -49,6 +53,8 @@ class Controls:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Tray"):
             self._add_tray(gui, typed)
+        with tabs.add_tab("Around"):
+            self._add_surroundings(gui, typed)
         with tabs.add_tab("Scenario"):
             for title in ("Robot", "Path", "Motion", "Tray", "Planning"):
                 self._add_group(gui, title, typed, expanded=title in ("Robot", "Path", "Motion"))
@@ -80,6 +86,12 @@ class Controls:
         self.selection: Any = gui.add_dropdown("Object", ("1",))
         self._add_group(gui, "Object", typed, expanded=True)
         self.remove_button = gui.add_button("Remove this object", color=_SECOND)
+
+    def _add_surroundings(self, gui: viser.GuiApi, typed: Edited) -> None:
+        self.new_obstacle = gui.add_button_group("Add", tuple(NEW_OBSTACLES), hint="an obstacle below the path")
+        self.obstacle: Any = gui.add_dropdown("Obstacle", (NO_OBSTACLE,), hint="its arrows in the layout move it")
+        self._add_group(gui, "Obstacle", typed, expanded=True)
+        self.remove_obstacle = gui.add_button("Remove this obstacle", color=_SECOND)
 
     def _add_files(self, gui: viser.GuiApi, folder: Path, typed: Edited, opens: Sequence[str]) -> None:
         self.file_message = gui.add_html("")
@@ -118,13 +130,14 @@ class Controls:
             self.stop_button.visible = busy
             self.plan_button.visible = not busy
 
-    def show_possible(self, *, plan: bool, save: bool, export: bool, remove: bool) -> None:
+    def show_possible(self, *, plan: bool, save: bool, export: bool, remove: bool, remove_obstacle: bool) -> None:
         """Let the buttons be pressed that can do something."""
         for handle, possible in (
             (self.plan_button, plan),
             (self.export_button, export),
             (self.save_button, save),
             (self.remove_button, remove),
+            (self.remove_obstacle, remove_obstacle),
         ):
             if handle.disabled == possible:
                 handle.disabled = not possible
@@ -134,6 +147,13 @@ class Controls:
         _offer(self.selection, choices)
         if self.selection.value != choices[selected]:
             self.selection.value = choices[selected]
+
+    def show_obstacles(self, choices: Sequence[str], chosen: int) -> None:
+        """The obstacles by number and name, or that there are none."""
+        choices = choices or (NO_OBSTACLE,)
+        _offer(self.obstacle, choices)
+        if self.obstacle.value != choices[chosen]:
+            self.obstacle.value = choices[chosen]
 
     def show_choices(self, choices: Sequence[str]) -> None:
         """What can be opened."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -23,6 +23,7 @@ class Draft:
 
     Attributes:
         selected: number of the object whose values are shown.
+        chosen: number of the obstacle whose values are shown; nothing counts while there are none.
     """
 
     def __init__(self, table: Mapping[str, Any]) -> None:
@@ -30,7 +31,7 @@ class Draft:
         self._history: list[dict[str, Any]] = [copy.deepcopy(dict(table))]
         self._position = 0
         self._open: object = None
-        self.selected = 0
+        self.selected = self.chosen = 0
 
     @property
     def table(self) -> dict[str, Any]:
@@ -41,6 +42,11 @@ class Draft:
     def cargo(self) -> list[dict[str, Any]]:
         """The entries `[[cargo]]`."""
         return self.table["cargo"]
+
+    @property
+    def obstacles(self) -> list[dict[str, Any]]:
+        """The entries `[[obstacle]]`."""
+        return self.table.get("obstacle", [])
 
     @property
     def can_undo(self) -> bool:
@@ -91,6 +97,14 @@ class Draft:
             self.close_step()
         return changed
 
+    def move_obstacle(self, index: int, place: tuple[float, float, float], *, ended: bool = True) -> bool:
+        """Put an obstacle at x, y, z in m, written in mm to a hundredth; one drag is one step."""
+        at = [millimetres(value) for value in place]
+        changed = self.change({("obstacle", index, "at"): at}, step=("drag obstacle", index))
+        if ended:
+            self.close_step()
+        return changed
+
     def close_step(self) -> None:
         """What is edited next is undone on its own."""
         self._open = None
@@ -98,25 +112,48 @@ class Draft:
     def open(self, table: Mapping[str, Any]) -> None:
         """Take another table, which is copied; the old one is one step back."""
         self._take(copy.deepcopy(dict(table)), None)
-        self.selected = 0
+        self.selected = self.chosen = 0
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Add an object under a name that is free, and select it."""
-        named = copy.deepcopy(dict(entry)) | {"name": self._free_name(str(entry["name"]))}
-        table = copy.deepcopy(self.table)
-        table["cargo"].append(named)
-        self._take(table, None)
-        self.selected = len(self.cargo) - 1
+        self.selected = self._added("cargo", entry)
+
+    def add_obstacle(self, entry: Mapping[str, Any]) -> None:
+        """Add an obstacle under a name that is free, and choose it."""
+        self.chosen = self._added("obstacle", entry)
 
     def remove(self, index: int) -> bool:
         """Take an object away; the last one stays, a tray needs a load."""
         if len(self.cargo) < 2:
             return False
-        table = copy.deepcopy(self.table)
-        del table["cargo"][index]
-        self._take(table, None)
-        self.selected = min(self.selected, len(self.cargo) - 1)
+        self._removed("cargo", index)
         return True
+
+    def remove_obstacle(self, index: int) -> bool:
+        """Take an obstacle away; False where there is none."""
+        if not 0 <= index < len(self.obstacles):
+            return False
+        self._removed("obstacle", index)
+        return True
+
+    def _added(self, key: str, entry: Mapping[str, Any]) -> int:
+        named = copy.deepcopy(dict(entry)) | {"name": self._free_name(str(entry["name"]))}
+        table = copy.deepcopy(self.table)
+        table.setdefault(key, []).append(named)
+        self._take(table, None)
+        return len(table[key]) - 1
+
+    def _removed(self, key: str, index: int) -> None:
+        table = copy.deepcopy(self.table)
+        del table[key][index]
+        if not table[key]:
+            del table[key]
+        self._take(table, None)
+        self._select_what_is_there()
+
+    def _select_what_is_there(self) -> None:
+        self.selected = min(self.selected, len(self.cargo) - 1)
+        self.chosen = max(0, min(self.chosen, len(self.obstacles) - 1))
 
     def undo(self) -> bool:
         """Go one step back; False at the beginning."""
@@ -131,7 +168,7 @@ class Draft:
             return False
         self._position += by
         self._open = None
-        self.selected = min(self.selected, len(self.cargo) - 1)
+        self._select_what_is_there()
         return True
 
     def _take(self, table: dict[str, Any], step: object) -> bool:
@@ -146,7 +183,7 @@ class Draft:
         return True
 
     def _free_name(self, wanted: str) -> str:
-        taken = {entry.get("name") for entry in self.cargo}
+        taken = {entry.get("name") for entry in [*self.cargo, *self.obstacles]}
         if wanted not in taken:
             return wanted
         stem = wanted.rstrip("0123456789") or "object"
@@ -162,6 +199,11 @@ def label_of(entry: Mapping[str, Any], index: int) -> str:
     """How an object is called, by its label or else its name, while both may be wrong."""
     name = entry.get("label") or entry.get("name")
     return name if isinstance(name, str) and name else f"object {index + 1} ({as_written(name)})"
+
+
+def choices_of(entries: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Objects or obstacles by number and name."""
+    return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(entries))
 
 
 def _put(table: dict[str, Any], key: Key, value: Any) -> None:

@@ -20,7 +20,7 @@ from nospill.viewer.surroundings import add_surroundings
 if TYPE_CHECKING:
     import viser
 
-_ROOT = "/layout"
+ROOT = "/layout"
 _PATH_POINTS = 120
 _ANGLE, _SPARE = float(np.radians(40.0)), 0.12
 """Vertical angle of view, as in the viewer; m beyond what is looked at."""
@@ -39,7 +39,7 @@ class LayoutView:
             said: called with what is in the way of the arm on this path, "" for nothing, from the thread of `run`.
         """
         self._client, self._said = client, said
-        self._root = client.scene.add_frame(_ROOT, show_axes=False)
+        self._root = client.scene.add_frame(ROOT, show_axes=False)
         self._drawn: dict[str, str] = {}
         self._nodes: dict[str, viser.FrameHandle] = {}
         self._tray_place = np.zeros(3)
@@ -101,7 +101,8 @@ class LayoutView:
     def _draw(self, scene: Scene) -> None:
         """Draw what differs from what is there."""
         source = scene.source
-        way = repr((source["robot"], source["path"], source["tray"], source.get("obstacle")))
+        way = repr((source["robot"], source["path"], source["tray"]))
+        around = repr((way, source.get("obstacle")))
         load = repr((way, source["cargo"], scene.fidelity, scene.slosh_modes))
         if self._drawn.get("way") != way or not self._looked:
             self._draw_way(scene)
@@ -110,7 +111,10 @@ class LayoutView:
                 node = self._fresh("load")
                 node.position, node.wxyz = self._tray_place, _about_z(self._turn)
                 TrayView(self._client.scene, scene.tray, cargo=scene.cargo, root=node.name)
-        self._drawn = {"way": way, "load": load}
+        if self._drawn.get("around") != around:
+            with self._client.atomic():
+                add_surroundings(self._client.scene, f"{self._fresh('around').name}/all", scene)
+        self._drawn = {"way": way, "load": load, "around": around}
 
     def _draw_way(self, scene: Scene) -> None:
         obstacle = ""
@@ -131,8 +135,7 @@ class LayoutView:
             arm = self._fresh("arm")
             ArmView(self._client.scene, scene.robot, root=arm.name, tray=scene.tray, chain=chain).set_joints(q)
             self._fresh("path")
-            add_path(self._client.scene, f"{_ROOT}/path/way", points[:, :3])
-            add_surroundings(self._client.scene, f"{_ROOT}/path/around", scene)
+            add_path(self._client.scene, f"{ROOT}/path/way", points[:, :3])
         if not self._looked:
             self._looked = True
             joints = np.concatenate([position for position, _ in chain.frames(q[None])])
@@ -146,7 +149,7 @@ class LayoutView:
         old = self._nodes.pop(name, None)
         if old is not None:
             old.remove()
-        self._nodes[name] = self._client.scene.add_frame(f"{_ROOT}/{name}", show_axes=False)
+        self._nodes[name] = self._client.scene.add_frame(f"{ROOT}/{name}", show_axes=False)
         return self._nodes[name]
 
     def _look_at(self, points: np.ndarray) -> None:

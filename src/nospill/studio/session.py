@@ -12,11 +12,13 @@ from nospill.studio import documents
 from nospill.studio.changes import NEW_CUP, NEW_SOLID, choose
 from nospill.studio.checks import Check, check
 from nospill.studio.controls import Controls
-from nospill.studio.draft import Draft, label_of, millimetres
+from nospill.studio.draft import Draft, choices_of, label_of, millimetres
 from nospill.studio.fields import Field, faults_by_field, object_fields, read_text, scenario_fields
 from nospill.studio.filing import FileDesk
-from nospill.studio.layout_view import LayoutView
+from nospill.studio.layout_view import ROOT, LayoutView
 from nospill.studio.motion_view import MotionView
+from nospill.studio.obstacle_desk import ObstacleDesk
+from nospill.studio.obstacles import obstacle_fields
 from nospill.studio.pages import (
     certificate_table,
     details,
@@ -64,6 +66,7 @@ class Session:
         self._progress_due = threading.Event()
         self.controls = Controls(client.gui, folder, typed=self._typed, opens=documents.scenario_choices(folder))
         self._layout = LayoutView(client, said=self._reach_changed)
+        self._obstacles = ObstacleDesk(client.scene, f"{ROOT}/arrows", self.controls, self.draft, edit=self._edit)
         self._motion = MotionView(client, self.controls.motion_tab)
         self.files = FileDesk(
             client,
@@ -166,13 +169,10 @@ class Session:
         self._refresh(edited=False)
 
     def _select(self, choice: str) -> None:
-        choices = self._object_choices()
+        choices = choices_of(self.draft.cargo)
         if choice in choices:
             self.draft.selected = choices.index(choice)
             self._refresh(edited=False)
-
-    def _object_choices(self) -> tuple[str, ...]:
-        return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(self.draft.cargo))
 
     def _add_object(self, entry: Mapping[str, Any]) -> None:
         """Add an object where there is room for it, on the tray itself."""
@@ -184,6 +184,12 @@ class Session:
         with self._lock:
             self.draft.remove(self.draft.selected)
             self._refresh()
+
+    def _edit(self, action: Callable[[], object], edited: bool) -> None:
+        """Do something to the draft, or only to what is shown of it."""
+        with self._lock:
+            action()
+            self._refresh(edited=edited)
 
     def _open(self, table: dict[str, Any]) -> None:
         with self._lock:
@@ -267,11 +273,16 @@ class Session:
                     self._layout.show(self.checked.scene)
                 if draft.table != self._planned:
                     self._forget_attempt()
-            groups = scenario_fields(draft) | {"Object": object_fields(draft, draft.selected), "File": [documents.NAME]}
+            groups = scenario_fields(draft) | {
+                "Object": object_fields(draft, draft.selected),
+                "Obstacle": obstacle_fields(draft, draft.chosen),
+                "File": [documents.NAME],
+            }
             notes, _ = faults_by_field([field for fields in groups.values() for field in fields], self.checked.faults)
             for title, fields in groups.items():
                 controls.groups[title].show(fields, draft, notes)
-            controls.show_objects(self._object_choices(), draft.selected)
+            controls.show_objects(choices_of(draft.cargo), draft.selected)
+            self._obstacles.show(snapping=self._snapping, path=self._path)
             controls.set_content(controls.plan_picture, self._picture())
             name = draft.value(("name",))
             controls.show_title(name if isinstance(name, str) else "unnamed")
@@ -281,6 +292,7 @@ class Session:
                 save=right,
                 export=self._motion.plan is not None,
                 remove=len(draft.cargo) > 1,
+                remove_obstacle=bool(draft.obstacles),
             )
             controls.show_busy(self.desk.busy)
             self._show_answer(self.desk.state)
