@@ -1,4 +1,4 @@
-"""Figure of the nearest distances: what it shows, and that it needs obstacles."""
+"""Figures of nearest distances and of the swept volume: what they show, and that they need obstacles."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plots.distances import distances_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import LOOK
+from nospill.plots.swept_volume import swept_volume_figure
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_paths_of, smooth_record
@@ -60,3 +61,20 @@ def test_none_without_obstacles(evidence: Evidence) -> None:
     bare = replace(evidence.plan.scene, obstacles=())
     assert nearest_over_time(bare, evidence.plan.trajectory.joint_position) == ()
     assert distances_figure(Evidence(replace(evidence.plan, scene=bare), evidence.judgement)) is None
+
+
+def test_swept_volume_in_two_views(evidence: Evidence) -> None:
+    with matplotlib.rc_context(LOOK):
+        figure = swept_volume_figure(evidence)
+    assert figure is not None
+    above, side = figure.axes
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["from above", "from the side"]
+    played = evidence.judgement.replay.tray.position
+    way, straight = (above.get_lines()[index].get_xydata() for index in (0, 1))
+    assert np.linalg.norm(way[-1] - way[0]) == pytest.approx(np.linalg.norm((played[-1] - played[0])[:2]))
+    assert np.allclose(straight, way[[0, -1]])
+    assert side.get_lines()[0].get_ydata() == pytest.approx(played[:, 2])
+    assert side.get_xlim() == pytest.approx(above.get_xlim())
+    assert {text.get_text() for text in above.texts} == {"column", "ball"}
+    bare = replace(evidence.plan.scene, obstacles=())
+    assert swept_volume_figure(Evidence(replace(evidence.plan, scene=bare), evidence.judgement)) is None

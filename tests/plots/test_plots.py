@@ -201,7 +201,7 @@ def test_no_pyplot_anywhere() -> None:
 
 
 def test_which_figures_apply(pictures: dict[str, Figure], crowded_pictures: dict[str, Figure]) -> None:
-    assert set(pictures) | {"limits"} == APPLYING | {"limits"} == set(figures.FIGURES) - {"distances"}
+    assert set(pictures) | {"limits"} == APPLYING | {"limits"} == set(figures.FIGURES) - {"distances", "swept-volume"}
     assert set(crowded_pictures) == (APPLYING | {"limits"}) - {"tilt"}
 
 

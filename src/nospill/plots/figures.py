@@ -22,6 +22,7 @@ from nospill.plots.path_view import path_figure
 from nospill.plots.slosh_heights import slosh_heights_figure
 from nospill.plots.style import LOOK, WIDTH
 from nospill.plots.summary import summary_figure
+from nospill.plots.swept_volume import swept_volume_figure
 from nospill.plots.tilt import tilt_figure
 from nospill.plots.tray_plan import tray_plan_figure
 
@@ -33,6 +34,7 @@ FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
     "tilt": tilt_figure,
     "other-speeds": other_speeds_figure,
     "distances": distances_figure,
+    "swept-volume": swept_volume_figure,
     "summary": summary_figure,
 }
 """File name -> what draws it, None where it does not apply. A new figure is a file here and a line above."""
