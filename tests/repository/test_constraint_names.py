@@ -38,6 +38,7 @@ OTHER_MEANINGS = {
         "scenario/described.py": "key of a scenario",
         "studio/fields.py": "key of a scenario",
     },
+    "clearance": {"studio/obstacles.py": "key of a scenario"},
 }
 """Names that are words of their own elsewhere: name -> file -> what it means there."""
 
