@@ -16,6 +16,7 @@ from nospill.judge.tracks import variant_tracks
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths
+from nospill.scenario import read_scenario
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.containers.vessels import Bowl, ConicalFlask, Profile, RoundFlask, Tapered, TestTube, WineGlass
 from nospill.scene.scene import Scene
@@ -44,6 +45,12 @@ def changed_table(table: Mapping[str, Any], changes: Mapping[str, object]) -> di
             entry = entry[int(parent)] if isinstance(entry, list) else entry.setdefault(parent, {})
         entry[int(key) if isinstance(entry, list) else key] = value
     return changed
+
+
+def one_mode(name: str) -> Scene:
+    """An example that states one mode of each liquid: judged and planned in a fraction of the time of twenty."""
+    scene = read_scenario(name)
+    return scene if scene.slosh_modes == 1 else read_scenario(name, settings=["planning.slosh_modes=1"])
 
 
 def joint_paths_of(scene: Scene, *, samples: int = 101) -> list[JointPath]:

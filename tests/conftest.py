@@ -34,7 +34,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
-from tests.builders import changed_table, joint_path_of, measured_data, with_few_speeds
+from tests.builders import changed_table, joint_path_of, measured_data, one_mode, with_few_speeds
 from tests.example_plans import keep
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -119,7 +119,7 @@ def example_plan(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Ca
 class SmoothMotion:
     """A scene with a quintic motion along its path, on the grid of the optimal control problem and as exported.
 
-    The model is the scene with one mode of each liquid, of which the grid is.
+    The scene states one mode of each liquid; the model is the scene with one mode, of which the grid is.
     """
 
     scene: Scene
@@ -136,7 +136,7 @@ def _joint_path(name: str) -> JointPath:
 
 @cache
 def _smooth_motion(name: str, cargo: int | None, intervals: int, start: Start) -> SmoothMotion:
-    scene = read_scenario(name)
+    scene = one_mode(name)
     scene = replace(scene, cargo=scene.cargo[:cargo])
     model = scene.with_one_mode()
     stages = smooth_start(model, _joint_path(name), intervals, start)

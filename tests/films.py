@@ -31,8 +31,8 @@ def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:
 
 @pytest.fixture(scope="session")
 def tilting_film(changed_scene: Callable[..., Scene]) -> Film:
-    """matrix-liquid-tilt: four cups on a tray that tilts, full fidelity."""
-    return film_of(changed_scene("matrix-liquid-tilt", {}))
+    """matrix-liquid-tilt: four cups on a tray that tilts, full fidelity, one mode."""
+    return film_of(changed_scene("matrix-liquid-tilt", {"planning.slosh_modes": 1}))
 
 
 @pytest.fixture(scope="session")

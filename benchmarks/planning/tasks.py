@@ -1,7 +1,7 @@
 """One measurement in a process of its own; prints a line of JSON. `run.py` starts these.
 
     python -m benchmarks.planning.tasks baseline liquid
-    python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200]
+    python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200] [--modes 20]
     python -m benchmarks.planning.tasks cups 8
     python -m benchmarks.planning.tasks different 64
     python -m benchmarks.planning.tasks unseen "three cups"
@@ -102,7 +102,7 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
         return cold(scenes.different_cups(int(what)))
     if arguments.task == "unseen":
         return cold(scenes.unseen(what))
-    return cold(scenes.example(what, intervals=arguments.intervals))
+    return cold(scenes.example(what, intervals=arguments.intervals, modes=arguments.modes))
 
 
 def main() -> None:
@@ -111,6 +111,7 @@ def main() -> None:
     parser.add_argument("task", choices=("baseline", "cold", "cups", "different", "unseen", "warm", "toppra"))
     parser.add_argument("what")
     parser.add_argument("--intervals", type=int)
+    parser.add_argument("--modes", type=int, default=1)
     found = _measured(parser.parse_args())
     # Linux counts ru_maxrss in KiB, macOS in bytes.
     unit = 1 if sys.platform == "darwin" else 1024

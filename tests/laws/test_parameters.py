@@ -14,6 +14,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
+from tests.builders import one_mode
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +95,7 @@ def test_structures_are_keys_and_say_what_differs():
     )
     assert level == structure_of(read_scenario("matrix-liquid")) and hash(level) == hash(level)
     assert len({level, soft, tilting}) == 3
-    mixed = structure_of(read_scenario("mixed-tray"))
+    mixed = structure_of(one_mode("mixed-tray"))
     assert [item.footprint for item in mixed.objects] == [
         DiscFootprint,
         DiscFootprint,

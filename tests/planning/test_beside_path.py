@@ -110,7 +110,8 @@ def test_from_one_end_of_the_arc_to_the_other_on_any_way(example_plan, tmp_path)
 
 
 def test_a_level_tray_on_any_way(changed_scene) -> None:
-    found = plan(changed_scene("matrix-liquid-point-to-point", {"motion.tilt": "fixed", "planning.intervals": 50}))
+    changes = {"motion.tilt": "fixed", "planning.intervals": 50, "planning.slosh_modes": 1}
+    found = plan(changed_scene("matrix-liquid-point-to-point", changes))
     assert found.certificate.ok and found.duration < 1.40
 
 

@@ -35,7 +35,7 @@ from nospill.scene.tolerances import corner_scenes, heaviest
 from nospill.scene.variants import variants, variants_by_object
 from nospill.studio.draft import Draft
 from nospill.transcription.starting_motions import Start
-from tests.builders import joint_path_of, smooth_record
+from tests.builders import joint_path_of, one_mode, smooth_record
 
 ROBUST = "matrix-liquid-tilt-robust"
 EVERYTHING = {"friction": 0.1, "liquid_height": 2e-3, "damping": [0.5, 2.0], "position": 1e-3, "mass": 0.05}
@@ -55,8 +55,8 @@ def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
 
 
 def one_cup(name: str, **changes: Any) -> Scene:
-    """The first cup of an example on a coarser grid; other tolerances."""
-    table: Any = copy.deepcopy(read_scenario(name).source)
+    """The first cup of an example with one mode on a coarser grid; other tolerances."""
+    table: Any = copy.deepcopy(dict(one_mode(name).source))
     table["cargo"] = table["cargo"][:1]
     table["planning"] = table.get("planning", {}) | {"intervals": 50}
     if changes:
@@ -256,14 +256,13 @@ def test_tolerances_survive_writing_and_the_studio(changed_scene: Changed) -> No
 @pytest.mark.slow
 def test_the_certificate_has_the_worst_of_all_corners_written_out() -> None:
     """The same motion judged at every corner, each a plain scenario of its own."""
-    scene = read_scenario(ROBUST)
+    scene = one_mode(ROBUST)
     trajectory = smooth(scene)
     found = {(row.constraint, row.subject): row for row in certify(trajectory, scene).rows}
-    stated = {
-        (row.constraint, row.subject): row for row in certify(trajectory, read_scenario("matrix-liquid-tilt")).rows
-    }
+    certain = one_mode("matrix-liquid-tilt")
+    stated = {(row.constraint, row.subject): row for row in certify(trajectory, certain).rows}
     corners = [(0.9, 0.0, 1.0), *((0.9, rise, factor) for rise, factor in product((-2e-3, 0.0, 2e-3), (0.5, 2.0)))]
-    plain = [written_out(read_scenario(ROBUST), friction=f, rise=rise, factor=factor) for f, rise, factor in corners]
+    plain = [written_out(scene, friction=f, rise=rise, factor=factor) for f, rise, factor in corners]
     verdicts = [{(row.constraint, row.subject): row for row in certify(trajectory, item).rows} for item in plain]
     assert set(found) == set(stated)
     for key, row in found.items():

@@ -25,6 +25,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.passages import stage_determinants
 from nospill.transcription.trajectory_start import from_trajectory
+from tests.builders import one_mode
 
 Changed = Callable[..., Scene]
 
@@ -45,7 +46,7 @@ TILTING = ("franka-fr3",)
 
 def on_the_arc(robot: str, *, tilt: bool, intervals: int = 30, **keys: Any) -> Scene:
     """Two of the four cups on the published arc, carried by another robot with all its limits."""
-    table: Any = copy.deepcopy(read_scenario("matrix-liquid-tilt" if tilt else "matrix-liquid-soft-end").source)
+    table: Any = copy.deepcopy(dict(one_mode("matrix-liquid-tilt" if tilt else "matrix-liquid-soft-end").source))
     table["robot"] = {"model": robot, **PLACES[robot], **keys}
     table["cargo"] = table["cargo"][:2]
     table["planning"] = table.get("planning", {}) | {"intervals": intervals, "starts": 1}

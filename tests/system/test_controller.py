@@ -25,8 +25,8 @@ LATE = Controller(np.full(6, DELAY), np.full(6, LAG))
 
 @pytest.fixture(scope="module")
 def late_plan() -> Plan:
-    """Planned for the controller: delay 8 ms, lag 15 ms."""
-    settings = [f"controller.delay={DELAY}", f"controller.lag={LAG}"]
+    """Planned with one mode for the controller: delay 8 ms, lag 15 ms."""
+    settings = [f"controller.delay={DELAY}", f"controller.lag={LAG}", "planning.slosh_modes=1"]
     return plan(read_scenario("matrix-liquid-tilt", settings=settings))
 
 

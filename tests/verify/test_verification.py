@@ -22,11 +22,11 @@ from nospill.judge.certificate import judge
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
-from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
 from nospill.verify.engine import STEP, build
-from tests.builders import with_few_speeds
+from tests.builders import one_mode, with_few_speeds
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +154,7 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
 @pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid-tilt"])
 def test_friction_overstated_slides_and_understated_holds(name: str, factor: float, holds: bool) -> None:
     """Planned with less or more friction than there is, the reserve of 10 % kept: 1.2 x 0.9 is 8 % too much."""
-    scene = read_scenario(name)
+    scene = one_mode(name)
     table: Any = scene.source
     wrong = plan(with_friction(scene, factor * float(table["tray"]["friction"])))
     assert wrong.certificate.ok

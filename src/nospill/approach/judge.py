@@ -56,10 +56,12 @@ def judge_segment(
     rows.append(limit_row("even sampling", "time", "1", 1e-4, record.t[1:], uneven))
     bare = replace(scene, regions=())  # they are about the motion
     rows += clearance_rows(bare, grid, *(played(grid, order) for order in range(3)), loaded=segment.loaded)
+    published, modes = False, None  # of an empty tray
     if segment.loaded:
         rows += _cargo_rows(segment, scene, played)
+        published, modes = scene.fidelity == "deliverable", scene.fewer_modes
     named = tuple(replace(row, constraint=APPROACH + row.constraint) for row in rows)
-    return Certificate(all(row.ok for row in named), 1.0 / float(grid[1] - grid[0]), named)
+    return Certificate(all(row.ok for row in named), 1.0 / float(grid[1] - grid[0]), named, published, modes)
 
 
 def _joint_rows(

@@ -169,5 +169,5 @@ def _judged(
     rows = [*condensed([*map(worst_row, traces), *corners]), *distances]
     traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, distances))
     published = scene.fidelity == "deliverable"
-    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published)
+    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published, scene.fewer_modes)
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use)

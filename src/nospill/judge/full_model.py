@@ -39,8 +39,7 @@ def with_full_model(
     """
     if certificate.full_model is not None:
         return certificate
-    every_mode = scene.slosh_modes >= FULL_MODES or not any(cargo.filling for cargo in scene.cargo)
-    if scene.fidelity == "full" and every_mode:
+    if scene.fidelity == "full" and scene.fewer_modes is None:
         return replace(certificate, full_model=())
     rows = judge_motion(trajectory, full_scene(scene), motion=motion).certificate.rows
     broken = (row for row in rows if not row.ok and row.constraint in BY_NAME)

@@ -105,6 +105,7 @@ class Certificate:
         grid_hz: rate of the grid the trajectory was judged on.
         rows: one per constraint and subject.
         published: whether the physics are the published ones (`fidelity = "deliverable"`).
+        modes: modes of each liquid in each direction where the full model has more (`Scene.fewer_modes`), else None.
         full_model: rows on objects that the full model breaks in the same motion (see `judge.full_model`), no part of
             `ok`; None where nobody has looked.
     """
@@ -113,14 +114,17 @@ class Certificate:
     grid_hz: float
     rows: tuple[Row, ...]
     published: bool = False
+    modes: int | None = None
     full_model: tuple[Row, ...] | None = field(default=None, compare=False)
 
     @property
     def word(self) -> str:
-        """The verdict in a word or three: of the published equations it says so."""
+        """The verdict in a few words: of less than the full model it says of what, by itself never "certified"."""
         if not self.ok:
             return "not certified"
-        return "certified as published" if self.published else "certified"
+        if self.published:
+            return "certified as published"
+        return f"certified with {self.modes} mode{'' if self.modes == 1 else 's'}" if self.modes else "certified"
 
     @property
     def worst(self) -> Row:
@@ -145,9 +149,9 @@ class Certificate:
         return replace(self, ok=self.ok and other.ok, grid_hz=grid_hz, rows=self.rows + other.rows)
 
     def to_dict(self) -> dict[str, Any]:
-        """For certificate.json: ok, grid_hz, rows, published, and what the full model breaks where it is known."""
+        """For certificate.json: ok, grid_hz, rows, published, modes, what the full model breaks where it is known."""
         table: dict[str, Any] = {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
-        table["published"] = self.published
+        table |= {"published": self.published, "modes": self.modes}
         if self.full_model is not None:
             table["full_model"] = [_plain(row) for row in self.full_model]
         return table

@@ -42,6 +42,7 @@ def load_plan(folder: str | Path) -> Plan:
                 grid_hz=certificate["grid_hz"],
                 rows=_rows(certificate["rows"]),
                 published=bool(certificate.get("published", False)),
+                modes=certificate.get("modes"),
                 full_model=_broken(certificate),
             ),
             maxima=maxima,

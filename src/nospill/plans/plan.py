@@ -60,7 +60,7 @@ class Plan:
 
     @property
     def status(self) -> str:
-        """One of "certified", "certified as published" (`fidelity = "deliverable"`) and "uncertified"."""
+        """The verdict's word (`Certificate.word`), or "uncertified"."""
         return self.certificate.word if self.certificate.ok else "uncertified"
 
     @property

@@ -204,6 +204,12 @@ class Scene:
         return tuple(item for item in self.cargo if not item.carrier)
 
     @property
+    def fewer_modes(self) -> int | None:
+        """Modes of each liquid in each direction where the full model has more; None where not, or without liquids."""
+        fewer = self.slosh_modes < FULL_MODES and any(item.filling for item in self.cargo)
+        return self.slosh_modes if fewer else None
+
+    @property
     def planned_modes(self) -> int:
         """Modes of a liquid in each direction that the optimiser carries in the end, where the judge objects."""
         return self.slosh_modes if self.fidelity == "deliverable" else min(self.slosh_modes, _PLANNED_MODES)
