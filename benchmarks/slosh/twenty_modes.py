@@ -142,27 +142,33 @@ def sides_of(cargo: Cargo, count: int) -> tuple[Side, Side]:
 
 def accelerations(sides: tuple[Side, Side], coupled: bool, body: np.ndarray, state: np.ndarray) -> np.ndarray:
     """(4 n,) rates of x, y and their rates; coupled: a mode moves in both directions at once, as in a round cup."""
-    omega, alpha, force = body[:3], body[3:6], body[6:]
+    omega, force = body[:3], body[6:]
+    turning, spinning = _cross(omega), _cross(body[3:6])
     x, y, xd, yd = state.reshape(4, -1)
     none = np.zeros_like(x)
-    moves = [(x, y, xd, yd)] * 2 if coupled else [(x, none, xd, none), (none, y, none, yd)]
+    moves = [(x, y, xd, yd)] if coupled else [(x, none, xd, none), (none, y, none, yd)]
     found = []
-    for modes, (u, v, ud, vd) in zip(sides, moves, strict=True):
+    for modes, (u, v, ud, vd) in zip(sides, moves, strict=False):
         curvature = modes.curvature
         place = np.stack([u, v, modes.height + curvature * (u * u + v * v) / 2])
         speed = np.stack([ud, vd, curvature * (u * ud + v * vd)])
-        felt = force[:, None] + np.cross(alpha, place, axis=0) + 2 * np.cross(omega, speed, axis=0)
-        felt = felt + np.cross(omega, np.cross(omega, place, axis=0), axis=0)
+        felt = force[:, None] + (spinning + turning @ turning) @ place + 2 * turning @ speed
         axial = force[2] - (omega[0] ** 2 + omega[1] ** 2) * modes.height
         down = curvature * (felt[2] + curvature * (ud * ud + vd * vd)) + (modes.stiffness - curvature) * axial
         slip = curvature**2 * (u * ud + v * vd)
         friction = 2 * modes.damping * modes.frequency
         pull = [felt[0] + down * u + friction * (ud + slip * u), felt[1] + down * v + friction * (vd + slip * v)]
-        if not coupled:
-            pull = [pull[axis] * (modes is sides[axis]) for axis in range(2)] if sides[0] is not sides[1] else pull
+        if not coupled:  # across it the box holds
+            pull[1 - len(found)] = none
         along = curvature**2 * (u * pull[0] + v * pull[1]) / (1 + curvature**2 * (u * u + v * v))
         found.append((-(pull[0] - along * u), -(pull[1] - along * v)))
-    return np.concatenate([xd, yd, found[0][0], found[1][1]])
+    return np.concatenate([xd, yd, found[0][0], found[-1][1]])
+
+
+def _cross(vector: np.ndarray) -> np.ndarray:
+    """(3, 3): the product with it."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def reached(tray: TrayMotion, cargo: Cargo, *, after: float = AFTER) -> tuple[float, float]:

@@ -25,7 +25,7 @@ from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import smooth_start
 from nospill.transcription.task import Task
-from tests.builders import joint_path_of
+from tests.builders import joint_path_of, one_mode
 
 Q = np.zeros((2, 6))
 
@@ -68,10 +68,8 @@ def uncertain() -> Task:
 # --- modes --------------------------------------------------------------------------------------------------------
 
 
-def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else(
-    changed_scene: Callable[..., Scene],
-) -> None:
-    scene = changed_scene("mixed-tray", {"planning.slosh_modes": 20})
+def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else() -> None:
+    scene = read_scenario("mixed-tray")
     active = ActiveSet.of(Task.of(scene), Q)
     assert structure_of(active.scene).objects[0].modes == 1 and not active.refined
     broken = (row("slosh height", "cup", -0.08), row("slip", "bottle", -0.01), row("residual height", "box", -1.2))
@@ -83,8 +81,8 @@ def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else(
     assert again.scene is grown.scene and again.backoff[RowId("residual height", "box")] > 0.4
 
 
-def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far(changed_scene: Callable[..., Scene]) -> None:
-    scene = changed_scene("mixed-tray", {"planning.slosh_modes": 20})
+def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> None:
+    scene = read_scenario("mixed-tray")
     residual = RowId("residual height", "box")
 
     def after(active: ActiveSet, use: float) -> ActiveSet:
@@ -120,7 +118,7 @@ def test_published_liquids_keep_the_modes_that_are_stated(changed_scene: Callabl
     assert structure_of(two.scene) == structure_of(one.scene)
     assert [item.modes for item in structure_of(two.after(broken).scene).objects] == [2, 1, 1, 1]
     assert structure_of(changed_scene("matrix-liquid-tilt", {"planning.slosh_modes": 5})).objects[0].modes == 5
-    tilting = ActiveSet.of(Task.of(read_scenario("matrix-liquid-tilt")), Q)
+    tilting = ActiveSet.of(Task.of(one_mode("matrix-liquid-tilt")), Q)
     assert not tilting.after(broken).refined
 
 

@@ -63,7 +63,7 @@ def test_savings_are_spoken_of_and_kept(example_plan: Callable[[str], Plan], tmp
     import nospill as ns
 
     found = example_plan("matrix-liquid-tilt")
-    assert found.would_save.startswith("a limit wider by 10 % would save about 0.05")
+    assert found.would_save.startswith("a limit wider by 10 % would save about 0.04")
     assert "(speed of joint 1)" in found.would_save
     found.save(tmp_path / "plan")
     assert ns.load_plan(tmp_path / "plan").would_save == found.would_save

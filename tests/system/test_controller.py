@@ -18,6 +18,7 @@ from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario
 from nospill.scene.controller import Controller
+from tests.builders import one_mode
 
 DELAY, LAG = 0.008, 0.015
 LATE = Controller(np.full(6, DELAY), np.full(6, LAG))
@@ -31,8 +32,8 @@ def late_plan() -> Plan:
 
 
 @pytest.mark.slow
-def test_the_naive_plan_breaks_limits_where_the_compensated_one_keeps_them(example_plan, late_plan: Plan) -> None:
-    naive = example_plan("matrix-liquid-tilt")
+def test_the_naive_plan_breaks_limits_where_the_compensated_one_keeps_them(late_plan: Plan) -> None:
+    naive = plan(one_mode("matrix-liquid-tilt"))
     played = certify(naive.trajectory, replace(naive.scene, controller=replace(LATE, compensate=False)))
     assert not played.ok
     assert {row.constraint for row in played.rows if not row.ok} >= {"slosh height"}
