@@ -15,6 +15,7 @@ from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, place
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
+from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
 
@@ -49,9 +50,9 @@ def freest_way(scene: Scene) -> Scene:
     then.
 
     Raises:
-        ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there; or the arm can follow no
-            way.
-        NoSolutionError: no way is clear, and the tray is level; tells of the one with most room.
+        ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there.
+        NoSolutionError: the arm can follow no way; or none is clear, and the tray is level: tells of the one with most
+            room.
         MissingExtraError: the library coal is not installed.
     """
     if not scene.keeps_distances:
@@ -60,7 +61,7 @@ def freest_way(scene: Scene) -> Scene:
     require_free_ends(scene)
     # bodies and pairs are those of the task, whichever way it goes
     open_ones: list[Way] = []
-    with suppress(ScenarioError):  # the arm can follow none of them
+    with suppress(NoSolutionError):  # the arm can follow none of them
         open_ones = ways(scene, is_open=partial(tray_is_clear, scene))
     straight_is_open = tray_is_clear(scene, scene.path)
     for number, way in enumerate(open_ones):
@@ -68,7 +69,7 @@ def freest_way(scene: Scene) -> Scene:
             is_fastest = number == 0 and straight_is_open
             return way.scene if is_fastest else _or_sampled(way.scene, way.paths[0].speed_figure, scene)
     found = sampled_way_of(scene)
-    return _with_most_room(scene, ways(scene)) if found is None else found[1]
+    return _with_most_room(scene) if found is None else found[1]
 
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
@@ -77,8 +78,15 @@ def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
     return detour if found is None or found[0] > _MUCH_FASTER * figure else found[1]
 
 
-def _with_most_room(scene: Scene, candidates: list[Way]) -> Scene:
+def _with_most_room(scene: Scene) -> Scene:
     """The scene with the way that has most room, as far as the motion may leave it; raises where it may not."""
+    try:
+        candidates = ways(scene)
+    except NoSolutionError as error:
+        text = f"{error}; {len(SEEDS)} random searches found no other way"
+        if redundant_joint(scene.robot) is None:
+            text += " on which the arm keeps its branch"
+        raise NoSolutionError(text, error.reason) from None
     freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
     try:
         free_paths(freest, joint_paths(freest.robot, freest.path, tool=freest.tray.tool))

@@ -13,7 +13,7 @@ import numpy as np
 from nospill.diagnosis.changes import advice, with_change
 from nospill.diagnosis.options import Option, Task, option_groups
 from nospill.diagnosis.search import Searcher, is_possible
-from nospill.errors import ROBOT, Change, Reason, ScenarioError
+from nospill.errors import ROBOT, Change, NoSolutionError, Reason, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
@@ -60,13 +60,14 @@ def advised(scene: Scene, searcher: Callable[[Scene], Searcher]) -> Iterator[Non
     """
     try:
         yield
-    except ScenarioError as error:
+    except (ScenarioError, NoSolutionError) as error:
         reason = error.reason
-        if reason is None or reason.kind != ROBOT:
+        # of a way among obstacles the straight line tells little
+        if reason is None or reason.kind != ROBOT or (scene.keeps_distances and isinstance(error, NoSolutionError)):
             raise
         changes = helpful_changes(scene, reason, partial(is_possible, searcher(scene)))
         text = str(error) if not changes else f"{error}. {advice(changes, '')}"
-        raise ScenarioError(text, replace(reason, changes=changes)) from None
+        raise type(error)(text, replace(reason, changes=changes)) from None
 
 
 def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Change, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from nospill.core.paths import Path
 from nospill.core.piecewise import interpolating_pieces
-from nospill.errors import ScenarioError
+from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
@@ -68,14 +68,21 @@ def ways(scene: Scene, *, is_open: Callable[[Path], bool] = lambda _: True) -> l
         is_open: whether one is worth looking for joint paths, which takes longest; of none nothing is said.
 
     Raises:
-        ScenarioError: start or goal is out of reach; or the arm can follow no way, which tells of the line.
+        ScenarioError: start or goal is out of reach, or no joints within their limits hold the level tray there.
+        NoSolutionError: the arm can follow none of the ways; tells of the first one.
     """
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     scenes = [item for item in (scene, *_arcs(scene)) if is_open(item.path)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
     found = [Way(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
     if tried and not found:
-        raise tried[0].failure()
+        first = tried[0].failure()
+        which = "the only way that was tried" if len(tried) == 1 else f"any of the {len(tried)} ways that were tried"
+        raise NoSolutionError(
+            f"No way found: the arm cannot follow {which} from start to goal; of "
+            f"{'it' if len(tried) == 1 else 'the first one'}, {str(first).removeprefix('path: ')}",
+            first.reason,
+        )
     # rounded, so that ways that are alike compare by their order
     return sorted(found, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
 

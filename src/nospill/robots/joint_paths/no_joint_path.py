@@ -7,7 +7,7 @@ import numpy as np
 from nospill.core.paths import Path
 from nospill.errors import ROBOT, Reason, ScenarioError
 from nospill.robots.joint_paths.following import Followed, tray_poses
-from nospill.robots.kinematics.closed_form import TURN, solutions_anywhere
+from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, with_turns
 from nospill.robots.kinematics.forward import Kinematics, kinematics
 from nospill.robots.kinematics.newton import pose_gap
 from nospill.robots.kinematics.redundancy import redundant_joint
@@ -80,7 +80,23 @@ def place_in_words(path: Path, s: float) -> str:
 
 
 def _limit_in_the_way(robot: Robot, followed: Followed, path: Path, searched: str) -> ScenarioError:
-    """Return the error for the branch that breaks its limits least, with the whole turns that suit it best."""
+    """Return the error for the branch that breaks its limits least."""
+    joint, limit, worst, first = _least_beyond(robot, followed)
+    at_s = float(followed.s[first])
+    return ScenarioError(
+        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
+        f"{int(followed.complete.sum())} continuous branches passes {limit} by {np.degrees(worst):.3g} deg, from "
+        f"{place_in_words(path, at_s)} on; move the path or change its yaw{searched}",
+        Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
+    )
+
+
+def _least_beyond(robot: Robot, followed: Followed) -> tuple[int, str, float, int]:
+    """Of the branch that breaks its limits least, with the whole turns that suit it best: what breaks one most.
+
+    Returns:
+        The joint; its limit in words; by how much it is passed, rad; from which sample on.
+    """
     best: tuple[float, int, int, np.ndarray] | None = None
     for q in followed.q[followed.complete]:
         # for each joint the whole turns that break its limits least
@@ -97,15 +113,8 @@ def _limit_in_the_way(robot: Robot, followed: Followed, path: Path, searched: st
     assert best is not None, "called with no complete branch"
     worst, joint, first, turned = best
     upper = turned[first, joint] > robot.upper[joint]
-    limit = robot.upper[joint] if upper else robot.lower[joint]
-    at_s = float(followed.s[first])
-    return ScenarioError(
-        f"path: no way to follow it keeps all joint limits of robot {robot.name!r}; the nearest of "
-        f"{int(followed.complete.sum())} continuous branches passes the {'upper' if upper else 'lower'} limit of "
-        f"{robot.joints[joint]} ({np.degrees(limit):.6g} deg) by "
-        f"{np.degrees(worst):.3g} deg, from {place_in_words(path, at_s)} on; move the path or change its yaw{searched}",
-        Reason(ROBOT, "joint position", robot.joints[joint], at_s, worst, "rad"),
-    )
+    limit = np.degrees(robot.upper[joint] if upper else robot.lower[joint])
+    return joint, f"the {'upper' if upper else 'lower'} limit of {robot.joints[joint]} ({limit:.6g} deg)", worst, first
 
 
 def farthest_reached(robot: Robot, path: Path, tool: Tool) -> float:
@@ -126,7 +135,9 @@ def farthest_reached(robot: Robot, path: Path, tool: Tool) -> float:
 
 
 def require_reachable_ends(robot: Robot, path: Path, tool: Tool) -> None:
-    """Refuse a start or a goal that the level tray misses by a millimetre or more, wherever the way between them leads.
+    """Refuse a start or a goal that no joints within their limits reach with a level tray, wherever the way leads.
+
+    Out of reach is what is missed by a millimetre or more; limits are looked at where all solutions are known.
 
     Args:
         robot: the arm.
@@ -134,10 +145,11 @@ def require_reachable_ends(robot: Robot, path: Path, tool: Tool) -> None:
         tool: frame carried by the flange.
 
     Raises:
-        ScenarioError: one of the two is out of reach; by how much.
+        ScenarioError: one of the two is out of reach, or outside of a limit; by how much.
     """
     for name, s in (("start", 0.0), ("goal", 1.0)):
         if is_reachable(robot, path, s, tool):
+            _require_within_limits(robot, path, name, s, tool)
             continue
         missed = float(_shortfalls(kinematics(robot), path, np.array([s]), tool)[0])
         if missed < _CLEARLY_MISSED:
@@ -148,6 +160,24 @@ def require_reachable_ends(robot: Robot, path: Path, tool: Tool) -> None:
             f"{by}; move it nearer to the robot's base or away from its axis",
             Reason(ROBOT, "reach", robot.name, s, missed, "m"),
         )
+
+
+def _require_within_limits(robot: Robot, path: Path, name: str, s: float, tool: Tool) -> None:
+    """Refuse an end that the arm reaches outside of its joint limits only; of six joints with a closed form."""
+    if redundant_joint(robot) is not None or not has_closed_form(kinematics(robot), None):
+        return
+    positions, rotations = tray_poses(path, np.array([s]))
+    q = solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
+    if len(with_turns(robot, q)):
+        return
+    every = np.ones(len(q), dtype=bool)
+    joint, limit, worst, _ = _least_beyond(robot, Followed(np.array([s]), q[:, None], every, 0 * every))
+    raise ScenarioError(
+        f"path: the {name}, {place_in_words(path, s)}, is reached by robot {robot.name!r} outside of its joint limits "
+        f"only; the nearest of {len(q)} configurations passes {limit} by {np.degrees(worst):.3g} deg; "
+        f"move the {name} or change its yaw",
+        Reason(ROBOT, "joint position", robot.joints[joint], s, worst, "rad"),
+    )
 
 
 def _stated(robot: Robot) -> str:
