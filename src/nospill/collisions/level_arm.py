@@ -1,4 +1,13 @@
-"""An arm with a level tray among obstacles: its branches at poses of the tray, followed straight from pose to pose."""
+"""An arm with a level tray among obstacles: its configurations at poses of the tray, and the way from one to another.
+
+A way from one to another is a straight line of the tray. Six joints follow it on their branch by the closed form of
+their inverse kinematics, seven by the configurations nearest to a straight line of the joints: no one joint stands for
+their freedom everywhere, since where the self-motion leaves it at rest two configurations of one pose meet, and a line
+along which that joint is given ends there (record 0043). Or it is that line of the joints itself, brought back to a
+level tray look by look: what turns far round is found along it, and the tray goes a longer way.
+
+Source: Berenson et al., "Manipulation planning on constraint manifolds", ICRA 2009, of the projection.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +16,10 @@ from functools import cached_property
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
+from nospill.core.arrays import cross
 from nospill.robots.kinematics.closed_form import TURN, approximate_solutions
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
 
@@ -18,9 +30,16 @@ LEVER = 0.3
 _JUMP = 0.3
 """rad; a joint that moves by more between two looks is on another branch, or near a singularity."""
 _TURN = 0.1
-"""rad; of the redundant joint between two looks."""
-_HELD = 121
-"""Positions of the redundant joint over its range at which configurations are looked for, beside stated ones."""
+"""rad; of the joint of seven that turns most between two looks."""
+_LINE = 0.04
+"""rad; of the joint that turns most between two looks along a line of the joints."""
+_CORRECTIONS = 5
+"""Newton's steps that bring seven joints to the tray's pose."""
+_LEVEL = 1e-6
+"""m and rad; greatest distance from the tray's pose."""
+_HELD = 481
+"""Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
+places it has a range of a degree."""
 _NEAR_ENDS = 0.15
 """m; from an end up to which the spare room grows to what it is elsewhere."""
 _AT_ONCE = 12
@@ -32,19 +51,20 @@ METRIC = np.array([1.0, 1.0, 1.0, LEVER])
 class LevelArm:
     """An arm with a level tray among obstacles: its configurations at poses (x, y, z, yaw) of the tray."""
 
-    def __init__(self, scene: Scene, *, spare: float = 0.0) -> None:
+    def __init__(self, scene: Scene, *, spare: float = 0.0, by_joints: bool = False) -> None:
         """Prepare a scene.
 
         Args:
             scene: with obstacles, or without.
             spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends and near
                 places on the way.
+            by_joints: whether straight is what is straight for the joints, and not for the tray; seven joints only.
 
         Raises:
             MissingExtraError: the library coal is not installed.
         """
         self.scene, self.robot = scene, scene.robot
-        self._configurations, self._spare = Configurations(scene), spare
+        self._configurations, self._spare, self._by_joints = Configurations(scene), spare, by_joints
         self.ends = scene.path.at(np.array([0.0, 1.0]))
         self._near = np.array([*self.ends[:, :3], *(item.position for item in scene.motion.via)])
         self.redundant = redundant_joint(scene.robot)
@@ -71,15 +91,12 @@ class LevelArm:
             poses: (m, 4).
             held: (m,) positions of the redundant joint, rad; nothing counts where there is none.
         """
-        turns = np.tile(np.eye(3), (len(poses), 1, 1))
-        turns[:, 0, 0] = turns[:, 1, 1] = np.cos(poses[:, 3])
-        turns[:, 1, 0] = np.sin(poses[:, 3])
-        turns[:, 0, 1] = -turns[:, 1, 0]
         given = None
         if self.redundant is not None:
             # the nearest positions at which there is a closed form: making one takes as long as ten solutions
             given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
-        found = approximate_solutions(self.robot, poses[:, :3], turns, tool=self.scene.tray.tool, held=given)
+        tool, turns = self.scene.tray.tool, _turned(poses[:, 3])
+        found = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
         q = np.concatenate(found)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
         inside = np.all(self._turning | (q <= self.robot.upper), axis=1)
@@ -101,34 +118,126 @@ class LevelArm:
         return np.max(np.abs(self.apart(q, other)) / self.robot.max_speed, axis=-1)
 
     def towards(
-        self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray, held: float
+        self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray, joints: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Go straight from a configuration towards a pose and a position of the redundant joint, as far as is clear.
+        """Go from a configuration (n,) at a pose (4,) straight towards another one, as far as nothing is in the way.
+
+        Args:
+            pose: of the tray.
+            q: that holds it there.
+            goal: pose to go to.
+            joints: configuration to go to.
 
         Returns:
             Poses (k, 4) and configurations (k, n) on the way, and whether it leads there.
         """
-        turn = held - self.held_of(q)
-        steps = max(1, int(np.ceil(max(np.linalg.norm((goal - pose) * METRIC) / STEP, abs(turn) / _TURN))))
-        share = np.linspace(0.0, 1.0, steps + 1)[1:]
-        poses, joint = pose + share[:, None] * (goal - pose), held - turn * (1.0 - share)
-        found: list[np.ndarray] = []
+        if self._by_joints:
+            return self._levelled(pose, q, joints)
+        turn = 0.0 if self.redundant is None else float(np.abs(self.apart(joints, q)).max())
+        steps = max(1, int(np.ceil(max(np.linalg.norm((goal - pose) * METRIC) / STEP, turn / _TURN))))
+        poses = pose + np.linspace(0.0, 1.0, steps + 1)[1:, None] * (goal - pose)
+        found = np.zeros((0, len(self.robot.joints)))
         lost = False
         while len(found) < steps and not lost:
-            chunk: list[np.ndarray] = []
-            ahead = slice(len(found), min(len(found) + _AT_ONCE, steps))
-            for choices in self.solutions(poses[ahead], joint[ahead]):
-                near = self._nearest(choices, q)
-                if near is None:
-                    lost = True
-                    break
-                q = near
-                chunk.append(q)
-            clear = self.clear(poses[len(found) :][: len(chunk)], np.array(chunk)) if chunk else np.zeros(0, dtype=bool)
+            ahead = poses[len(found) : len(found) + _AT_ONCE]
+            if self.redundant is None:
+                chunk = self._on_branch(ahead, q)
+            else:
+                share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(found))
+                chunk = self._beside(ahead, q, q + share * self.apart(joints, q))
+            clear = self.clear(ahead[: len(chunk)], chunk)
             count = len(clear) if clear.all() else int(np.argmin(clear))
-            found += chunk[:count]
-            lost = lost or count < len(chunk)
-        return poses[: len(found)], np.array(found).reshape(-1, len(self.robot.joints)), not lost
+            found = np.concatenate([found, chunk[:count]])
+            lost = count < len(ahead)
+            q = found[-1] if len(found) else q
+        return poses[: len(found)], found, not lost
+
+    def _on_branch(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The configurations (k, n) of six joints at the first k of poses (m, 4), on the branch of the one before."""
+        found: list[np.ndarray] = []
+        for choices in self.solutions(poses, np.zeros(len(poses))):
+            near = self._nearest(choices, found[-1] if found else q)
+            if near is None:
+                break
+            found.append(near)
+        return np.array(found).reshape(-1, len(q))
+
+    def _beside(self, poses: np.ndarray, q: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The configurations (k, n) at the first k of poses (m, 4) that are nearest to given ones (m, n).
+
+        They come after q (n,), each near the one before and within the limits.
+        """
+        tool = self.scene.tray.tool
+        found, error = newton(
+            kinematics(self.robot), poses[:, :3], _turned(poses[:, 3]), near, tool=tool, max_iterations=_CORRECTIONS
+        )
+        steps = np.abs(np.diff(found, axis=0, prepend=q[None])).max(axis=1)
+        inside = np.all(self._turning | ((found >= self.robot.lower) & (found <= self.robot.upper)), axis=1)
+        good = inside & (error < _LEVEL) & (steps < _JUMP)
+        return found if good.all() else found[: int(np.argmin(good))]
+
+    def _levelled(self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Along a straight line of the joints, brought back to a level tray look by look."""
+        poses, found, there = [pose[None]], [q[None]], False
+        while not there:
+            gap = self.apart(goal, q)
+            left = float(np.abs(gap).max())
+            steps = max(1, int(np.ceil(left / _LINE)))
+            ahead = min(steps, _AT_ONCE)
+            looks, good = self._level(q + np.arange(1, ahead + 1)[:, None] / steps * gap)
+            there = ahead == steps
+            if there:
+                looks[-1] = q + gap
+            remaining = np.append(left, np.abs(self.apart(goal, looks)).max(axis=1))
+            # nearer with every look, and none of them far from the one before
+            good &= (np.diff(remaining) < 0.0) & (np.abs(np.diff(looks, axis=0, prepend=q[None])).max(axis=1) < _JUMP)
+            position, rotation = kinematics(self.robot).poses(looks, tool=self.scene.tray.tool)
+            yaw = np.unwrap(np.append(pose[3], np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])))[1:]
+            at = np.column_stack([position, yaw])
+            count = len(good) if good.all() else int(np.argmin(good))
+            clear = self.clear(at[:count], looks[:count])
+            count = count if clear.all() else int(np.argmin(clear))
+            poses.append(at[:count])
+            found.append(looks[:count])
+            if count < ahead:
+                there = False
+                break
+            pose, q = at[-1], looks[-1]
+        return np.concatenate(poses)[1:], np.concatenate(found)[1:], there
+
+    def _level(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The nearest configurations with a level tray (m, n), and whether each is one within the limits (m,)."""
+        lean, rates, upright = self._lean(q)
+        for _ in range(_CORRECTIONS):
+            if np.abs(lean).max() < _LEVEL:
+                break
+            q = q - least_norm_step(rates, lean)
+            lean, rates, upright = self._lean(q)
+        inside = np.all(self._turning | ((q >= self.robot.lower) & (q <= self.robot.upper)), axis=1)
+        return q, inside & upright & (np.abs(lean).max(axis=1) < _LEVEL)
+
+    def _lean(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Horizontal parts (m, 2) of the tray's normal, their derivatives (m, 2, n), and whether it points up (m,)."""
+        _, rotation, jacobian = kinematics(self.robot).poses_and_jacobians(q, tool=self.scene.tray.tool)
+        normal, spins = rotation[:, :, 2], np.swapaxes(jacobian[:, 3:], 1, 2)
+        rates = cross(spins, np.broadcast_to(normal[:, None], spins.shape))[:, :, :2]
+        return normal[:, :2], np.swapaxes(rates, 1, 2), normal[:, 2] > 0.0
+
+    def joints_at(self, poses: np.ndarray, near: np.ndarray, held: Held) -> np.ndarray | None:
+        """The configurations (m, n) of an arm of seven at poses (m, 4), with what is held there, near given ones.
+
+        Returns:
+            None where one is not found, or lies far from the one that is given; in stated joints where those are.
+        """
+        q, error = newton(
+            kinematics(self.robot), poses[:, :3], _turned(poses[:, 3]), near, tool=self.scene.tray.tool, held=held
+        )
+        if error.max() > RESIDUAL or np.abs(q - near).max() > _JUMP:
+            return None
+        for index, stated in zip((0, -1), self.scene.path.ends, strict=True):
+            if stated is not None:
+                q[index] = stated
+        return q
 
     def _nearest(self, choices: np.ndarray, q: np.ndarray) -> np.ndarray | None:
         """The nearest of some configurations (k, n) to the one before, on whose branch it is; None where none is."""
@@ -137,3 +246,12 @@ class LevelArm:
         steps = np.abs(self.apart(choices, q)).max(axis=1)
         best = int(np.argmin(steps))
         return choices[best] if steps[best] < _JUMP else None
+
+
+def _turned(yaw: np.ndarray) -> np.ndarray:
+    """Rotations (m, 3, 3) of a level tray."""
+    turns = np.tile(np.eye(3), (len(yaw), 1, 1))
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(yaw)
+    turns[:, 1, 0] = np.sin(yaw)
+    turns[:, 0, 1] = -turns[:, 1, 0]
+    return turns

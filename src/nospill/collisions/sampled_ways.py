@@ -1,10 +1,8 @@
-"""Ways of the level tray from one place to another by sampling: RRT-Connect over its poses, seeds fixed.
+"""Ways of the level tray from one place to another by sampling: RRT-Connect, seeds fixed.
 
-A node is a configuration of the arm with a level tray; a step from node to node is a straight line of the tray's
-centre with an even turn, which the arm follows on its branch by the closed form of its inverse kinematics; the
-redundant joint of seven moves evenly too. What is found is therefore a way that the arm can follow as
-`robots.joint_paths` follows it. Trees grow from every branch at the start and every branch at the goal at once. A way
-that passes places is searched from each to the next, the tray turned anyhow there.
+A node is a configuration of the arm with a level tray; how the arm gets from one to the next is up to `level_arm`.
+Trees grow from every branch at the start and every branch at the goal at once. A way that passes places is searched
+from each to the next, the tray turned anyhow there.
 
 Source: Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path planning", ICRA 2000.
 """
@@ -47,7 +45,7 @@ class SampledWay:
     """A way on which the arm, its level tray and its cargo are clear.
 
     Attributes:
-        poses: (m, 4) of the tray, x, y, z, yaw, straight from each to the next; m and rad.
+        poses: (m, 4) of the tray at the looks along it, x, y, z, yaw; m and rad.
         q: (m, n) of the joints there, rad, but for whole turns.
     """
 
@@ -171,7 +169,7 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
     """The way through some nodes with every look between them; None where it is another one in this direction."""
     poses, q = [nodes[0][0][None]], [nodes[0][1][None]]
     for pose, joints in nodes[1:]:
-        straight, found, there = arm.towards(poses[-1][-1], q[-1][-1], pose, arm.held_of(joints))
+        straight, found, there = arm.towards(poses[-1][-1], q[-1][-1], pose, joints)
         if not there or np.abs(arm.apart(found[-1], joints)).max() > _SAME:
             return None
         poses.append(straight)
@@ -201,7 +199,7 @@ def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int |
     nearest = int(np.argmin(gaps))
     if gaps[nearest] < _SAME:
         return nearest
-    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose, arm.held_of(q))
+    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose, q)
     if not len(found):
         return None
     kept = np.unique(np.append(np.arange(_EVERY - 1, len(found), _EVERY), len(found) - 1))
@@ -223,7 +221,7 @@ def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> Sampl
         first, last = np.sort(random.integers(len(poses), size=2))
         if last - first < 2:
             continue
-        straight, found, there = arm.towards(poses[first], q[first], poses[last], arm.held_of(q[last]))
+        straight, found, there = arm.towards(poses[first], q[first], poses[last], q[last])
         if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
             continue
         if _time(arm, np.vstack([q[first], found])) < _SHORTER * _time(arm, q[first : last + 1]):

@@ -32,15 +32,14 @@ class Path:
             All are at least twice continuously differentiable inside (C2), so that jerk-limited s gives continuous
             acceleration; presets, lines, arcs, waypoints and yaw splines are C3 or better.
         notes: what was assumed or left out when it was made from recorded points, one sentence each, for people.
-        joint: position of the redundant joint of seven along it, (m, 1) rad, from which a search may start; None where
-            nothing is known of it.
+        joints: joint positions (n,) along it, rad, beside which an arm of seven follows it; None where none are known.
         ends: joint positions (n,) in which the arm starts and arrives, rad; None where it may choose.
     """
 
     breaks: np.ndarray
     coefficients: np.ndarray
     notes: tuple[str, ...] = ()
-    joint: Pieces | None = None
+    joints: Pieces | None = None
     ends: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
 
     def at(self, s: np.ndarray | Sequence[float] | float) -> np.ndarray:

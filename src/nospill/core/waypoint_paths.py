@@ -81,12 +81,12 @@ def path_through_waypoints(
     return assembled(position, turning, tuple(notes))
 
 
-def path_through_poses(poses: np.ndarray, joint: np.ndarray | None = None) -> Path:
+def path_through_poses(poses: np.ndarray, joints: np.ndarray | None = None) -> Path:
     """Path through poses at even path parameters, by the C4 spline of degree 5, as smooth as they are.
 
     Args:
         poses: (n, 4), x, y, z, m, and yaw, rad; a tray may turn where it stands.
-        joint: (n,) positions of the redundant joint of seven at them, rad.
+        joints: (n, joints) of an arm of seven that holds the tray at them, rad.
 
     Raises:
         ScenarioError: numbers that are not finite, or too few or too many; a path that goes nowhere.
@@ -94,7 +94,7 @@ def path_through_poses(poses: np.ndarray, joint: np.ndarray | None = None) -> Pa
     places, yaw = checked_points(poses[:, :3], "way"), checked_numbers(poses[:, 3], "way_yaw")
     s = np.linspace(0.0, 1.0, len(places))
     path = assembled(interpolating_pieces(s, places), interpolating_pieces(s, yaw[:, None]))
-    return path if joint is None else replace(path, joint=interpolating_pieces(s, np.asarray(joint)[:, None]))
+    return path if joints is None else replace(path, joints=interpolating_pieces(s, joints))
 
 
 def _without_repetitions(

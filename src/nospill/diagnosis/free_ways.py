@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
+from itertools import product
 
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
-from nospill.collisions.level_arm import LEVER, LevelArm
+from nospill.collisions.level_arm import LEVER, METRIC, LevelArm
 from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
 from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
-from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.robots.kinematics.newton import Held
+from nospill.robots.kinematics.redundancy import redundant_joint, self_motion
 from nospill.scenario.free_way import Way, along, ways
 from nospill.scene.scene import Scene
 
@@ -109,8 +111,9 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
         MissingExtraError: the library coal is not installed.
     """
     best: tuple[float, Scene] | None = None
-    for spare in _SPARES:
-        arm = LevelArm(scene, spare=spare)
+    kinds = (False,) if redundant_joint(scene.robot) is None else (False, True)
+    for by_joints, spare in product(kinds, _SPARES):
+        arm = LevelArm(scene, spare=spare, by_joints=by_joints)
         for seed in SEEDS:
             legs = sampled_way(arm, seed=seed, samples=SAMPLES)
             if legs is None:
@@ -127,22 +130,29 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
 def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene] | None:
     """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear."""
     configurations, s = Configurations(scene), np.linspace(0.0, 1.0, _PLACES)
-    points = np.column_stack([way.poses * [1.0, 1.0, 1.0, LEVER], LEVER * np.array([arm.held_of(q) for q in way.q])])
+    # with seven joints the self-motion is smoothed as well
+    direction = np.zeros(len(arm.robot.joints)) if arm.redundant is None else self_motion(arm.robot, way.q)
+    points = np.column_stack([way.poses * METRIC, LEVER * way.q @ direction])
     along_it = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     dense = np.linspace(0.0, along_it[-1], _DENSE)
-    points = np.column_stack([np.interp(dense, along_it, column) for column in points.T])
+    points, q = (np.column_stack([np.interp(dense, along_it, own) for own in of.T]) for of in (points, way.q))
     widest = min((_OF_RADIUS * item.radius for item in scene.motion.via), default=_SMOOTHINGS[0])
     for smoothing in dict.fromkeys(min(own, widest) for own in _SMOOTHINGS):
         curve = smooth_curve(points, smoothing)
         if curve is None:
             continue
-        values = curve.pieces(np.linspace(0.0, 1.0, _POINTS)) / [1.0, 1.0, 1.0, LEVER, LEVER]
-        values[[0, -1], :3] = arm.ends[:, :3]
-        for index, stated in zip((0, -1), scene.path.ends, strict=True):
-            if stated is not None:
-                values[index, 4] = arm.held_of(stated)
+        at = np.linspace(0.0, 1.0, _POINTS)
+        values = curve.pieces(at)
+        poses = values[:, :4] / METRIC
+        poses[[0, -1], :3] = arm.ends[:, :3]
+        joints = None
+        if arm.redundant is not None:
+            near = np.column_stack([np.interp(at, curve.s, own) for own in q.T])
+            joints = arm.joints_at(poses, near, Held(direction, values[:, 4] / LEVER))
+            if joints is None:
+                continue
         try:
-            found = along(scene, values[:, :3], values[:, 3], None if arm.redundant is None else values[:, 4])
+            found = along(scene, poses[:, :3], poses[:, 3], joints)
         except ScenarioError:  # between its points it passes a place too far away
             continue
         if not tray_is_clear(scene, found.path):

@@ -107,9 +107,9 @@ class FreeTable(PathTable):
             "between the ends when not given"
         ),
     ] = None
-    way_joint: Annotated[
-        list[Angle] | None,
-        Field(description="position of the redundant joint of seven at each point of `way`, with `way_yaw`"),
+    way_joints: Annotated[
+        list[Annotated[list[Angle], Field(min_length=7, max_length=7)]] | None,
+        Field(description="all joints of an arm of seven at each point of `way`, with `way_yaw`"),
     ] = None
 
     def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> FreeTable:
@@ -176,9 +176,9 @@ class FreeTable(PathTable):
         yaw = (start.yaw, goal.yaw)
         self._check_places()
         if self.way is None:
-            if self.way_yaw is not None or self.way_joint is not None:
+            if self.way_yaw is not None or self.way_joints is not None:
                 raise ScenarioError(
-                    "way_yaw and way_joint are about the points of way, which is missing; leave them out"
+                    "way_yaw and way_joints are about the points of way, which is missing; leave them out"
                 )
             if self.via:
                 return path_through_waypoints(self.stated_places, yaw=yaw, smoothing=0.0)
@@ -192,7 +192,7 @@ class FreeTable(PathTable):
             return path_through_waypoints(self.way, yaw=yaw, smoothing=0.0)
         self._check_way_yaw(self.way, self.way_yaw)
         poses = np.column_stack([self.way, self.way_yaw])
-        return path_through_poses(poses, None if self.way_joint is None else np.array(self.way_joint))
+        return path_through_poses(poses, None if self.way_joints is None else np.array(self.way_joints))
 
     def _check_places(self) -> None:
         """Refuse places that coincide, or lie outside a region; names that are taken."""
@@ -221,10 +221,10 @@ class FreeTable(PathTable):
                     )
 
     def _check_way_yaw(self, way: Sequence[object], way_yaw: Sequence[float]) -> None:
-        for key, values in (("way_yaw", way_yaw), ("way_joint", self.way_joint)):
+        for key, values in (("way_yaw", way_yaw), ("way_joints", self.way_joints)):
             if values is not None and len(values) != len(way):
                 raise ScenarioError(
-                    f"{key} has {len(values)} angles for the {len(way)} points of way; leave all of them out"
+                    f"{key} has {len(values)} entries for the {len(way)} points of way; leave all of them out"
                 )
         for name, place, angle in (("start", self.start, way_yaw[0]), ("goal", self.goal, way_yaw[-1])):
             gap = abs(math.remainder(angle - place.yaw, math.tau))

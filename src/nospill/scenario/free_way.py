@@ -117,20 +117,20 @@ def _arcs(scene: Scene) -> Iterator[Scene]:
             yield along(scene, points + foot)
 
 
-def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joint: np.ndarray | None = None) -> Scene:
+def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joints: np.ndarray | None = None) -> Scene:
     """The scene with a way in the place of the open one.
 
     Args:
         scene: the task.
         points: (m, 3) of the tray's centre, m.
         yaw: (m,) of the tray at them, rad, which then are at even parameters of the path.
-        joint: (m,) of the redundant joint of seven at them, rad.
+        joints: (m, 7) of an arm of seven that holds the tray at them, rad.
 
     Raises:
         ScenarioError: the points make no way.
     """
     stated: dict[str, object] = {"way": np.round(points, 9).tolist()}
-    for key, values in (("way_yaw", yaw), ("way_joint", joint)):
+    for key, values in (("way_yaw", yaw), ("way_joints", joints)):
         if values is not None:
             stated[key] = np.round(values, 9).tolist()
     return scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)

@@ -28,9 +28,9 @@ from nospill.robots.joint_paths.redundancy_grid import PLACES, POSITIONS, paths_
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, turn_choices
 from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
 from nospill.robots.kinematics.forward import kinematics
-from nospill.robots.kinematics.newton import Held, least_norm_step
+from nospill.robots.kinematics.newton import Held, least_norm_step, newton
 from nospill.robots.kinematics.newton import solve_joints as solve_joints
-from nospill.robots.kinematics.redundancy import held_positions, redundant_joint
+from nospill.robots.kinematics.redundancy import held_positions, redundant_joint, self_motion
 from nospill.robots.robot import Robot
 from nospill.robots.tool import FLANGE, Tool
 
@@ -132,7 +132,7 @@ def try_joint_paths(
     followed: Followed | None = None
     found: list[JointPath] = []
     elsewhere: list[JointPath] = []
-    for held, moving in _tries(robot, path, joint):
+    for held, moving in _tries(robot, path, joint, samples):
         starts = _starts(robot, path, joint, moving, tool)
         followed = follow(kinematics(robot), path, s, starts, tool=tool, held=held, moving=moving)
         rates = np.zeros(samples) if moving is None else moving(s, 1)[:, 0]
@@ -185,14 +185,16 @@ def branch_in_words(q: np.ndarray) -> str:
     return "start (" + ", ".join(f"{value:.0f}" for value in np.round(np.degrees(q)) + 0.0) + ") deg"
 
 
-def _tries(robot: Robot, path: Path, joint: int | None) -> list[tuple[np.ndarray | None, Pieces | None]]:
+def _tries(robot: Robot, path: Path, joint: int | None, samples: int) -> list[tuple[np.ndarray | None, Pieces | None]]:
     """What is held along the path and the values it has there, one try after the other."""
     if joint is None:
         return [(None, None)]
     held = np.eye(len(robot.joints))[joint]
     start, goal = path.ends
-    if path.joint is not None:
-        known = [(held, path.joint)]
+    if path.joints is not None:
+        # the combination that the self-motion moves everywhere along them: of a joint it may leave at rest
+        direction = self_motion(robot, path.joints(np.linspace(0.0, 1.0, samples)))
+        known = [(direction, Pieces(path.joints.breaks, path.joints.coefficients @ direction[:, None]))]
     elif start is not None and goal is not None:  # evenly from one to the other
         slope = np.array([goal[joint] - start[joint], start[joint]])
         known = [(held, Pieces(np.array([0.0, 1.0]), slope[:, None, None]))]
@@ -204,12 +206,15 @@ def _tries(robot: Robot, path: Path, joint: int | None) -> list[tuple[np.ndarray
 def _starts(robot: Robot, path: Path, joint: int | None, moving: Pieces | None, tool: Tool) -> np.ndarray:
     """All solutions (k, n) at the start of the path, the redundant joint of seven at a number of positions.
 
-    Those that are stated at the start, alone; where they are stated at the goal, the redundant joint as there as well.
+    Those that are stated at the start, alone, or known there of the path; where they are stated at the goal, the
+    redundant joint as there as well.
     """
     start, goal = path.ends
     if start is not None:
         return start[None]
     positions, rotations = tray_poses(path, np.zeros(1))
+    if moving is not None and path.joints is not None:
+        return newton(kinematics(robot), positions, rotations, path.joints(np.zeros(1)), tool=tool)[0]
     if joint is None:
         return solutions_anywhere(robot, positions[0], rotations[0], tool=tool)
     values = np.append(held_positions(robot, joint), [] if goal is None else goal[joint])
