@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from benchmarks.carry.draw import PROBLEMS, read_problems
 from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
@@ -106,6 +107,27 @@ def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> Non
         str(error),
     )
     assert error.reason is not None and error.reason.constraint == "clearance"
+
+
+def test_a_way_that_the_arm_cannot_follow_is_no_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the benchmark: behind the arm its elbow is bent the other way than in front of it."""
+    scene = scene_from_table(read_problems(PROBLEMS)[61]["table"], name="behind")
+    monkeypatch.setattr(free_ways, "ways", lambda scene, **given: ways(scene, is_open=lambda path: path is scene.path))
+    with pytest.raises(NoSolutionError, match=r"the only way that was tried .* 1 random searches found no") as caught:
+        freest_way(scene)
+    assert caught.value.exit_code == 3
+
+
+def test_seven_joints_find_a_way_that_keeps_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the benchmark: on the motion that is known the self-motion turns joint 7 back three times."""
+    monkeypatch.setattr(free_ways, "SAMPLES", 2000)
+    scene = scene_from_table(read_problems(PROBLEMS)[50]["table"], name="shelf")
+    found = free_ways.sampled_way_of(scene)
+    assert found is not None
+    stated = found[1].source["path"]["way_joints"]  # type: ignore[index,call-overload]
+    paths = joint_paths(scene.robot, found[1].path, tool=scene.tray.tool)
+    np.testing.assert_allclose(paths[0].at(np.linspace(0.0, 1.0, len(stated))), stated, atol=0.02)
+    assert Configurations(scene).clear(paths[0].at(np.linspace(0.0, 1.0, 301))).all()
 
 
 def test_a_goal_beside_an_obstacle_is_bad_input() -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import copy
+import re
 from typing import Any
 
 import numpy as np
 import pytest
 
-from nospill.errors import ScenarioError
+from benchmarks.carry.draw import PROBLEMS, read_problems
+from nospill.errors import NoSolutionError, ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.free_way import has_free_way, ways
 from nospill.scene.scene import Scene
@@ -59,6 +61,29 @@ def test_an_end_out_of_reach_is_refused_whatever_the_way(end: str) -> None:
     assert caught.value.exit_code == 2
     reason = caught.value.reason
     assert reason is not None and reason.excess is not None and 1.0 < reason.excess < 2.0
+
+
+def test_an_end_outside_of_the_joint_limits_is_refused_whatever_the_way() -> None:
+    """Where the arm stretches out, joint 3 is above -93 deg."""
+    far = {"position": [1.3, 0.0, 0.8]}
+    table = copy.deepcopy(dict(read_scenario("matrix-rigid").source))
+    limits = {"upper": ["170 deg", "155 deg", "-93 deg", "210 deg", "130 deg", "2700 deg"]}
+    table["robot"] = {**table["robot"], "limits": limits}  # type: ignore[dict-item]
+    scene = scene_from_table({**table, "path": {"type": "free", "start": far, "goal": GOAL}}, name="free")
+    said = r"path: the start, s = 0\.000 .* is reached by robot 'comau-smart-six' outside of its joint limits only; .* "
+    with pytest.raises(ScenarioError, match=said + r"passes the upper limit of joint_3 \(-93 deg\) by") as caught:
+        ways(scene)
+    assert caught.value.exit_code == 2 and caught.value.reason is not None
+    assert caught.value.reason.subject == "joint_3"
+
+
+def test_ways_that_the_arm_cannot_follow_are_not_found_and_not_refused() -> None:
+    """From behind the arm to its front: with a level tray it has to pass a singularity, which a motion does."""
+    table = {key: value for key, value in read_problems(PROBLEMS)[61]["table"].items() if key != "obstacle"}
+    with pytest.raises(NoSolutionError, match=r"^No way found: the arm cannot follow any of the \d ways") as caught:
+        ways(scene_from_table(table, name="behind"))
+    assert caught.value.exit_code == 3
+    assert re.search(r"; of the first one, no way to follow it keeps all joint limits of robot", str(caught.value))
 
 
 @pytest.mark.parametrize(
