@@ -12,7 +12,7 @@ from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
 from nospill.diagnosis import free_ways, freest_way
-from nospill.diagnosis.collisions import tray_is_clear
+from nospill.diagnosis.collisions import is_clear, tray_is_clear
 from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
@@ -21,7 +21,7 @@ from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.free_way import Way, along, ways
+from nospill.scenario.free_way import along, ways
 from nospill.scene.scene import Scene
 from nospill.transcription.task import Task
 
@@ -71,8 +71,7 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     points = np.column_stack([*(np.hypot(*start[:2]) * np.array([np.cos(turn), np.sin(turn)])), np.full(13, start[2])])
     points[[0, -1]] = start, goal
     behind = along(scene, points)
-    both = [Way(own, joint_paths(own.robot, own.path, tool=own.tray.tool)) for own in (scene, behind)]
-    monkeypatch.setattr(free_ways, "ways", lambda _, **given: both)
+    monkeypatch.setattr(free_ways, "possible_ways", lambda _: [scene, behind])
     monkeypatch.setattr(free_ways, "SAMPLES", 2000)
     found = freest_way(scene)
     assert middle_of(found)[0] > 0.0
@@ -84,7 +83,7 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
 
 def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the forty ways, every sixth."""
-    monkeypatch.setattr(free_ways, "ways", lambda scene, **given: ways(scene)[::6])
+    monkeypatch.setattr(free_ways, "ways", lambda scene: ways(scene)[::6])
     walls = [
         {"name": name, "shape": "box", "at": [side, 0.0, 1.25], "size": ["1.8 m", "20 mm", "2.5 m"]}
         for name, side in (("front", 1.1), ("back", -1.1))
@@ -158,4 +157,18 @@ def test_what_is_in_the_way_of_the_tray_is_seen_without_the_arm() -> None:
     frames = joint_frames(arm_chain(scene.robot), path.at(np.array([of_tray.s])))
     room = Distances(of_tray.pair.first, of_tray.pair.second).at(frames, np.zeros(1, dtype=int))[0][0]
     assert of_tray.room == pytest.approx(room - of_tray.pair.limit, abs=1e-6)
-    assert len(ways(scene, is_open=lambda path: path is not scene.path)) == len(ways(scene)) - 1
+
+
+def test_what_a_glimpse_shows_is_what_following_finds() -> None:
+    """Ways that are open on some branch all along, and their figures, from places against the whole path."""
+    scene = scene_of({**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}, TABLE)
+    found = free_ways.open_ways(scene)
+    assert scene not in found
+    clear = {}
+    for way in ways(scene):
+        figures = [path.speed_figure for path in way.paths if is_clear(scene, [path])]
+        if figures:
+            clear[way.scene.path.coefficients.tobytes()] = min(figures)
+    figures = [clear.get(own.path.coefficients.tobytes()) for own in found]
+    assert len([figure for figure in figures if figure is not None]) == len(clear) > 3
+    assert figures[0] is not None and figures[0] < 1.1 * min(clear.values())

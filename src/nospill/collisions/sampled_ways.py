@@ -219,16 +219,19 @@ def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> Sampl
     poses, q = way.poses, way.q
     for _ in range(tries):
         first, last = np.sort(random.integers(len(poses), size=2))
-        if last - first < 2:
+        taken = _SHORTER * time_along(arm, q[first : last + 1])
+        # no piece takes less time than its ends are apart
+        if last - first < 2 or arm.time(q[first], q[last]) >= taken:
             continue
         straight, found, there = arm.towards(poses[first], q[first], poses[last], q[last])
         if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
             continue
-        if _time(arm, np.vstack([q[first], found])) < _SHORTER * _time(arm, q[first : last + 1]):
+        if time_along(arm, np.vstack([q[first], found])) < taken:
             poses = np.vstack([poses[: first + 1], straight, poses[last + 1 :]])
             q = np.vstack([q[: first + 1], found, q[last + 1 :]])
     return SampledWay(poses, q)
 
 
-def _time(arm: LevelArm, q: np.ndarray) -> float:
+def time_along(arm: LevelArm, q: np.ndarray) -> float:
+    """Time that the slowest joint of each step needs at full speed, s, in all."""
     return float(np.sum(arm.time(q[1:], q[:-1])))

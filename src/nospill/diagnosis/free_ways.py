@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from functools import partial
-from itertools import product
+from functools import lru_cache
+from itertools import islice, product
 
 import numpy as np
 
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.level_arm import LEVER, METRIC, LevelArm
-from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
+from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened, time_along
+from nospill.core.paths import Path
 from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
-from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
+from nospill.robots.joint_paths.search import JointPath, joint_paths, try_joint_paths
+from nospill.robots.kinematics.closed_form import has_closed_form
+from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import redundant_joint, self_motion
-from nospill.scenario.free_way import Way, along, ways
+from nospill.scenario.free_way import along, possible_ways, ways
 from nospill.scene.scene import Scene
 
 SEEDS = (0, 1, 2, 3)
@@ -26,6 +28,8 @@ SEEDS = (0, 1, 2, 3)
 SAMPLES = 2000
 """Poses that are drawn before a search gives up."""
 _SHORTCUTS = 100
+_SMOOTHED = 2
+"""Sampled ways that are made smooth and compared, those first on which the joints take the least time."""
 _SMOOTHINGS = (0.1, 0.05, 0.02, 0.01, 0.004)
 """m; how far a smooth curve may be from a sampled way, the smoothest that is clear is taken."""
 _OF_RADIUS = 0.8
@@ -39,6 +43,8 @@ _POINTS = 41
 _MUCH_FASTER = 0.75
 """Part of a detour's speed figure that a sampled way may have at most to take its place: with less of a difference the
 smoother detour leads to the shorter motion (record 0043)."""
+_GLIMPSES = (5, 17)
+"""Places at which a way is looked at before it is followed, a few first, which sort most ways out."""
 _PLACES = 201
 """Places at which a joint path is looked at."""
 
@@ -61,17 +67,44 @@ def freest_way(scene: Scene) -> Scene:
         return ways(scene)[0].scene
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
-    # bodies and pairs are those of the task, whichever way it goes
-    open_ones: list[Way] = []
-    with suppress(NoSolutionError):  # the arm can follow none of them
-        open_ones = ways(scene, is_open=partial(tray_is_clear, scene))
-    straight_is_open = tray_is_clear(scene, scene.path)
-    for number, way in enumerate(open_ones):
-        if is_clear(scene, way.paths):
+    in_order = open_ways(scene)
+    straight_is_open = any(item is scene for item in in_order)
+    for number, item in enumerate(in_order):
+        paths = _paths(item)
+        # bodies and pairs are those of the task, whichever way it goes
+        if is_clear(scene, paths):
             is_fastest = number == 0 and straight_is_open
-            return way.scene if is_fastest else _or_sampled(way.scene, way.paths[0].speed_figure, scene)
+            return item if is_fastest else _or_sampled(item, paths[0].speed_figure, scene)
     found = sampled_way_of(scene)
     return _with_most_room(scene) if found is None else found[1]
+
+
+def open_ways(scene: Scene) -> list[Scene]:
+    """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
+    arm = LevelArm(scene)
+    if arm.redundant is None and has_closed_form(kinematics(scene.robot), None):
+        figures = [(own, _glimpsed(arm, own.path)) for own in possible_ways(scene)]
+    else:
+        open_ones = [own for own in possible_ways(scene) if tray_is_clear(scene, own.path)]
+        figures = [(own, min((one.speed_figure for one in _paths(own)), default=np.inf)) for own in open_ones]
+    # rounded, so that ways that are alike compare by their order
+    return [own for own, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
+
+
+def _glimpsed(arm: LevelArm, path: Path) -> float:
+    """The speed figure, s, of a path as some places show it; infinite where at one of them nothing is clear."""
+    figure = 0.0
+    for places in _GLIMPSES:
+        figure = arm.least_figure(path.at(np.linspace(0.0, 1.0, places)))
+        if figure == np.inf:
+            break
+    return figure
+
+
+@lru_cache(maxsize=8)
+def _paths(scene: Scene) -> tuple[JointPath, ...]:
+    """The joint paths along the path of a scene; kept, since those of an arm of seven are read twice."""
+    return tuple(try_joint_paths(scene.robot, scene.path, tool=scene.tray.tool).paths)
 
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
@@ -110,20 +143,17 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     Raises:
         MissingExtraError: the library coal is not installed.
     """
-    best: tuple[float, Scene] | None = None
     kinds = (False,) if redundant_joint(scene.robot) is None else (False, True)
     for by_joints, spare in product(kinds, _SPARES):
         arm = LevelArm(scene, spare=spare, by_joints=by_joints)
-        for seed in SEEDS:
-            legs = sampled_way(arm, seed=seed, samples=SAMPLES)
-            if legs is None:
-                continue
-            short = [shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs]
-            found = _smooth(scene, arm, joined(short))
-            if found is not None and (best is None or found[0] < best[0]):
-                best = found
-        if best is not None:
-            return best
+        found = [(seed, sampled_way(arm, seed=seed, samples=SAMPLES)) for seed in SEEDS]
+        short = [
+            joined([shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs]) for seed, legs in found if legs
+        ]
+        smooth = (_smooth(scene, arm, way) for way in sorted(short, key=lambda way: time_along(arm, way.q)))
+        best = [*islice((way for way in smooth if way is not None), _SMOOTHED)]
+        if best:
+            return min(best, key=lambda way: way[0])
     return None
 
 
@@ -158,7 +188,7 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
         if not tray_is_clear(scene, found.path):
             continue
         seen: set[tuple[float, ...]] = set()
-        for path in try_joint_paths(found.robot, found.path, tool=found.tray.tool).paths:
+        for path in _paths(found):
             branch = places_of(path)
             # a few places first, which sort most branches out
             if branch not in seen and all(configurations.clear(path.at(some)).all() for some in (s[::20], s)):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
-from nospill.core.paths import Path
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.description.urdf import base_pose
@@ -54,28 +53,30 @@ class Way:
     paths: list[JointPath]
 
 
-def ways(scene: Scene, *, is_open: Callable[[Path], bool] = lambda _: True) -> list[Way]:
-    """Each way that the arm can follow from start to goal, the fastest first.
+def possible_ways(scene: Scene) -> Iterator[Scene]:
+    """The scene with each way that is looked at, whether the arm can follow it or not.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
     distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
     nearer to the axis or farther from it, and higher or lower. With places between them smooth curves through all, in
-    the base's axes or in angle, distance and height, and no detours. They are compared by the speed figures of their
-    joint paths.
+    the base's axes or in angle, distance and height, and no detours.
+    """
+    yield scene
+    yield from _arcs(scene)
 
-    Args:
-        scene: the task.
-        is_open: whether one is worth looking for joint paths, which takes longest; of none nothing is said.
+
+def ways(scene: Scene) -> list[Way]:
+    """Each possible way that the arm can follow from start to goal, the fastest by its speed figure first.
 
     Raises:
         ScenarioError: start or goal is out of reach, or no joints within their limits hold the level tray there.
         NoSolutionError: the arm can follow none of the ways; tells of the first one.
     """
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
-    scenes = [item for item in (scene, *_arcs(scene)) if is_open(item.path)]
+    scenes = [*possible_ways(scene)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
     found = [Way(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
-    if tried and not found:
+    if not found:
         first = tried[0].failure()
         which = "the only way that was tried" if len(tried) == 1 else f"any of the {len(tried)} ways that were tried"
         raise NoSolutionError(
