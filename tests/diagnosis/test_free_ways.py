@@ -12,7 +12,7 @@ from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
 from nospill.diagnosis import free_ways, freest_way
-from nospill.diagnosis.collisions import is_clear, tray_is_clear
+from nospill.diagnosis.collisions import are_clear, tray_is_clear
 from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
@@ -166,7 +166,7 @@ def test_what_a_glimpse_shows_is_what_following_finds() -> None:
     assert scene not in found
     clear = {}
     for way in ways(scene):
-        figures = [path.speed_figure for path in way.paths if is_clear(scene, [path])]
+        figures = [path.speed_figure for path in way.paths if all(are_clear(scene, [path]))]
         if figures:
             clear[way.scene.path.coefficients.tobytes()] = min(figures)
     figures = [clear.get(own.path.coefficients.tobytes()) for own in found]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
 from nospill.collisions.bodies import LOAD, TRAY, Body
+from nospill.collisions.configurations import Configurations
 from nospill.core.paths import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
@@ -35,10 +36,10 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     if not scene.keeps_distances:
         return list(candidates)
     require_free_ends(scene)
-    found = nearest_of(scene, candidates)
-    free = [joint_path for joint_path, nearness in zip(candidates, found, strict=True) if nearness.room >= 0.0]
+    free = [joint_path for joint_path, clear in zip(candidates, are_clear(scene, candidates), strict=True) if clear]
     if free:
         return free
+    found = nearest_of(scene, candidates)
     freest = max(range(len(found)), key=lambda index: found[index].room)
     if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
         return [candidates[freest]]
@@ -61,15 +62,15 @@ def tray_is_clear(scene: Scene, path: Path) -> bool:
     return all(nearest_of_tray(scene, path, places=places).room >= 0.0 for places in _PLACES)
 
 
-def is_clear(scene: Scene, candidates: Sequence[JointPath]) -> bool:
-    """Whether nothing is in the way of the level tray on one of the joint paths along a path; a few places first."""
-    seen: set[tuple[float, ...]] = set()
+def are_clear(scene: Scene, candidates: Sequence[JointPath]) -> Iterator[bool]:
+    """Of each joint path whether nothing is in the way of the level tray; a few places first, which sort most out."""
+    configurations, known = Configurations(scene), dict[tuple[float, ...], bool]()
     for joint_path in candidates:
         branch = places_of(joint_path)
-        if branch not in seen and all(nearest_along(scene, joint_path, places=own).room >= 0.0 for own in _PLACES):
-            return True
-        seen.add(branch)
-    return False
+        if branch not in known:
+            looks = (joint_path.at(np.linspace(0.0, 1.0, places)) for places in _PLACES)
+            known[branch] = all(configurations.clear(q).all() for q in looks)
+        yield known[branch]
 
 
 def nearest_of(scene: Scene, candidates: Sequence[JointPath]) -> list[Nearness]:

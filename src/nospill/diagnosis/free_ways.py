@@ -7,12 +7,11 @@ from itertools import islice, product
 
 import numpy as np
 
-from nospill.collisions.configurations import Configurations
 from nospill.collisions.level_arm import LEVER, METRIC, LevelArm
 from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened, time_along
 from nospill.core.paths import Path
 from nospill.core.smoothing import smooth_curve
-from nospill.diagnosis.collisions import free_paths, is_clear, nearest_of, places_of, require_free_ends, tray_is_clear
+from nospill.diagnosis.collisions import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, joint_paths, try_joint_paths
@@ -45,8 +44,6 @@ _MUCH_FASTER = 0.75
 smoother detour leads to the shorter motion (record 0043)."""
 _GLIMPSES = (5, 17)
 """Places at which a way is looked at before it is followed, a few first, which sort most ways out."""
-_PLACES = 201
-"""Places at which a joint path is looked at."""
 
 
 def freest_way(scene: Scene) -> Scene:
@@ -72,7 +69,7 @@ def freest_way(scene: Scene) -> Scene:
     for number, item in enumerate(in_order):
         paths = _paths(item)
         # bodies and pairs are those of the task, whichever way it goes
-        if is_clear(scene, paths):
+        if any(are_clear(scene, paths)):
             is_fastest = number == 0 and straight_is_open
             return item if is_fastest else _or_sampled(item, paths[0].speed_figure, scene)
     found = sampled_way_of(scene)
@@ -159,7 +156,6 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
 
 def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene] | None:
     """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear."""
-    configurations, s = Configurations(scene), np.linspace(0.0, 1.0, _PLACES)
     # with seven joints the self-motion is smoothed as well
     direction = np.zeros(len(arm.robot.joints)) if arm.redundant is None else self_motion(arm.robot, way.q)
     points = np.column_stack([way.poses * METRIC, LEVER * way.q @ direction])
@@ -187,11 +183,8 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
             continue
         if not tray_is_clear(scene, found.path):
             continue
-        seen: set[tuple[float, ...]] = set()
-        for path in _paths(found):
-            branch = places_of(path)
-            # a few places first, which sort most branches out
-            if branch not in seen and all(configurations.clear(path.at(some)).all() for some in (s[::20], s)):
-                return float(f"{path.speed_figure:.6g}"), found
-            seen.add(branch)
+        paths = _paths(found)
+        path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
+        if path is not None:
+            return float(f"{path.speed_figure:.6g}"), found
     return None

@@ -59,8 +59,7 @@ class Candidate:
     @property
     def keeps_branch(self) -> bool:
         """Whether the arm stays on its branch at the nodes, or is led through a singularity on purpose."""
-        led = self.active.task.passage.along is not None
-        return led or keeps_branch_at_nodes(self.active.scene, self.stages)
+        return self.active.task.passage.along is not None or keeps_branch_at_nodes(self.active.scene, self.stages)
 
     @property
     def is_playable(self) -> bool:
@@ -130,7 +129,8 @@ def solved(
         usual = SolveOptions(
             max_iterations=planning.max_iterations,
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
-            loose_tolerances=bool(active.refined),  # an iteration takes four times as long, and back-off counts more
+            # with modes an iteration takes four times as long, and back-off counts more; on planes further ones follow
+            loose_tolerances=bool(active.refined) or (stage == "coarse" and bool(problem.planes.groups)),
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
