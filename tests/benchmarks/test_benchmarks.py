@@ -164,7 +164,7 @@ def test_trays_of_cups_fit_their_cups() -> None:
         assert len(scenes.tray_of_cups(count).cargo) == count
 
 
-def test_different_cups_are_all_in_the_problem() -> None:
+def test_no_like_cups_stand_for_different_ones() -> None:
     scene = scenes.different_cups(64)
     assert len(outer_objects(scene)) == 64
 

@@ -15,6 +15,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
+from nospill.laws.like_objects import delicate_objects
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
@@ -225,6 +226,47 @@ def test_a_slight_violation_outside_the_problem_tightens_all_within() -> None:
     tightened = active.after(judgement(row("slip", "c5", -0.004)))
     assert tightened.members == active.members
     assert raised(active, tightened) == {("slip", name) for name in members(active)}
+
+
+def many_cups() -> Scene:
+    """Twelve cups of which no two are alike, c1 with the lowest limit."""
+    table: Any = copy.deepcopy(read_scenario("matrix-liquid").source)
+    keys = {"shape": "cylinder", "radius": "20 mm", "height": "60 mm", "liquid": "water", "mass": "0.045 kg"}
+    keys |= {"centre_of_mass_height": "16 mm"}
+    places = [(x, y) for x in (-75, -25, 25, 75) for y in (-55, 0, 55)]
+    table["cargo"] = [
+        {"name": f"c{i + 1}", "at": [f"{x} mm", f"{y} mm"], "liquid_height": f"{28 - 0.3 * i} mm", **keys}
+        | {"max_slosh_height": f"{6 + 0.3 * i} mm"}
+        for i, (x, y) in enumerate(places)
+    ]
+    table["motion"]["end"] = "residual"
+    table["planning"] = {"intervals": 40}
+    return scene_from_table(table, name="different cups")
+
+
+def test_of_many_different_objects_the_delicate_are_in_the_problem_and_the_arm_carries_all() -> None:
+    task = Task.of(many_cups())
+    active = ActiveSet.of(task, Q)
+    assert len(task.outer) == 12 and {cargo.name for cargo in delicate_objects(task.model, 8)} == set(members(active))
+    np.testing.assert_array_equal(flange_load(active.scene, task.payload).mass, flange_load(task.scene).mass)
+
+
+def test_the_worst_objects_without_members_join_however_little_they_are_over() -> None:
+    active = ActiveSet.of(Task.of(many_cups()), Q)
+    over = [row("residual height", f"c{index}", -0.001 * index) for index in range(1, 13)]
+    one = replace(active, members=frozenset({("c1", "")}))
+    worst = one.after(judgement(*over, row("slip", "c2", -0.001), row("slip", "c3", 0.001)))
+    assert members(worst) == ["c1", "c2", "c9", "c10", "c11", "c12"]  # four of each constraint
+
+
+@pytest.mark.slow
+def test_the_answer_is_that_of_all_different_objects(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = many_cups()
+    found = plan(scene)
+    monkeypatch.setattr("nospill.transcription.task._MOST_OBJECTS", 12)
+    whole = plan(scene)
+    assert found.certificate.ok and whole.certificate.ok
+    assert found.duration == pytest.approx(whole.duration, rel=3e-4)  # one unit of back-off
 
 
 def test_like_objects_are_thinned_out_with_tolerances_too(uncertain: Task) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import groupby, islice
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from nospill.scene.variants import VariantId
 _SLIGHT_OF_SLOWED = 0.1
 """Part of its limit by which a liquid between two speeds of a problem may exceed it before it joins: the back-off of
 those two is cheaper than one member more."""
+_MOST_AT_ONCE = 4
+"""Of a constraint: where the worst ones keep it, most others do."""
 
 
 def missing(
@@ -28,10 +31,13 @@ def missing(
     speeds: Mapping[VariantId, float],
     *,
     above: float,
+    outer: Collection[str],
     t: np.ndarray,
     cargo: Iterable[Cargo],
 ) -> frozenset[VariantId]:
-    """Of every constraint and object the variant outside a problem with the largest use; at other speeds, the peaks.
+    """Of every constraint the worst objects, of each the variant outside a problem with the largest use.
+
+    At other speeds, the peaks.
 
     Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
 
@@ -39,7 +45,9 @@ def missing(
         rows: of a judged motion.
         members: of the problem.
         speeds: of every variant, as part of the planned one.
-        above: the use from which a variant is missing.
+        above: the use from which a variant is missing; the limit itself, if that is less, for one of an outer object
+            without members: of it the back-off of others says nothing.
+        outer: objects that no like ones stand for.
         t: (m,) s, of the motion.
         cargo: whose modes swing.
     """
@@ -53,9 +61,17 @@ def missing(
         found = [row for row in evenly(liquid, speeds, np.pi / (slowest * np.ptp(t))) if row.use > above]
     if not found:
         found = [row for row in peaks(liquid, speeds) if row.use > above + _SLIGHT_OF_SLOWED] + peaks(solid, speeds)
+    alone = set(outer).difference(name for name, _ in members)
+    least = {row: min(above, 1.0) if row.subject in alone else above for row in of_objects}
     planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in members)
-    found += condensed(row for row in planned if row.use > above)
-    return frozenset(_variant(row) for row in found if row.use > above).difference(members)
+    found += _worst(condensed(row for row in planned if row.use > least[row]))
+    return frozenset(_variant(row) for row in found if row.use > least[row]).difference(members)
+
+
+def _worst(rows: Iterable[Row]) -> Iterator[Row]:
+    """Of every constraint the `_MOST_AT_ONCE` rows that use most of their limits."""
+    for _, group in groupby(sorted(rows, key=lambda row: (row.constraint, -row.use)), key=lambda row: row.constraint):
+        yield from islice(group, _MOST_AT_ONCE)
 
 
 def attributed(

@@ -1,8 +1,10 @@
-"""Like objects: what holds for those at the corners holds for those between them.
+"""Which objects say most about a motion: of like ones those at the corners, of different ones those that bear least.
 
 The motion of the tray at a point is linear in the point's place, a liquid responds to it nearly linearly, and every
 limit of an object is a cone or a convex height. So what holds for like objects holds nearly to the last digit for one
-in the convex hull of their places: of a tray of 32 like cups four matter. The certificate is about all of them.
+in the convex hull of their places: of a tray of 32 like cups four matter. Of different ones those matter that the
+least acceleration brings to a limit, and those that a liquid's phase at the end makes the worst, which only the judge
+can tell. The certificate is about all of them.
 """
 
 from __future__ import annotations
@@ -12,12 +14,30 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.laws.parameters import flatten
+from nospill.laws.parameters import ObjectNumbers, flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
+from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 
 _DIGITS = 12
+
+
+def bearable_acceleration(item: ObjectNumbers) -> float:
+    """Least lasting acceleration of a level tray, m/s^2, at which an object slides or its first mode is too high."""
+    by_mode = (item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain) for mode in item.oscillators[:1])
+    return min((item.planned_friction * STANDARD_GRAVITY, *by_mode))
+
+
+def delicate_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
+    """The outer objects of a scene, and of more than `most` those that bear least; of equals those farther out."""
+    outer = outer_objects(scene)
+
+    def borne(cargo: Cargo) -> tuple[float, float]:
+        numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
+        return bearable_acceleration(numbers), -float(np.hypot(*cargo.position[:2]))
+
+    return outer if len(outer) <= most else tuple(sorted(outer, key=borne)[:most])
 
 
 def outer_objects(scene: Scene) -> tuple[Cargo, ...]:

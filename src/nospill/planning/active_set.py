@@ -194,7 +194,7 @@ class ActiveSet:
     def _outside(self, rows: Iterable[Row], use: float, judgement: Judgement) -> frozenset[VariantId]:
         """Variants outside of which a constraint has a use above `use`."""
         t, cargo = judgement.replay.t, self.task.model.cargo
-        return missing(rows, self.members, self.task.speeds, above=use, t=t, cargo=cargo)
+        return missing(rows, self.members, self.task.speeds, above=use, outer=self.task.outer, t=t, cargo=cargo)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem; `own`: of the members alone."""

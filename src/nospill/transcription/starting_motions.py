@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.laws.like_objects import bearable_acceleration
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import self_motion
-from nospill.scene.containers.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.resampling import resolving_intervals
@@ -60,10 +60,7 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     offset = max((float(np.hypot(*item.position[:2])) for item in objects), default=0.0)
     turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
     demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
-    allowed = min(0.5 * item.planned_friction * STANDARD_GRAVITY for item in objects)
-    for item in objects:
-        for mode in item.oscillators[:1]:
-            allowed = min(allowed, 0.5 * item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain))
+    allowed = 0.5 * min(map(bearable_acceleration, objects))
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)

@@ -12,13 +12,16 @@ from nospill.collisions.pairs import scene_pairs
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import delicate_objects, outer_objects
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
 from nospill.transcription.passages import NOT_BOUNDED, Passage
+
+_MOST_OBJECTS = 8
+"""Most objects that a problem begins with: the time of a step grows with their cube."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +93,15 @@ class Task:
         return replace(scene, motion=scene.motion.without_freedom()) if self.passage.level else scene
 
     @property
+    def outer(self) -> frozenset[str]:
+        """Objects that no like ones stand for."""
+        return frozenset(cargo.name for cargo in outer_objects(self.model))
+
+    @property
     def first_members(self) -> frozenset[VariantId]:
-        """What a problem begins with: the stated variants of the outer ones of like objects."""
-        outer = {cargo.name for cargo in outer_objects(self.model)}
-        return frozenset(stated.id for stated, *_ in self.variants if stated.name in outer)
+        """What a problem begins with: the stated variants of the outer ones of like objects, of many the delicate."""
+        chosen = {cargo.name for cargo in delicate_objects(self.model, _MOST_OBJECTS)}
+        return frozenset(stated.id for stated, *_ in self.variants if stated.name in chosen)
 
     def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:
         """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
