@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 from dataclasses import replace
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,7 @@ def judgement(*rows: Row, corners: tuple[Row, ...] = ()) -> Judgement:
     return Judgement(Certificate(all(row.ok for row in rows), 2000.0, rows), (), replay, 1.0, corners)
 
 
-def grid_of_cups(**tolerance: Any) -> Scene:
+def grid_of_cups(planning: Any = MappingProxyType({"intervals": 40}), **tolerance: Any) -> Scene:
     """Nine like cups on a square grid, c1 to c9 with c5 in the middle, on few intervals."""
     table: Any = copy.deepcopy(read_scenario("matrix-liquid").source)
     keys = {"shape": "cylinder", "radius": "20 mm", "height": "60 mm", "liquid": "water", "liquid_height": "28 mm"}
@@ -50,7 +50,7 @@ def grid_of_cups(**tolerance: Any) -> Scene:
     places = [(x, y) for x in (-60, 0, 60) for y in (-60, 0, 60)]
     table["cargo"] = [{"name": f"c{i + 1}", "at": [f"{x} mm", f"{y} mm"], **keys} for i, (x, y) in enumerate(places)]
     table["motion"]["end"] = "residual"
-    table["planning"] = {"intervals": 40}
+    table["planning"] = dict(planning)
     if tolerance:
         table["tolerance"] = tolerance
     return scene_from_table(table, name="cups")
@@ -228,7 +228,7 @@ def test_a_slight_violation_outside_the_problem_tightens_all_within() -> None:
     assert raised(active, tightened) == {("slip", name) for name in members(active)}
 
 
-def many_cups() -> Scene:
+def many_cups(**planning: Any) -> Scene:
     """Twelve cups of which no two are alike, c1 with the lowest limit."""
     table: Any = copy.deepcopy(read_scenario("matrix-liquid").source)
     keys = {"shape": "cylinder", "radius": "20 mm", "height": "60 mm", "liquid": "water", "mass": "0.045 kg"}
@@ -240,7 +240,7 @@ def many_cups() -> Scene:
         for i, (x, y) in enumerate(places)
     ]
     table["motion"]["end"] = "residual"
-    table["planning"] = {"intervals": 40}
+    table["planning"] = {"intervals": 40} | planning
     return scene_from_table(table, name="different cups")
 
 
@@ -257,6 +257,18 @@ def test_the_worst_objects_without_members_join_however_little_they_are_over() -
     one = replace(active, members=frozenset({("c1", "")}))
     worst = one.after(judgement(*over, row("slip", "c2", -0.001), row("slip", "c3", 0.001)))
     assert members(worst) == ["c1", "c2", "c9", "c10", "c11", "c12"]  # four of each constraint
+
+
+def test_objects_without_members_join_with_the_modes_and_like_ones_after_them() -> None:
+    active = ActiveSet.of(Task.of(many_cups(slosh_modes=2)), Q, frozenset({("c1", ""), ("c2", "")}))
+    grown = active.after(
+        judgement(*(row("slosh height", name, -0.001) for name in ("c1", "c3")), row("slip", "c4", 0.1))
+    )
+    assert members(grown) == ["c1", "c2", "c3"] and grown.refined == {"c1", "c3"}
+    like = ActiveSet.of(Task.of(grid_of_cups(planning={"intervals": 40, "slosh_modes": 2})), Q)
+    assert (
+        like.after(judgement(row("slosh height", "c1", -0.1), row("slosh height", "c5", -0.1))).members == like.members
+    )
 
 
 @pytest.mark.slow

@@ -139,14 +139,15 @@ class ActiveSet:
     def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
-        Modes join first, of the liquids that break a limit; where those that are left out swing too far at the end, the
-        jerks weigh more. Then members join, of every constraint and object the worst variant that is violated and not
-        in the problem. Where none is missing, violated rows join, and those in the problem get a larger back-off.
+        Modes join first, of the liquids that break a limit, and objects without members; where modes that are left out
+        swing too far at the end, the jerks weigh more. Then members join, the worst of `missing`. Where there is none,
+        violated rows join, and those in the problem get a larger back-off.
         """
         rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
-            return self.joined(self.members, refined, judgement)
+            alone = self._outside(rows, np.inf, judgement)
+            return self.joined(self.members | alone, refined.union(name for name, _ in alone), judgement)
         at_end = uses_at_end(self._on_members(rows, own=True))
         over = beyond_backoff(at_end, self.backoff, self.excess) if refined else 0.0
         modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
@@ -182,10 +183,9 @@ class ActiveSet:
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
-        if self.task.scene.planned_modes == 1:
-            return frozenset()
         broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
-        return frozenset(name for name, _ in self.members).intersection(broken)
+        several = self.task.scene.planned_modes > 1
+        return frozenset(name for name, _ in self.members if several and name in broken)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""
