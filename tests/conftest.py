@@ -34,7 +34,10 @@ from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
+from nospill.warmup.usual import usual_parts
+from nospill.warmup.warming import warm_cache
 from tests.builders import changed_table, joint_path_of, measured_data, one_mode, with_few_speeds
+from tests.compiling import AT_FIRST, hasty_compiler
 from tests.example_plans import keep
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -42,16 +45,29 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def no_compiled_functions(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """No compiler at work behind the tests, none of the user's compiled functions in them, and one thread each.
+@pytest.fixture(scope="session")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of this run of the tests, the same for all its processes."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
-    A test that wants otherwise sets the variables itself (monkeypatch).
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_functions(run_folder: Path) -> Iterator[None]:
+    """Functions are compiled once for all tests of this run, by a compiler in a hurry; one thread each.
+
+    None of the user's compiled functions are used. A test that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NOSPILL_COMPILE", "off")
+        patch.setenv("NOSPILL_COMPILE", "wait")
         patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
-        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("nospill-cache")))
+        patch.setenv("NOSPILL_CACHE", str(run_folder / "nospill-cache"))
+        with FileLock(run_folder / "compiler.lock"):
+            compiler = hasty_compiler(run_folder)
+            if compiler is not None:
+                patch.setenv("CC", str(compiler))
+                # The largest, which every worker needs: one that comes while another compiles goes on without.
+                warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
         yield
 
 
@@ -92,24 +108,17 @@ def changed_scene() -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
-def example_plan(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Callable[[str], Plan]:
+def example_plan(run_folder: Path) -> Callable[[str], Plan]:
     """Plan an example, once for all tests, whichever process runs them; it is kept for the documentation."""
-
-    def made(name: str) -> Plan:
-        found = plan(read_scenario(name))
-        keep(found, name)
-        return found
-
-    if worker_id == "master":
-        return cache(made)
-    folder = tmp_path_factory.getbasetemp().parent  # of all processes of this run
 
     @cache
     def shared(name: str) -> Plan:
-        file = folder / f"{name}.pickle"
+        file = run_folder / f"{name}.pickle"
         with FileLock(f"{file}.lock"):
             if not file.exists():
-                file.write_bytes(pickle.dumps(made(name)))
+                found = plan(read_scenario(name))
+                keep(found, name)
+                file.write_bytes(pickle.dumps(found))
         return pickle.loads(file.read_bytes())
 
     return shared

@@ -28,10 +28,11 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.transcription import export_samples, object_block, stage_functions, tray_block
+from tests.compiling import COMPILER
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
-needs_compiler = pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
+needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 
 CACHES = (
     stage_functions.stage_functions,
@@ -61,6 +62,15 @@ def build():
 functions, data, is_compiled = compiled.functions("test", structure_of(read_scenario("matrix-rigid")), build)
 print(is_compiled, data, float(functions["twice"](1.5)[0][0]))
 """
+
+
+@pytest.fixture(scope="module", autouse=True)
+def as_users_have_it() -> Iterator[None]:
+    """The user's compiler, and nothing compiled but where a test says so."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", COMPILER)
+        patch.setenv("NOSPILL_COMPILE", "off")
+        yield
 
 
 @pytest.fixture
@@ -265,7 +275,7 @@ def test_a_cache_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
     assert run(file) == served(False)
     assert run(file / "cache") == served(False)
     # The superuser writes there all the same.
-    assert run(closed) == served(os.access(closed, os.W_OK) and shutil.which(os.environ.get("CC", "cc")) is not None)
+    assert run(closed) == served(os.access(closed, os.W_OK) and shutil.which(COMPILER) is not None)
 
 
 @needs_compiler

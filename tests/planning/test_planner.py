@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from nospill.errors import NoSolutionError
-from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
@@ -43,13 +42,7 @@ Example = Callable[[str], Plan]
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 @pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid"])
-def test_both_linear_solvers_find_the_same_motion(
-    name: str, changed_scene: Changed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """The library is compiled; for the stages, of which compiling takes longer, there is no time."""
-    monkeypatch.setenv("NOSPILL_COMPILE", "background")
-    monkeypatch.setattr(codegen, "_start", lambda *_: None)
-    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
+def test_both_linear_solvers_find_the_same_motion(name: str, changed_scene: Changed) -> None:
     few = {"planning.intervals": 40}
     one, other = (plan(changed_scene(name, few | {"planning.linear_solver": own})) for own in ("ldl", "mumps"))
     assert one.certificate.ok and other.certificate.ok
