@@ -1,4 +1,4 @@
-"""How the tests compile: a compiler in a hurry, and what is compiled before the first of them."""
+"""How the tests compile: a hasty compiler, and what is compiled before the first of them."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled_functions(run_folder: Path) -> Iterator[None]:
-    """Functions are compiled once for all tests of this run, by a compiler in a hurry; one thread each.
+    """Functions are compiled once for all tests of this run, by a hasty compiler; one thread each.
 
     None of the user's compiled functions are used. A test that wants otherwise sets the variables itself (monkeypatch).
     """
@@ -69,6 +69,15 @@ def compiled_functions(run_folder: Path) -> Iterator[None]:
                 # The largest, which every worker needs: one that comes while another compiles goes on without.
                 warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
         yield
+
+
+@pytest.fixture(autouse=True)
+def compiler_where_it_pays(
+    request: pytest.FixtureRequest, compiled_functions: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tests that solve nothing use what is compiled, and compile nothing."""
+    if request.node.get_closest_marker("slow") is None:
+        monkeypatch.setenv("CC", "no-compiler-where-nothing-is-solved")
 
 
 @pytest.fixture(scope="session", autouse=True)

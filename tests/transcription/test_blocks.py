@@ -194,7 +194,6 @@ def only(scene: Scene, *names: str) -> Scene:
     return dataclasses.replace(scene, cargo=tuple(item for item in scene.cargo if item.name in names))
 
 
-@pytest.mark.slow
 def test_scenes_with_other_objects_and_other_paths_have_the_same_blocks() -> None:
     scene = read_scenario("mixed-tray")
     names = [item.name for item in scene.cargo]

@@ -23,11 +23,12 @@ from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
 from tests.builders import joint_path_of
+from tests.compiling import COMPILER
 
 INTERVALS = 20
 PATIENT = SolveOptions(max_iterations=300, max_time=60.0)
 BOTH = pytest.mark.parametrize("name", sorted(linear_solvers.LINEAR_SOLVERS))
-needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def task(changed_scene: Callable[..., Scene]) -> Task:
 @pytest.fixture
 def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """A cache folder of this test alone, and leave to compile."""
-    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
@@ -65,7 +66,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 @pytest.mark.slow
 @BOTH
 @needs_compiler
-def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, name: str, compiling: Path) -> None:
+def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, name: str) -> None:
     solution = task.solve(name)
     assert solution.converged and solution.linear_solver == name
     assert solution.status == "ipopt converged to an optimum"
@@ -77,7 +78,7 @@ def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, name: str,
 
 
 @needs_compiler
-def test_both_linear_solvers_agree(task: Task, compiling: Path) -> None:
+def test_both_linear_solvers_agree(task: Task) -> None:
     one, other = (task.solve(name) for name in sorted(linear_solvers.LINEAR_SOLVERS))
     assert other.stages.duration == pytest.approx(one.stages.duration, abs=1e-6)
     assert other.objective == pytest.approx(one.objective, abs=1e-6)

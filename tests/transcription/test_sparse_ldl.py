@@ -12,19 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.transcription.solvers import linear_solvers
+from tests.compiling import COMPILER
 from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 
 SEEDS = range(12)
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NOSPILL_COMPILE", "wait")
-        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("cache")))
-        found = linear_solvers.ldl_library()
+def library() -> Path:
+    found = linear_solvers.ldl_library()
     assert found is not None
     return found
 
@@ -136,7 +134,7 @@ def test_processors_without_fused_products_find_the_same(
     plain = tmp_path / "plain.c"
     plain.write_text("#define WITHOUT_FMA\n" + "\n".join(file.read_text() for file in linear_solvers.SOURCES))
     monkeypatch.setattr(linear_solvers, "SOURCES", (plain,))
-    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     other = linear_solvers.ldl_library()
     assert other is not None and other != library
