@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -31,18 +32,13 @@ def setup(app: Sphinx) -> dict[str, Any]:
 
 def _generate(app: Sphinx) -> None:
     places = Places.of(app.srcdir)
-    for write in (
-        write_topics,
-        write_tables,
-        write_extending,
-        write_transcripts,
-        write_gallery,
-        write_pictures,
-        write_cards,
-        write_notebooks,
-    ):
+    for write in (write_topics, write_tables, write_extending, write_transcripts, write_gallery):
         write(places)
-    write_screens(places)  # of what the gallery made
+    with ThreadPoolExecutor(max_workers=1) as pool:  # notebooks and screens are the work of other processes
+        others = pool.submit(lambda: [write(places) for write in (write_notebooks, write_screens)])
+        write_pictures(places)
+        write_cards(places)
+        others.result()
 
 
 def _plain_words(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:

@@ -34,16 +34,22 @@ CAPTIONS: dict[str, str] = {
 
 def write_gallery(places: Places) -> None:
     """One page an example; plans are kept until the package or the scenario changes."""
+
+    def made(name: str) -> tuple[Path, Path | None]:
+        folder = planned_example(places, name)
+        return folder, _scene(places, name, folder)
+
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        folders = dict(zip(EXAMPLES, pool.map(lambda name: planned_example(places, name), EXAMPLES), strict=True))
+        both = dict(zip(EXAMPLES, pool.map(made, EXAMPLES), strict=True))
+    folders = {name: folder for name, (folder, _) in both.items()}
     for number, (name, about) in enumerate(EXAMPLES.items(), 1):
         scenario, folder = example_path(name).read_text(encoding="utf-8"), folders[name]
         pictures = sorted((folder / "figures").glob("*.png"), key=_order)
         for picture in pictures:
             copy_if_changed(picture, places.docs / "gallery" / f"{number:02d}-{name}" / picture.name)
         copy_if_changed(_moment(places, name, folder), places.docs / "gallery" / f"{number:02d}-{name}" / "moment.png")
-        scene = _scene(places, name, folder)
-        page = _page(number, name, about, scenario, folder, [picture.stem for picture in pictures], scene is not None)
+        played = both[name][1] is not None
+        page = _page(number, name, about, scenario, folder, [picture.stem for picture in pictures], played)
         write_if_changed(places.docs / "gallery" / f"{number:02d}-{name}.md", page)
     cards = "".join(
         _card(number, name, about, _summary(folders[name])) for number, (name, about) in enumerate(EXAMPLES.items(), 1)

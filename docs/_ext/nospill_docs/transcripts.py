@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from nospill_docs.places import Places, copy_if_changed
@@ -28,8 +29,10 @@ TRANSCRIPTS: dict[str, tuple[str, ...]] = {
 
 def write_transcripts(places: Places) -> None:
     """Run every session and write it as text, with the exit code where it is not 0."""
-    for name in TRANSCRIPTS:
-        copy_if_changed(_run(places, name) / "session.txt", places.generated / "sessions" / f"{name}.txt")
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        folders = pool.map(lambda name: _run(places, name), TRANSCRIPTS)
+        for name, folder in zip(TRANSCRIPTS, folders, strict=True):
+            copy_if_changed(folder / "session.txt", places.generated / "sessions" / f"{name}.txt")
 
 
 def planned_session(places: Places) -> Path:
