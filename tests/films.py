@@ -43,8 +43,8 @@ def level_film(changed_scene: Callable[..., Scene]) -> Film:
 
 @pytest.fixture(scope="session")
 def example_film(changed_scene: Callable[..., Scene]) -> Callable[[str], Film]:
-    """A smooth motion of an example with one mode of each liquid, five pictures a second; made once for all tests."""
-    return cache(lambda name: film_of(changed_scene(name, {"planning.slosh_modes": 1}), rate=5.0))
+    """A smooth motion of an example with one mode of each liquid, three pictures a second; made once for all tests."""
+    return cache(lambda name: film_of(changed_scene(name, {"planning.slosh_modes": 1}), rate=3.0))
 
 
 @pytest.fixture(scope="module")
