@@ -19,6 +19,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Scene
+from tests.builders import one_mode
 
 GRAVITY = np.array((0.0, 0.0, -9.80665))
 BALLAST = 1e-3
@@ -114,7 +115,7 @@ def test_full_wrench_against_pinocchio_on_random_states():
     """Cups, a box of liquid and solids with any centre of mass: Newton-Euler of a tree of bodies, 1,000 wrenches."""
     pin = pytest.importorskip("pinocchio")
     random = np.random.default_rng(1)
-    scene = with_any_solid(read_scenario("mixed-tray"), random)
+    scene = with_any_solid(one_mode("mixed-tray"), random)
     function = wrench_function(scene)
     structure = structure_of(scene)
     counts = [item.coordinates for item in structure.objects]
@@ -135,7 +136,7 @@ def test_full_wrench_against_pinocchio_on_random_states():
 
 
 def test_at_rest_the_tray_carries_the_weight_in_the_middle():
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     function = wrench_function(scene)
     zeros = np.zeros(function.size_in(1)[0])
     wrenches = function(np.append(np.zeros(6), -GRAVITY), zeros, zeros, zeros).full()
@@ -146,7 +147,7 @@ def test_at_rest_the_tray_carries_the_weight_in_the_middle():
 
 def test_displaced_liquid_shifts_its_weight():
     """m_n g x_n and nothing else, the masses held still: the moment that h_n belongs to."""
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     function = wrench_function(scene)
     count = function.size_in(1)[0]
     q = np.random.default_rng(3).normal(size=count) * 0.005

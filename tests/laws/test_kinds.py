@@ -20,9 +20,9 @@ from nospill.laws.kinds import (
 )
 from nospill.laws.parameters import blank_numbers, flatten, places
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.scenario import read_scenario
+from tests.builders import one_mode
 
-MIXED = structure_of(read_scenario("mixed-tray"))
+MIXED = structure_of(one_mode("mixed-tray"))
 OTHER_CARGO = dataclasses.replace(MIXED, objects=MIXED.objects[2:], spans=40)
 
 
@@ -52,7 +52,7 @@ def test_what_an_object_reads_makes_another_kind() -> None:
 
 
 def test_symbols_of_a_part_take_the_numbers_of_the_scene() -> None:
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     numbers = numbers_of(scene)
     vector, record = symbolic_tray(tray_kind(MIXED))
     given = flatten(numbers_of_tray(numbers))
@@ -69,7 +69,7 @@ def test_symbols_of_a_part_take_the_numbers_of_the_scene() -> None:
 
 
 def test_places_are_where_flatten_puts_the_entries() -> None:
-    numbers = numbers_of(read_scenario("mixed-tray"))
+    numbers = numbers_of(one_mode("mixed-tray"))
     flat, found = flatten(numbers), places(blank_numbers(MIXED))
     np.testing.assert_array_equal(flat[found.path_coefficients], numbers.path_coefficients)
     np.testing.assert_array_equal(flat[found.objects[2].inertia], numbers.objects[2].inertia)

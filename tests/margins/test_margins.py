@@ -31,6 +31,7 @@ from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.controller import Controller
+from tests.builders import one_mode
 
 NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
 STILL = np.zeros(len(FACTORS))
@@ -90,7 +91,7 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "pp-two-cups", "mixed-tray"])
 def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
-    scene = read_scenario(name)
+    scene = one_mode(name)
     for cargo in scene.cargo:
         mine = _numbers(drawn_object(cargo, STILL, scene), scene)
         theirs = _numbers(replace(cargo, friction_reserve=0.0, footprint_reserve=0.0), scene)
@@ -103,7 +104,7 @@ def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
 )
 @pytest.mark.parametrize("index", [0, 2, 3])
 def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: float, slip: float) -> None:
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     cargo = scene.cargo[index]
     changed = drawn_object(cargo, off(fill=rise, damping=damping, mass=mass, friction=slip, position_x=1e-3), scene)
     assert changed.planned_friction == pytest.approx(cargo.friction * (1 + slip))

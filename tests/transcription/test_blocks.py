@@ -31,6 +31,7 @@ from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.stage_functions import stage_functions
 from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
+from tests.builders import one_mode
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
@@ -41,7 +42,7 @@ BLOCKS = (tray_block._block, object_block._object_block, object_block._end_block
 @cache
 def problem(name: str) -> Problem:
     """With a back-off of its own for every row."""
-    scene = read_scenario(name.split(",")[0])
+    scene = one_mode(name.split(",")[0])
     if name == SLOWED:  # a cup and a solid as at other speeds, the others as planned
         speeds = (0.6, 1.0, 1.0, 0.25)
         cargo = tuple(dataclasses.replace(item, speed=speed) for item, speed in zip(scene.cargo, speeds, strict=True))
@@ -195,7 +196,7 @@ def only(scene: Scene, *names: str) -> Scene:
 
 
 def test_scenes_with_other_objects_and_other_paths_have_the_same_blocks() -> None:
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     names = [item.name for item in scene.cargo]
     whole, part = (stage_functions(structure_of(one)) for one in (scene, only(scene, names[3], names[2])))
     assert part.tray.block is whole.tray.block
@@ -213,7 +214,7 @@ def test_level_and_tilting_trays_have_blocks_of_their_own() -> None:
     assert (level.count, tilting.count) == (4 * 5, 4 * 9)
     assert [motion_pattern(Freedom(tilt), slowed=True).count for tilt in (False, True)] == [4 * 5, 4 * 12]
     assert level.jacobian.size2() == 5 and tilting.jacobian.size2() == 13
-    structure = structure_of(read_scenario("matrix-liquid-tilt"))
+    structure = structure_of(one_mode("matrix-liquid-tilt"))
     fixed = dataclasses.replace(structure, tilt_free=False)
     one, other = (object_block.object_block(item, item.objects[0]) for item in (structure, fixed))
     assert one is not other

@@ -17,7 +17,7 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
 from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
-from tests.builders import joint_path_of
+from tests.builders import joint_path_of, one_mode
 
 STARTS = [
     Start(),
@@ -28,7 +28,7 @@ STARTS = [
 
 @pytest.fixture(scope="module")
 def tilting():
-    scene = read_scenario("matrix-liquid-tilt")
+    scene = one_mode("matrix-liquid-tilt")
     return scene, joint_path_of(scene)
 
 

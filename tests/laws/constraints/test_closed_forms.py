@@ -34,6 +34,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.description.catalog import load_robot
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
+from tests.builders import one_mode
 
 GRAVITY = 9.80665
 
@@ -113,7 +114,7 @@ def test_yaw_about_the_own_axis_only_twists(solids):
 @pytest.mark.parametrize("name", ["matrix-rigid", "mixed-tray"])
 def test_a_footprint_reserve_shortens_the_way_to_tipping_and_nothing_else(name):
     """Discs and a rectangle: tip uses 1/(1 - reserve) as much."""
-    scene = read_scenario(name)
+    scene = one_mode(name)
     whole, less = (
         replace(scene, cargo=tuple(replace(item, footprint_reserve=part) for item in scene.cargo)) for part in (0, 0.2)
     )
@@ -127,7 +128,7 @@ def test_a_footprint_reserve_shortens_the_way_to_tipping_and_nothing_else(name):
 
 def test_box_tips_over_its_own_sides():
     """Half lengths 40 and 30 mm: the shorter way is the dangerous one."""
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     whole = {"filling": None, "empty": scene.cargo[2].total, "footprint_reserve": 0.0}
     box = replace(scene.cargo[2], **whole, position=np.zeros(2))
     scene = replace(scene, cargo=(box,))

@@ -15,9 +15,9 @@ from nospill.laws.constraints.base import figures
 from nospill.laws.contact import Wrench
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.scenario import read_scenario
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.footprints import Footprint
+from tests.builders import one_mode
 
 FOOTPRINTS = {
     "disc": Cylinder(1.0, 1.0).footprint,
@@ -173,7 +173,7 @@ def slip_use(footprint: Footprint, wrench: tuple[np.ndarray, np.ndarray]) -> flo
 @cache
 def slip_function(footprint: Footprint) -> ca.Function:
     """The law on a footprint, of force (3,) and moment (3,)."""
-    scene = read_scenario("mixed-tray")
+    scene = one_mode("mixed-tray")
     structure, numbers = structure_of(scene), numbers_of(scene)
     own = replace(
         numbers.objects[0],

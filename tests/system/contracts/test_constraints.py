@@ -16,9 +16,9 @@ from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.robot import Braking
-from nospill.scenario import read_scenario
 from nospill.scene.places import Via
 from nospill.scene.scene import Scene
+from tests.builders import one_mode
 
 SCENES = (
     "matrix-liquid",
@@ -50,7 +50,7 @@ class Probe:
 @cache
 def probe(name: str, point: EvaluationPoint) -> Probe:
     """States that break limits about as often as they keep them."""
-    scene = read_scenario(name)
+    scene = one_mode(name)
     if name == BRAKED:
         robot = scene.robot
         every = np.ones(len(robot.joints))
