@@ -11,10 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from nospill.collisions.level_arm import METRIC, LevelArm
+from nospill.collisions.over_the_base import beyond
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.kinematics.closed_form import TURN
 
@@ -26,6 +28,8 @@ _AROUND = 0.4
 """How far around, in parts of the arm's reach."""
 _TO_ROOTS = 0.1
 """Share of the samples that are roots of the other tree."""
+_OVER = 0.1
+"""Share of the steps that lead over the base, where they may."""
 _TRIES = 12
 """Positions of the redundant joint that are tried for each pose that is drawn."""
 _NEAR_STATED = 1e-3
@@ -107,13 +111,14 @@ class _Draws:
         return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
-def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> list[SampledWay] | None:
+def sampled_way(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | None = None) -> list[SampledWay] | None:
     """A way from the start of a scene's path to its end, not shortened; None where none is found.
 
     Args:
         arm: in its scene.
         seed: of the random numbers.
         samples: poses that are drawn from one place to the next before it gives up.
+        over: axis (2,) of the base over which the tray may pass, m; None where it may not (see `over_the_base`).
 
     Returns:
         From the start to the first place on the way, from there to the next and so on, each from the configuration in
@@ -127,16 +132,18 @@ def sampled_way(arm: LevelArm, *, seed: int, samples: int) -> list[SampledWay] |
     for number, place in enumerate(arm.scene.motion.via, start=1):
         yaw = start[3] + (goal[3] - start[3]) * number / (len(arm.scene.motion.via) + 1)
         poses = np.array([[*place.position, yaw + turn] for turn in np.linspace(0.0, TURN, _YAWS, endpoint=False)])
-        leg = _between(arm, random, here, _rooted(arm, poses), samples)
+        leg = _between(arm, random, here, _rooted(arm, poses), samples, over)
         if leg is None:
             return None
         found.append(leg)
         here = _Tree(leg.poses[-1:], leg.q[-1:])
-    leg = _between(arm, random, here, _rooted(arm, goal + turned, last), samples)
+    leg = _between(arm, random, here, _rooted(arm, goal + turned, last), samples, over)
     return None if leg is None else [*found, leg]
 
 
-def _between(arm: LevelArm, random: np.random.Generator, start: _Tree, goal: _Tree, samples: int) -> SampledWay | None:
+def _between(
+    arm: LevelArm, random: np.random.Generator, start: _Tree, goal: _Tree, samples: int, over: np.ndarray | None
+) -> SampledWay | None:
     """A way from a root of a tree to one of another."""
     roots = start, goal
     if not all(tree.roots for tree in roots):
@@ -144,14 +151,15 @@ def _between(arm: LevelArm, random: np.random.Generator, start: _Tree, goal: _Tr
     draw = _Draws(arm, random, np.array([start.poses[0], goal.poses[0]]))
     for number in range(samples):
         here, there = roots if number % 2 == 0 else roots[::-1]
-        if random.random() < _TO_ROOTS:
-            root = int(random.integers(there.roots))
-            target = there.poses[root], there.q[root]
+        if over is not None and random.random() < _OVER:
+            tip = _grown_over(arm, here, over, random)
         else:
-            target = draw()
-        if target is None:
-            continue
-        tip = _grown(arm, here, *target)
+            if random.random() < _TO_ROOTS:
+                root = int(random.integers(there.roots))
+                target = there.poses[root], there.q[root]
+            else:
+                target = draw()
+            tip = None if target is None else _grown(arm, here, *target)
         if tip is None:
             continue
         other = _grown(arm, there, here.poses[tip], here.q[tip])
@@ -199,11 +207,29 @@ def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int |
     nearest = int(np.argmin(gaps))
     if gaps[nearest] < _SAME:
         return nearest
-    poses, found, _ = arm.towards(tree.poses[nearest], tree.q[nearest], pose, q)
+    return _grown_from(arm, tree, nearest, pose, q)
+
+
+def _grown_over(arm: LevelArm, tree: _Tree, axis: np.ndarray, random: np.random.Generator) -> int | None:
+    """Grow a tree from any of its nodes straight over the base."""
+    node = int(random.integers(len(tree.q)))
+    pose = beyond(tree.poses[node], axis, random)
+    return None if pose is None else _grown_from(arm, tree, node, pose, tree.q[node])
+
+
+def _grown_from(arm: LevelArm, tree: _Tree, node: int, pose: np.ndarray, q: np.ndarray) -> int | None:
+    poses, found, _ = arm.towards(tree.poses[node], tree.q[node], pose, q)
     if not len(found):
         return None
     kept = np.unique(np.append(np.arange(_EVERY - 1, len(found), _EVERY), len(found) - 1))
-    return tree.add(poses[kept], found[kept], nearest)
+    return tree.add(poses[kept], found[kept], node)
+
+
+def cut(way: SampledWay, after: np.ndarray) -> list[SampledWay]:
+    """A way in legs as `joined` joins them, the stretch after each of the given looks (k,) a leg of its own."""
+    last = len(way.q) - 1
+    cuts = np.unique([0, *after, *(after + 1), last])
+    return [SampledWay(way.poses[a : b + 1], way.q[a : b + 1]) for a, b in pairwise(cuts)]
 
 
 def joined(legs: Sequence[SampledWay]) -> SampledWay:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import islice, product
 
 import numpy as np
 
 from nospill.collisions.level_arm import LEVER, METRIC, LevelArm
-from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened, time_along
+from nospill.collisions.over_the_base import base_axis, led_over, passes
+from nospill.collisions.sampled_ways import SampledWay, cut, joined, sampled_way, shortened, time_along
 from nospill.core.paths import Path
 from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
@@ -116,8 +118,6 @@ def _with_most_room(scene: Scene) -> Scene:
         candidates = ways(scene)
     except NoSolutionError as error:
         text = f"{error}; {len(SEEDS)} random searches found no other way"
-        if redundant_joint(scene.robot) is None:
-            text += " on which the arm keeps its branch"
         raise NoSolutionError(text, error.reason) from None
     freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
     try:
@@ -140,22 +140,32 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     Raises:
         MissingExtraError: the library coal is not installed.
     """
-    kinds = (False,) if redundant_joint(scene.robot) is None else (False, True)
-    for by_joints, spare in product(kinds, _SPARES):
-        arm = LevelArm(scene, spare=spare, by_joints=by_joints)
-        found = [(seed, sampled_way(arm, seed=seed, samples=SAMPLES)) for seed in SEEDS]
-        short = [
-            joined([shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs]) for seed, legs in found if legs
-        ]
-        smooth = (_smooth(scene, arm, way) for way in sorted(short, key=lambda way: time_along(arm, way.q)))
+    seven, axis = redundant_joint(scene.robot) is not None, base_axis(scene)
+    # what is longer, or harder to follow, where nothing else is found
+    kinds = (False, True) if seven or axis is not None else (False,)
+    for farther, spare in product(kinds, _SPARES):
+        arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
+        found = [(seed, sampled_way(arm, seed=seed, samples=SAMPLES, over=over)) for seed in SEEDS]
+        short = [_shortened(arm, legs, seed, over) for seed, legs in found if legs]
+        smooth = (_smooth(scene, arm, way, over) for way in sorted(short, key=lambda way: time_along(arm, way.q)))
         best = [*islice((way for way in smooth if way is not None), _SMOOTHED)]
         if best:
             return min(best, key=lambda way: way[0])
     return None
 
 
-def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene] | None:
-    """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear."""
+def _shortened(arm: LevelArm, legs: Sequence[SampledWay], seed: int, over: np.ndarray | None) -> SampledWay:
+    """The legs of a way made shorter, in one; where it passes over the axis of the base it is kept as it is."""
+    if over is not None:
+        legs = [part for leg in legs for part in cut(leg, passes(leg.poses, leg.q, over))]
+    return joined([shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs])
+
+
+def _smooth(scene: Scene, arm: LevelArm, way: SampledWay, axis: np.ndarray | None) -> tuple[float, Scene] | None:
+    """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear.
+
+    Where the way passes over the axis of the base, so does the curve.
+    """
     # with seven joints the self-motion is smoothed as well
     direction = np.zeros(len(arm.robot.joints)) if arm.redundant is None else self_motion(arm.robot, way.q)
     points = np.column_stack([way.poses * METRIC, LEVER * way.q @ direction])
@@ -170,6 +180,10 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay) -> tuple[float, Scene]
         at = np.linspace(0.0, 1.0, _POINTS)
         values = curve.pieces(at)
         poses = values[:, :4] / METRIC
+        if axis is not None:
+            for look in passes(way.poses, way.q, axis):
+                over = np.interp(0.5 * (along_it[look] + along_it[look + 1]), dense, curve.s)
+                poses = led_over(poses, float(over), axis)
         poses[[0, -1], :3] = arm.ends[:, :3]
         joints = None
         if arm.redundant is not None:
