@@ -6,11 +6,35 @@ import os
 import shutil
 from pathlib import Path
 
+from nospill.judge import replay, traces
+from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
+
 AT_FIRST = ("linear solver", "ur10e")
 """Beginnings of the labels of usual parts: what most plans of the tests need, and takes longest to compile."""
 
 COMPILER = os.environ.get("CC", "cc")
 """As the user has it."""
+
+_KEPT = (
+    stage_functions.stage_functions,
+    tray_block._block,
+    object_block._object_block,
+    object_block._end_block,
+    clearance_block.clearance_block,
+    traces.object_figures_function,
+    traces.tray_figures_function,
+    replay.arm_motion,
+    replay.liquid_step,
+    export_samples.tray_function,
+    export_samples.crest_function,
+)
+"""What a process keeps of functions once made."""
+
+
+def forget() -> None:
+    """Let the process make its functions anew, as the settings then say."""
+    for kept in _KEPT:
+        kept.cache_clear()
 
 
 def hasty_compiler(folder: Path) -> Path | None:

@@ -37,7 +37,7 @@ from nospill.transcription.starting_motions import Start, smooth_start
 from nospill.warmup.usual import usual_parts
 from nospill.warmup.warming import warm_cache
 from tests.builders import changed_table, joint_path_of, measured_data, one_mode, with_few_speeds
-from tests.compiling import AT_FIRST, hasty_compiler
+from tests.compiling import AT_FIRST, forget, hasty_compiler
 from tests.example_plans import keep
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -69,6 +69,16 @@ def compiled_functions(run_folder: Path) -> Iterator[None]:
                 # The largest, which every worker needs: one that comes while another compiles goes on without.
                 warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
         yield
+
+
+@pytest.fixture(scope="module")
+def in_virtual_machine() -> Iterator[None]:
+    """Functions of a module's tests are CasADi's own, which it can differentiate and look into."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NOSPILL_COMPILE", "off")
+        forget()
+        yield
+    forget()
 
 
 @pytest.fixture(autouse=True)

@@ -366,7 +366,7 @@ CASES: tuple[Case, ...] = (
     Case(
         "no time to solve",
         "ur10e cups",
-        {"planning.max_solve_time": "0.02 s"},
+        {"planning.max_solve_time": "2 ms"},
         NOT_CONVERGED,
         "planning",
         ("max_solve_time",),

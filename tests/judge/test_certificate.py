@@ -118,7 +118,7 @@ def test_rows_say_where_and_when(good, good_certificate):
 
 def test_table_for_the_file(good_certificate):
     table = json.loads(json.dumps(good_certificate.to_dict()))
-    assert list(table) == ["ok", "grid_hz", "rows", "published"]
+    assert list(table) == ["ok", "grid_hz", "rows", "published", "modes"]
     assert list(table["rows"][0]) == [
         "constraint",
         "subject",

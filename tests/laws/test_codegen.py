@@ -28,25 +28,11 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.transcription import export_samples, object_block, stage_functions, tray_block
-from tests.compiling import COMPILER
+from tests.compiling import COMPILER, forget
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
-
-CACHES = (
-    stage_functions.stage_functions,
-    tray_block._block,
-    object_block._object_block,
-    object_block._end_block,
-    traces.object_figures_function,
-    traces.tray_figures_function,
-    replay.arm_motion,
-    replay.liquid_step,
-    export_samples.tray_function,
-    export_samples.crest_function,
-)
-"""What a process keeps of functions once made."""
 
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
 USER = """
@@ -76,11 +62,9 @@ def as_users_have_it() -> Iterator[None]:
 @pytest.fixture
 def forgotten() -> Iterator[None]:
     """Nothing kept from before, nothing left behind."""
-    for kept in CACHES:
-        kept.cache_clear()
+    forget()
     yield
-    for kept in CACHES:
-        kept.cache_clear()
+    forget()
 
 
 def run(folder: Path | str, **environment: str) -> str:
@@ -134,8 +118,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     structure = structure_of(small)
     slow = plan(small)
     plain = _functions(structure)
-    for kept in CACHES:
-        kept.cache_clear()
+    forget()
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     assert stage_functions.stage_functions(structure).compiled

@@ -67,7 +67,7 @@ def test_a_real_plan(rigid: tuple[Path, subprocess.CompletedProcess[str]]) -> No
         "trajectory.csv",
     ]
     certificate = json.loads((place / "certificate.json").read_text())
-    assert list(certificate) == ["ok", "grid_hz", "rows", "published", "full_model"]
+    assert list(certificate) == ["ok", "grid_hz", "rows", "published", "modes", "full_model"]
     keys = ["constraint", "subject", "unit", "limit", "worst_value", "worst_margin", "at_s", "ok"]
     assert all(list(row) == keys for row in certificate["rows"])
 

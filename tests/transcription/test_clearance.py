@@ -27,6 +27,8 @@ from nospill.transcription.task import Task
 
 pytest.importorskip("coal")
 
+pytestmark = pytest.mark.usefixtures("in_virtual_machine")
+
 SUBJECTS = ("tray to column", "left to column", "wrist_3_link to forearm_link", "forearm_link to table")
 POSE = np.array([0.4, -1.5, 1.8, -0.3, 1.2, 0.1])
 INTERVALS = 4

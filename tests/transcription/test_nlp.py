@@ -17,6 +17,8 @@ from nospill.scene.scene import Scene
 from nospill.transcription.nlp import _transcribe
 from nospill.transcription.problem import Problem, build_problem
 
+pytestmark = pytest.mark.usefixtures("in_virtual_machine")
+
 INTERVALS = 3
 SCENES = (
     "matrix-liquid",

@@ -150,10 +150,10 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
 
 @pytest.mark.slow
 @pytest.mark.oracle
-@pytest.mark.parametrize(("factor", "holds"), [(0.85, True), (1.2, False)])
+@pytest.mark.parametrize(("factor", "holds"), [(0.85, True), (1.25, False)])
 @pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid-tilt"])
 def test_friction_overstated_slides_and_understated_holds(name: str, factor: float, holds: bool) -> None:
-    """Planned with less or more friction than there is, the reserve of 10 % kept: 1.2 x 0.9 is 8 % too much."""
+    """Planned with less or more friction than there is, the reserve of 10 % kept: 1.25 x 0.9 is 12.5 % too much."""
     scene = one_mode(name)
     table: Any = scene.source
     wrong = plan(with_friction(scene, factor * float(table["tray"]["friction"])))
