@@ -27,7 +27,7 @@ from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
-from nospill.transcription import export_samples, object_block, stage_functions, tray_block
+from nospill.transcription import stage_functions
 from tests.compiling import COMPILER, forget
 from tests.waiting import finished
 

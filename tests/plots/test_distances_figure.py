@@ -70,7 +70,7 @@ def test_swept_volume_in_two_views(evidence: Evidence) -> None:
     above, side = figure.axes
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["from above", "from the side"]
     played = evidence.judgement.replay.tray.position
-    way, straight = (above.get_lines()[index].get_xydata() for index in (0, 1))
+    way, straight = (np.asarray(above.get_lines()[index].get_xydata()) for index in (0, 1))
     assert np.linalg.norm(way[-1] - way[0]) == pytest.approx(np.linalg.norm((played[-1] - played[0])[:2]))
     assert np.allclose(straight, way[[0, -1]])
     assert side.get_lines()[0].get_ydata() == pytest.approx(played[:, 2])
