@@ -9,7 +9,6 @@ import contextlib
 import importlib.util
 import os
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -129,7 +128,7 @@ def _running_studio() -> Iterator[str]:
         assert process.stdout is not None
         yield process.stdout.readline().split()[0]
     finally:
-        process.send_signal(signal.SIGINT)
+        process.terminate()  # a build in the background of a shell has interrupts ignored
         process.communicate()
 
 
