@@ -113,7 +113,7 @@ def test_a_way_that_the_arm_cannot_follow_is_no_bad_input(monkeypatch: pytest.Mo
     scene = scene_from_table(read_problems(PROBLEMS)[61]["table"], name="behind")
     for module in (free_way, free_ways):
         monkeypatch.setattr(module, "possible_ways", lambda scene: iter([scene]))
-    with pytest.raises(NoSolutionError, match=r"the only way that was tried .* 1 random searches found no") as caught:
+    with pytest.raises(NoSolutionError, match=r"the only way that was tried .*; random searches found no") as caught:
         freest_way(scene)
     assert caught.value.exit_code == 3
 

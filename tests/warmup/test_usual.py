@@ -20,19 +20,9 @@ from nospill.transcription import export_samples, object_block, tray_block
 from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.warmup.usual import Part, usual_parts
 from tests.builders import changed_table
+from tests.compiling import forget
 
 Entry = tuple[str, Structure]
-KEPT = (
-    tray_block._block,
-    object_block._object_block,
-    object_block._end_block,
-    traces.object_figures_function,
-    traces.tray_figures_function,
-    replay.arm_motion,
-    replay.liquid_step,
-    export_samples.tray_function,
-    export_samples.crest_function,
-)
 
 
 class AskedError(Exception):
@@ -48,8 +38,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Entry]]:
         entries.append((kind, structure))
         raise AskedError
 
-    for kept in KEPT:
-        kept.cache_clear()
+    forget()
     monkeypatch.setattr(codegen, "functions", functions)
     yield entries
 

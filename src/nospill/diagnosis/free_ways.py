@@ -117,7 +117,7 @@ def _with_most_room(scene: Scene) -> Scene:
     try:
         candidates = ways(scene)
     except NoSolutionError as error:
-        text = f"{error}; {len(SEEDS)} random searches found no other way"
+        text = f"{error}; random searches found no other way"
         raise NoSolutionError(text, error.reason) from None
     freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
     try:
@@ -125,7 +125,7 @@ def _with_most_room(scene: Scene) -> Scene:
     except NoSolutionError as error:
         text = (
             f"{error}; the {len(candidates)} ways that were tried, round the base and over or under, are all blocked, "
-            f"and {len(SEEDS)} random searches found no other"
+            "and random searches found no other"
         )
         raise NoSolutionError(text, error.reason) from None
     return freest

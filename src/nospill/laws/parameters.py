@@ -291,7 +291,7 @@ def flatten(record: object) -> np.ndarray:
 
 
 def _gather(record: Any, leaves: list[float]) -> None:
-    # A scene has hundreds of leaves, most of them numbers: a list of these is made in a third of the time of arrays.
+    # A scene has hundreds of leaves, most of them numbers: a list of these is made in a sixth of the time of arrays.
     if isinstance(record, float):
         leaves.append(record)
     elif isinstance(record, np.ndarray):

@@ -34,6 +34,8 @@ SHEET = (11.69, 8.27)
 
 _TILE_LETTERS = 20
 """Of a line below a headline figure."""
+_DETAIL_LETTERS = 80
+"""Of a line below the verdict, beside what is on the tray."""
 _NOTE_LETTERS = 150
 """Of what the full model sees."""
 _MOST_LIMITS = 7
@@ -82,10 +84,19 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
         counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED
     verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
-    figure.text(0.975, 0.943, detail, size=8, ha="right", va="top")
+    lines = textwrap.wrap(detail, _DETAIL_LETTERS)
+    figure.text(0.975, 0.943, "\n".join(lines), size=8, ha="right", va="top", linespacing=1.05)
     beyond = full_model_note(certificate)
     if beyond:
-        figure.text(0.975, 0.9175, plain(beyond, _NOTE_LETTERS), size=7.5, ha="right", va="top", color=DARK_RED)
+        figure.text(
+            0.975,
+            0.9175 if len(lines) == 1 else 0.911,
+            plain(beyond, _NOTE_LETTERS),
+            size=7.5,
+            ha="right",
+            va="top",
+            color=DARK_RED,
+        )
     shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = 0.03 + 0.95 * index / len(shown)

@@ -72,8 +72,6 @@ def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
         ]
         corners[cargo.name] = np.vstack(ends)
     for name, points in corners.items():
-        if float(np.min(rise)) > float(np.max(np.linalg.norm(points, axis=1))):
-            continue  # however the tray leans
         lowest = rise + np.min(points @ lean.T, axis=0)
         index = int(np.argmin(lowest))
         if lowest[index] < 0.0:
