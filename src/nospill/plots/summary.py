@@ -34,8 +34,8 @@ SHEET = (11.69, 8.27)
 
 _TILE_LETTERS = 20
 """Of a line below a headline figure."""
-_DETAIL_LETTERS = 80
-"""Of a line below the verdict, beside what is on the tray."""
+_LINE_LETTERS = 178
+"""Of what is on the tray and of the line below the verdict beside it."""
 _NOTE_LETTERS = 150
 """Of what the full model sees."""
 _MOST_LIMITS = 7
@@ -71,7 +71,8 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     figure.text(0.03, 0.972, plain(scene.name, 40), size=17, weight="bold", va="top")
     about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray ({carried(scene)}): "
     names = plain(", ".join(item.name for item in scene.cargo), max(88 - len(about), 12))
-    figure.text(0.03, 0.939, about + names, size=8.5, va="top")
+    left = about + names
+    figure.text(0.03, 0.939, left, size=8.5, va="top")
     rows = certificate.rows
     # Which numbers are worst stands in the certificate; here there is no room for it.
     detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16), variant=""))
@@ -84,7 +85,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
         counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED
     verdict = f"{certificate.word.upper()}{over}: {counted} at {certificate.grid_hz:g} Hz"
     figure.text(0.975, 0.972, verdict, size=11, weight="bold", ha="right", va="top", color=color)
-    lines = textwrap.wrap(detail, _DETAIL_LETTERS)
+    lines = textwrap.wrap(detail, _LINE_LETTERS - len(left))
     figure.text(0.975, 0.943, "\n".join(lines), size=8, ha="right", va="top", linespacing=1.05)
     beyond = full_model_note(certificate)
     if beyond:
