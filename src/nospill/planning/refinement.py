@@ -65,10 +65,10 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
 
 
 def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
-    """The motion solved on another grid with some rows; None where no first barrier leads anywhere."""
+    """The motion on another grid with some rows; None where no first barrier (on planes, the least) leads there."""
     active = candidate.active.with_rows(rows)
     start = on_grid(active.scene, candidate.stages, intervals, active.task.passage.along)
-    return _converged(active, start, BARRIERS, log)
+    return _converged(active, start, BARRIERS[:1] if active.task.keeps_apart else BARRIERS, log)
 
 
 def _converged(active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log) -> Candidate | None:

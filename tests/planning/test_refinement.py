@@ -1,0 +1,32 @@
+"""How often the fine grid is tried again where the first barrier does not lead there."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from nospill.planning import refinement
+from nospill.plans.log import Log
+from nospill.transcription.solvers.options import BARRIERS
+
+
+@pytest.mark.parametrize(("keeps_apart", "expected"), [(False, BARRIERS), (True, BARRIERS[:1])])
+def test_on_planes_only_the_least_barrier_is_tried(
+    monkeypatch: pytest.MonkeyPatch, keeps_apart: bool, expected: tuple[float, ...]
+) -> None:
+    tried: list[float] = []
+    active: Any = SimpleNamespace(
+        scene=None, task=SimpleNamespace(keeps_apart=keeps_apart, passage=SimpleNamespace(along=None))
+    )
+    candidate: Any = SimpleNamespace(active=SimpleNamespace(with_rows=lambda rows: active), stages=None)
+
+    def solved(active: object, start: object, log: Log, options: dict[str, float]) -> Any:
+        tried.append(options["barrier_start"])
+        return SimpleNamespace(has_converged=False)
+
+    monkeypatch.setattr(refinement, "on_grid", lambda *_: None)
+    monkeypatch.setattr(refinement, "solved", solved)
+    assert refinement._refined(candidate, 100, (), Log(None, 60.0)) is None
+    assert tuple(tried) == expected
