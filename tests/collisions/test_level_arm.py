@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -19,12 +21,12 @@ RESTING = 6
 """Joint of the Franka FR3 that stands for its freedom where configurations of a pose are looked for."""
 
 
-def arm_of(*, by_joints: bool) -> LevelArm:
+def arm_of(*obstacles: dict[str, Any], by_joints: bool = False) -> LevelArm:
     table = {
         "robot": {"model": "franka-fr3"},
         "tray": {"size": [0.16, 0.12], "offset": 0.08, "friction": 0.4},
         "cargo": [{**CUP, "at": [0.0, 0.0]}],
-        "obstacle": [FLOOR],
+        "obstacle": [FLOOR, *obstacles],
         "path": {"type": "free", "start": {"position": [0.45, -0.35, 0.45]}, "goal": {"position": [0.45, 0.35, 0.45]}},
     }
     return LevelArm(scene_from_table(table, name="level"), by_joints=by_joints)
@@ -44,6 +46,21 @@ def round_the_turn(arm: LevelArm, pose: np.ndarray) -> np.ndarray:
         if there.min(initial=0.0) < -1e-3 and there.max(initial=0.0) > 1e-3:
             return np.array(found[:-1])
     raise AssertionError("no self-motion turns joint 7 back")
+
+
+def test_where_the_arm_can_stand_some_configuration_is_clear() -> None:
+    """A block beside the elbow leaves some positions of the redundant joint, one about the tray's place leaves none."""
+    places = np.array([[0.45, -0.2, 0.45, 0.0], [0.45, 0.2, 0.45, 0.0]])
+    assert arm_of().can_stand(places)
+    beside = {"name": "block", "shape": "box", "at": [0.25, -0.3, 0.6], "size": [0.06, 0.06, 0.2]}
+    arm = arm_of(beside)
+    held = np.linspace(arm.robot.lower[RESTING], arm.robot.upper[RESTING], 40)
+    found = np.concatenate(arm.solutions(np.tile(places[0], (len(held), 1)), held))
+    clear = arm.clear(np.tile(places[0], (len(found), 1)), found)
+    assert clear.any() and not clear.all() and arm.can_stand(places[:1])
+    there = {"name": "post", "shape": "box", "at": [0.45, 0.2, 0.3], "size": [0.05, 0.05, 0.4], "clearance": 0.0}
+    assert not arm_of(there).can_stand(places)
+    assert not arm.can_stand(np.array([[2.0, 0.0, 0.45, 0.0]]))  # out of reach
 
 
 @pytest.mark.parametrize("by_joints", [False, True])

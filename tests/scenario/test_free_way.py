@@ -12,7 +12,7 @@ import pytest
 from benchmarks.carry.draw import PROBLEMS, read_problems
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.free_way import has_free_way, ways
+from nospill.scenario.free_way import has_free_way, possible_ways, ways
 from nospill.scene.scene import Scene
 
 START: dict[str, Any] = {"position": ["154 mm", "-600 mm", "1220 mm"], "yaw": "10 deg"}
@@ -102,3 +102,15 @@ def test_ways_that_the_arm_cannot_follow_are_not_found_and_not_refused() -> None
 def test_refused(keys: dict[str, object], message: str) -> None:
     with pytest.raises(ScenarioError, match=message):
         scene_of(**{"start": START, "goal": GOAL, **keys})
+
+
+def test_the_path_of_a_possible_way_is_that_of_its_scene() -> None:
+    """It is made without reading the whole scenario anew."""
+    table = read_problems(PROBLEMS)[2]["table"]
+    scene = scene_from_table(table, name="shelf")
+    looked_at = [*possible_ways(scene)]
+    assert looked_at[0].scene() is scene and len(looked_at) == 41
+    for way in looked_at[1::10]:
+        made = way.scene()
+        np.testing.assert_array_equal(made.path.coefficients, way.path.coefficients)
+        np.testing.assert_array_equal(made.path.breaks, way.path.breaks)

@@ -41,6 +41,8 @@ _LEVEL = 1e-6
 _HELD = 481
 """Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
 places it has a range of a degree."""
+_SPARSE = 12
+"""Every so many of them are looked at first."""
 _NEAR_ENDS = 0.15
 """m; from an end up to which the spare room grows to what it is elsewhere."""
 _AT_ONCE = 12
@@ -134,6 +136,19 @@ class LevelArm:
             steps = np.maximum(slowest[:, None], self.time(here[:, None], there))
             slowest = np.min(steps, axis=0, initial=np.inf)
         return float(np.min(slowest, initial=np.inf)) * (len(poses) - 1)
+
+    def can_stand(self, poses: np.ndarray) -> bool:
+        """Whether at each of poses (m, 4) there is a configuration of seven joints with nothing in the way.
+
+        Of a few positions of the redundant joint at first, of all where none of them is clear.
+        """
+        return all(any(self._is_clear_at(pose, held) for held in (self.held[::_SPARSE], self.held)) for pose in poses)
+
+    def _is_clear_at(self, pose: np.ndarray, held: np.ndarray) -> bool:
+        """Whether nothing is in the way in one configuration at a pose (4,), of some positions (m,) of that joint."""
+        q = np.concatenate(self.solutions(np.tile(pose, (len(held), 1)), held))
+        parts = (q[first : first + _AT_ONCE] for first in range(0, len(q), _AT_ONCE))
+        return any(self.clear(np.tile(pose, (len(part), 1)), part).any() for part in parts)
 
     def towards(
         self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray, joints: np.ndarray

@@ -132,6 +132,14 @@ def _basis(x: np.ndarray, knots: np.ndarray, degree: int) -> tuple[np.ndarray, n
     return basis, span - degree
 
 
+def design_matrix(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
+    """All B-splines on some knots at x (n,), shape (n, len(knots) - degree - 1)."""
+    basis, first = _basis(x, knots, degree)
+    matrix = np.zeros((len(x), len(knots) - degree - 1))
+    matrix[np.arange(len(x)), first + np.arange(degree + 1)[:, None]] = basis
+    return matrix
+
+
 def _solved(basis: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Control points c (n, k) with sum_j basis[j, i] c[first[i] + j] = values[i]."""
     import casadi as ca  # reading a scenario needs none of it

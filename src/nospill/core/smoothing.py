@@ -11,11 +11,10 @@ the curve.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from nospill.core.piecewise import Pieces, bspline_pieces
+from nospill.core.piecewise import Pieces, bspline_pieces, design_matrix
 
 _DEGREE = 5
 _SPANS = (4, 8, 16, 32, 64)
@@ -83,17 +82,14 @@ class _Fit:
     """Least squares on given spans, for any penalty."""
 
     def __init__(self, points: np.ndarray, spans: int, tolerance: float) -> None:
-        # imported here: slow to import, and needed for recorded points only
-        from scipy.interpolate import BSpline
-
-        self._spline, self._points = BSpline, points
+        self._points = points
         inner = np.linspace(0.0, 1.0, spans + 1)[1:-1]
         self._knots = np.concatenate([np.zeros(_DEGREE + 1), inner, np.ones(_DEGREE + 1)])
         self._start = _chord_parameters(points, _STRIDE * tolerance)
         count = spans + _DEGREE
         nodes, weights = np.polynomial.legendre.leggauss(_DEGREE)
         places = ((np.arange(spans)[:, None] + 0.5 * (nodes + 1.0)) / spans).ravel()
-        thirds = BSpline(self._knots, np.eye(count), _DEGREE).derivative(3)(places)
+        thirds = bspline_pieces(np.eye(count), _DEGREE, self._knots)(places, 3)
         root = np.sqrt(np.tile(weights, spans) / (2.0 * spans))[:, None] * thirds
         # times the number of points, so that a penalty has the same effect whatever that is
         self._roughness = len(points) * root.T @ root
@@ -108,15 +104,14 @@ class _Fit:
         curve = self._solved(s, rough)
         distance = np.linalg.norm(curve(s) - self._points, axis=1)
         worst = int(np.argmax(distance))
-        pieces = bspline_pieces(curve.c, _DEGREE, self._knots)
-        return SmoothCurve(pieces, s, float(distance[worst]), worst)
+        return SmoothCurve(curve, s, float(distance[worst]), worst)
 
-    def _solved(self, s: np.ndarray, rough: np.ndarray) -> Any:
-        basis = self._spline.design_matrix(s, self._knots, _DEGREE)
-        gram, wanted = (basis.T @ basis).toarray() + rough, basis.T @ self._points
+    def _solved(self, s: np.ndarray, rough: np.ndarray) -> Pieces:
+        basis = design_matrix(s, self._knots, _DEGREE)
+        gram, wanted = basis.T @ basis + rough, basis.T @ self._points
         ends = self._points[[0, -1]]
         inner = np.linalg.solve(gram[1:-1, 1:-1], wanted[1:-1] - gram[1:-1][:, [0, -1]] @ ends)
-        return self._spline(self._knots, np.vstack([ends[:1], inner, ends[1:]]), _DEGREE)
+        return bspline_pieces(np.vstack([ends[:1], inner, ends[1:]]), _DEGREE, self._knots)
 
 
 def _chord_parameters(points: np.ndarray, stride: float) -> np.ndarray:
@@ -131,9 +126,9 @@ def _chord_parameters(points: np.ndarray, stride: float) -> np.ndarray:
     return np.interp(np.arange(len(points)), chosen, along / along[-1])
 
 
-def _projected(curve: Any, points: np.ndarray, s: np.ndarray) -> np.ndarray:
+def _projected(curve: Pieces, points: np.ndarray, s: np.ndarray) -> np.ndarray:
     """Parameters (n,) of the nearest places of the curve: one Gauss-Newton step, ends and order kept."""
-    tangent = curve.derivative(1)(s)
+    tangent = curve(s, 1)
     along, speed = np.sum((curve(s) - points) * tangent, axis=1), np.sum(tangent**2, axis=1)
     moved = np.clip(s - along / np.maximum(speed, 1e-18), 0.0, 1.0)
     moved[0], moved[-1] = 0.0, 1.0

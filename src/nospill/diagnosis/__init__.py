@@ -6,6 +6,7 @@ from nospill.diagnosis.changes import changed_table as changed_table
 from nospill.diagnosis.changes import with_change as with_change
 from nospill.diagnosis.collisions import free_paths as free_paths
 from nospill.diagnosis.free_ways import freest_way as freest_way
+from nospill.diagnosis.free_ways import paths_along as paths_along
 from nospill.diagnosis.motion import last_resort as last_resort
 from nospill.diagnosis.quasi_static import is_hopeless as is_hopeless
 from nospill.diagnosis.reach import advised as advised

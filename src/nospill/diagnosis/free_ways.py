@@ -16,12 +16,12 @@ from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
-from nospill.robots.joint_paths.search import JointPath, joint_paths, try_joint_paths
+from nospill.robots.joint_paths.search import JointPath, TriedPaths, try_joint_paths
 from nospill.robots.kinematics.closed_form import has_closed_form
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import redundant_joint, self_motion
-from nospill.scenario.free_way import along, possible_ways, ways
+from nospill.scenario.free_way import PossibleWay, along, possible_ways, ways
 from nospill.scene.scene import Scene
 
 SEEDS = (0, 1, 2, 3)
@@ -67,9 +67,10 @@ def freest_way(scene: Scene) -> Scene:
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
     in_order = open_ways(scene)
-    straight_is_open = any(item is scene for item in in_order)
-    for number, item in enumerate(in_order):
-        paths = _paths(item)
+    straight_is_open = any(way.points is None for way in in_order)
+    for number, way in enumerate(in_order):
+        item = way.scene()
+        paths = tried_along(item).paths
         # bodies and pairs are those of the task, whichever way it goes
         if any(are_clear(scene, paths)):
             is_fastest = number == 0 and straight_is_open
@@ -78,16 +79,27 @@ def freest_way(scene: Scene) -> Scene:
     return _with_most_room(scene) if found is None else found[1]
 
 
-def open_ways(scene: Scene) -> list[Scene]:
+def open_ways(scene: Scene) -> list[PossibleWay]:
     """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
     arm = LevelArm(scene)
-    if arm.redundant is None and has_closed_form(kinematics(scene.robot), None):
-        figures = [(own, _glimpsed(arm, own.path)) for own in possible_ways(scene)]
+    if not has_closed_form(kinematics(scene.robot), arm.redundant):
+        open_ones = [way for way in possible_ways(scene) if tray_is_clear(scene, way.path)]
+        figures = [_followed(way) for way in open_ones]
+    elif arm.redundant is None:
+        open_ones = [*possible_ways(scene)]
+        figures = [_glimpsed(arm, way.path) for way in open_ones]
     else:
-        open_ones = [own for own in possible_ways(scene) if tray_is_clear(scene, own.path)]
-        figures = [(own, min((one.speed_figure for one in _paths(own)), default=np.inf)) for own in open_ones]
+        open_ones = [way for way in possible_ways(scene) if tray_is_clear(scene, way.path)]
+        seen = [np.linspace(0.0, 1.0, places)[1:-1] for places in _GLIMPSES]
+        figures = [_followed(way) if all(arm.can_stand(way.path.at(s)) for s in seen) else np.inf for way in open_ones]
     # rounded, so that ways that are alike compare by their order
-    return [own for own, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
+    in_order = sorted(zip(open_ones, figures, strict=True), key=lambda one: float(f"{one[1]:.6g}"))
+    return [way for way, figure in in_order if figure < np.inf]
+
+
+def _followed(way: PossibleWay) -> float:
+    """The speed figure, s, of the fastest joint path along a way; infinite where the arm cannot follow it."""
+    return min((path.speed_figure for path in tried_along(way.scene()).paths), default=np.inf)
 
 
 def _glimpsed(arm: LevelArm, path: Path) -> float:
@@ -101,9 +113,17 @@ def _glimpsed(arm: LevelArm, path: Path) -> float:
 
 
 @lru_cache(maxsize=8)
-def _paths(scene: Scene) -> tuple[JointPath, ...]:
-    """The joint paths along the path of a scene; kept, since those of an arm of seven are read twice."""
-    return tuple(try_joint_paths(scene.robot, scene.path, tool=scene.tray.tool).paths)
+def tried_along(scene: Scene) -> TriedPaths:
+    """The joint paths along the path of a scene; kept, since a way that is looked at may be the one that is taken."""
+    return try_joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
+
+
+def paths_along(scene: Scene) -> list[JointPath]:
+    """`joint_paths` along the path of a scene; raises the same."""
+    tried = tried_along(scene)
+    if tried.paths:
+        return tried.paths
+    raise tried.failure()
 
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
@@ -121,7 +141,7 @@ def _with_most_room(scene: Scene) -> Scene:
         raise NoSolutionError(text, error.reason) from None
     freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
     try:
-        free_paths(freest, joint_paths(freest.robot, freest.path, tool=freest.tray.tool))
+        free_paths(freest, paths_along(freest))
     except NoSolutionError as error:
         text = (
             f"{error}; the {len(candidates)} ways that were tried, round the base and over or under, are all blocked, "
@@ -197,7 +217,7 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay, axis: np.ndarray | Non
             continue
         if not tray_is_clear(scene, found.path):
             continue
-        paths = _paths(found)
+        paths = tried_along(found).paths
         path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
         if path is not None:
             return float(f"{path.speed_figure:.6g}"), found

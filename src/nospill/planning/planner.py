@@ -21,7 +21,7 @@ from nospill.plans.log import Log, OnProgress
 from nospill.plans.log import PlanningProgress as PlanningProgress
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.request import earlier_plan, ignored_constraints, requested_scene
-from nospill.robots.joint_paths.search import branch_in_words, joint_paths, preferred_path
+from nospill.robots.joint_paths.search import branch_in_words, preferred_path
 from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scenario.free_way import has_free_way
 from nospill.scenario.loading import ScenarioSource
@@ -100,7 +100,7 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
         if found is not None:
             yield found
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
-        paths = diagnosis.free_paths(scene, joint_paths(scene.robot, scene.path, tool=scene.tray.tool))
+        paths = diagnosis.free_paths(scene, diagnosis.paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
         yield found_motion(task, joint_path, log)

@@ -10,12 +10,14 @@ from itertools import pairwise, product
 
 import numpy as np
 
+from nospill.core.paths import Path
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.scenario.free_path_entry import FreeTable
 from nospill.scenario.reader import scene_from_table
 from nospill.scene.scene import Scene
 
@@ -23,6 +25,8 @@ _POINTS = 13
 """Of an arc about the base, from place to place."""
 _NEAR_THE_AXIS = 0.05
 """m; nearer to the base's axis there is no direction to turn from."""
+_DIGITS = 9
+"""Of the numbers of a way, m and rad."""
 _NEARER = (0.0, -0.1, -0.2, -0.3, 0.15)
 _HIGHER = (0.0, 0.2, 0.4, -0.2)
 """How much farther from the axis, and higher, detours are half way, in parts of the arm's reach."""
@@ -53,15 +57,34 @@ class Way:
     paths: list[JointPath]
 
 
-def possible_ways(scene: Scene) -> Iterator[Scene]:
-    """The scene with each way that is looked at, whether the arm can follow it or not.
+@dataclass(frozen=True, slots=True, eq=False)
+class PossibleWay:
+    """A way that is looked at, whether the arm can follow it or not.
+
+    Attributes:
+        task: the scene that leaves it open.
+        path: of the tray along it.
+        points: (m, 3) of the tray's centre, m; None for the one that the task itself begins with.
+    """
+
+    task: Scene
+    path: Path
+    points: np.ndarray | None = None
+
+    def scene(self) -> Scene:
+        """The task with it, which takes a hundred times as long to make as its path."""
+        return self.task if self.points is None else along(self.task, self.points)
+
+
+def possible_ways(scene: Scene) -> Iterator[PossibleWay]:
+    """Each way that is looked at.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
     distance from the axis and height change evenly; where there are obstacles and six joints, detours lead by half way
     nearer to the axis or farther from it, and higher or lower. With places between them smooth curves through all, in
     the base's axes or in angle, distance and height, and no detours.
     """
-    yield scene
+    yield PossibleWay(scene, scene.path)
     yield from _arcs(scene)
 
 
@@ -73,7 +96,7 @@ def ways(scene: Scene) -> list[Way]:
         NoSolutionError: the arm can follow none of the ways; tells of the first one.
     """
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
-    scenes = [*possible_ways(scene)]
+    scenes = [way.scene() for way in possible_ways(scene)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
     found = [Way(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
     if not found:
@@ -88,10 +111,11 @@ def ways(scene: Scene) -> list[Way]:
     return sorted(found, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
 
 
-def _arcs(scene: Scene) -> Iterator[Scene]:
+def _arcs(scene: Scene) -> Iterator[PossibleWay]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
     detours = scene.keeps_distances and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
+    table = FreeTable.model_validate(_path_table(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
     foot, _ = base_pose(scene.robot.urdf)
     ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
     places = np.array([ends[0], *(item.position for item in scene.motion.via), ends[1]]) - foot
@@ -114,8 +138,11 @@ def _arcs(scene: Scene) -> Iterator[Scene]:
         distance, height = distance + out * reach * rise, height + up * reach * rise
         points = np.column_stack([distance * np.cos(direction), distance * np.sin(direction), height])
         points[:: _POINTS - 1] = places
-        with suppress(ScenarioError):  # points that coincide make no way
-            yield along(scene, points + foot)
+        points = np.round(points + foot, _DIGITS)
+        with suppress(ScenarioError):  # points that coincide make no way, or it passes a place too far away
+            path = table.model_copy(update={"way": points.tolist()}).build()
+            table.places_passed(path)
+            yield PossibleWay(scene, path, points)
 
 
 def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joints: np.ndarray | None = None) -> Scene:
@@ -130,10 +157,10 @@ def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joint
     Raises:
         ScenarioError: the points make no way.
     """
-    stated: dict[str, object] = {"way": np.round(points, 9).tolist()}
+    stated: dict[str, object] = {"way": np.round(points, _DIGITS).tolist()}
     for key, values in (("way_yaw", yaw), ("way_joints", joints)):
         if values is not None:
-            stated[key] = np.round(values, 9).tolist()
+            stated[key] = np.round(values, _DIGITS).tolist()
     return scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)
 
 
