@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 
-from nospill.core.piecewise import interpolating_spline
+from nospill.core.piecewise import design_matrix, interpolating_spline
 from tests.waiting import run_python
 
 
@@ -60,3 +60,11 @@ def test_a_plan_does_without_scipy(tmp_path: Path):
     )
     done = run_python("-c", code, str(tmp_path / "out"), check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+def test_the_matrix_of_all_splines_is_that_of_scipy(degree: int) -> None:
+    knots = np.concatenate([np.zeros(degree + 1), [0.2, 0.5, 0.55, 0.9], np.ones(degree + 1)])
+    x = np.linspace(0.0, 1.0, 41)
+    expected = BSpline.design_matrix(x, knots, degree).toarray()
+    np.testing.assert_allclose(design_matrix(x, knots, degree), expected, atol=1e-14)

@@ -82,23 +82,24 @@ def freest_way(scene: Scene) -> Scene:
 def open_ways(scene: Scene) -> list[PossibleWay]:
     """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
     arm = LevelArm(scene)
-    if not has_closed_form(kinematics(scene.robot), arm.redundant):
-        open_ones = [way for way in possible_ways(scene) if tray_is_clear(scene, way.path)]
-        figures = [_followed(way) for way in open_ones]
-    elif arm.redundant is None:
-        open_ones = [*possible_ways(scene)]
-        figures = [_glimpsed(arm, way.path) for way in open_ones]
-    else:
-        open_ones = [way for way in possible_ways(scene) if tray_is_clear(scene, way.path)]
-        seen = [np.linspace(0.0, 1.0, places)[1:-1] for places in _GLIMPSES]
-        figures = [_followed(way) if all(arm.can_stand(way.path.at(s)) for s in seen) else np.inf for way in open_ones]
+    figures = [(way, _figure(arm, way)) for way in possible_ways(scene)]
     # rounded, so that ways that are alike compare by their order
-    in_order = sorted(zip(open_ones, figures, strict=True), key=lambda one: float(f"{one[1]:.6g}"))
-    return [way for way, figure in in_order if figure < np.inf]
+    return [way for way, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
 
 
-def _followed(way: PossibleWay) -> float:
-    """The speed figure, s, of the fastest joint path along a way; infinite where the arm cannot follow it."""
+def _figure(arm: LevelArm, way: PossibleWay) -> float:
+    """The speed figure, s, of a way; infinite where the arm cannot follow it, or something is seen to be in the way.
+
+    Of six joints with a closed form it is what some places show, of others that of the fastest joint path.
+    """
+    closed = has_closed_form(kinematics(arm.robot), arm.redundant)
+    if closed and arm.redundant is None:
+        return _glimpsed(arm, way.path)
+    if not tray_is_clear(arm.scene, way.path):
+        return np.inf
+    seen = (way.path.at(np.linspace(0.0, 1.0, places)[1:-1]) for places in _GLIMPSES)
+    if closed and not all(map(arm.can_stand, seen)):
+        return np.inf
     return min((path.speed_figure for path in tried_along(way.scene()).paths), default=np.inf)
 
 

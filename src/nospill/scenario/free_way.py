@@ -72,7 +72,7 @@ class PossibleWay:
     points: np.ndarray | None = None
 
     def scene(self) -> Scene:
-        """The task with it, which takes a hundred times as long to make as its path."""
+        """The task with it: a whole scenario is read."""
         return self.task if self.points is None else along(self.task, self.points)
 
 
