@@ -12,10 +12,11 @@ import pytest
 from nospill.judge.certificate import judge_motion
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
+from nospill.judge.variant_rows import missing
 from nospill.judge.verdict import Row
 from nospill.judge.worst_speeds import beside, evenly, peaks
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.base import Role, RowId
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.variants import variants_by_object
 
@@ -104,3 +105,23 @@ def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
     assert beside(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
     assert beside(values[50], members, known) == [("a", f"{values[15]}")]
     assert beside(values[7], members[:1], known) == []
+
+
+def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
+    """A residual height between two members joins where it is well above, or one of them keeps nearly all back."""
+    speeds = {("a", ""): 1.0} | {("a", str(speed)): speed / 10 for speed in range(3, 10)}
+    names = {("a", ""): "a", ("a", "4"): "a at 4", ("a", "8"): "a at 8"}
+    uses = {"3": 0.2, "4": 0.9, "5": 0.95, "6": 1.05, "7": 0.9, "8": 0.8, "9": 0.7}
+
+    def joining(constraint: str, worst: float, **kept: float) -> set[str]:
+        peak = {**uses, "6": worst}
+        rows = [Row(constraint, "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, at) for at, use in peak.items()]
+        backoff = {RowId(constraint, f"a at {number[1:]}"): value for number, value in kept.items()}
+        room = {"outer": ["a"], "t": np.array([0.0, 1.0]), "cargo": ()}
+        return {text for _, text in missing(rows, names, speeds, above=1.005, backoff=backoff, **room)}
+
+    assert joining("residual height", 1.2, _4=0.3, _8=0.5) == {"6"}
+    assert joining("residual height", 1.05, _4=0.3, _8=0.5) == set()
+    assert joining("residual height", 1.05, _4=0.3, _8=0.9) == {"6"}
+    assert joining("residual height", 0.99, _4=0.3, _8=0.9) == set()
+    assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()

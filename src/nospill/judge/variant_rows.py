@@ -15,6 +15,7 @@ from nospill.judge.verdict import Row, condensed
 from nospill.judge.worst_speeds import beside, evenly, peaks
 from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.tightening import is_spent
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
 
@@ -27,27 +28,29 @@ _MOST_AT_ONCE = 4
 
 def missing(
     rows: Iterable[Row],
-    members: Collection[VariantId],
+    names: Mapping[VariantId, str],
     speeds: Mapping[VariantId, float],
     *,
     above: float,
     outer: Collection[str],
+    backoff: Mapping[RowId, float],
     t: np.ndarray,
     cargo: Iterable[Cargo],
 ) -> frozenset[VariantId]:
     """Of every constraint the worst objects, of each the variant outside a problem with the largest use.
 
-    At other speeds, the peaks.
+    At other speeds, the peaks: of liquids those well above a limit, and those beside which back-off has been in vain.
 
     Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
 
     Args:
         rows: of a judged motion.
-        members: of the problem.
+        names: what the members are called in the problem.
         speeds: of every variant, as part of the planned one.
         above: the use from which a variant is missing; the limit itself, if that is less, for one of an outer object
             without members: of it the back-off of others says nothing.
         outer: objects that no like ones stand for.
+        backoff: of every row of the problem, the fraction of its budget that it keeps.
         t: (m,) s, of the motion.
         cargo: whose modes swing.
     """
@@ -56,16 +59,20 @@ def missing(
     solid = [row for row in slowed if row.constraint not in LIQUID_NAMES]
     liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
     found: list[Row] = []
-    if liquid and all(speeds[member] == 1.0 for member in members):
+    if liquid and all(speeds[member] == 1.0 for member in names):
         slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
         found = [row for row in evenly(liquid, speeds, np.pi / (slowest * np.ptp(t))) if row.use > above]
+    alone = set(outer).difference(name for name, _ in names)
+    spent = set(spent_at_end(backoff, names, speeds).values())
+    at_end = (row for row in liquid if spent and row.constraint in END_NAMES)
+    in_vain = {row for row in at_end if not spent.isdisjoint(beside(speeds[_variant(row)], names, speeds))}
+    least = {row: min(above, 1.0) if row.subject in alone or row in in_vain else above for row in of_objects}
     if not found:
-        found = [row for row in peaks(liquid, speeds) if row.use > above + _SLIGHT_OF_SLOWED] + peaks(solid, speeds)
-    alone = set(outer).difference(name for name, _ in members)
-    least = {row: min(above, 1.0) if row.subject in alone else above for row in of_objects}
-    planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in members)
+        found = [row for row in peaks(liquid, speeds) if row in in_vain or row.use > above + _SLIGHT_OF_SLOWED]
+        found += peaks(solid, speeds)
+    planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in names)
     found += _worst(condensed(row for row in planned if row.use > least[row]))
-    return frozenset(_variant(row) for row in found if row.use > least[row]).difference(members)
+    return frozenset(_variant(row) for row in found if row.use > least[row]).difference(names)
 
 
 def _worst(rows: Iterable[Row]) -> Iterator[Row]:
@@ -99,6 +106,23 @@ def attributed(
             next_to = beside(speeds[variant], names, speeds) if speeds[variant] < 1.0 else []
             for member in next_to or same or names:
                 yield replace(row, subject=names[member], variant="")
+
+
+def spent_at_end(
+    backoff: Mapping[RowId, float], names: Mapping[VariantId, str], speeds: Mapping[VariantId, float]
+) -> dict[RowId, VariantId]:
+    """Rows on the final state whose back-off is so large that more would not do at the speeds beside, and of whom.
+
+    Of slowed members alone.
+
+    Args:
+        backoff: of every row of a problem, the fraction of its budget that is kept.
+        names: what the members are called in it.
+        speeds: of every variant, as part of the planned one.
+    """
+    slowed = {label: item for item, label in names.items() if speeds[item] < 1.0}
+    rows = (row for row, kept in backoff.items() if row.constraint in END_NAMES and is_spent(kept))
+    return {row: slowed[row.subject] for row in rows if row.subject in slowed}
 
 
 def uses_at_end(rows: Iterable[Row]) -> dict[RowId, float]:

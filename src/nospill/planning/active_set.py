@@ -14,14 +14,14 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
-from nospill.judge.variant_rows import attributed, missing, uses_at_end
+from nospill.judge.variant_rows import attributed, missing, spent_at_end, uses_at_end
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, tightened_backoff
+from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, heavier_jerks, tightened_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -38,8 +38,6 @@ _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
-_LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
-"""Factor on the weights of the jerks, at once and in all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,9 +152,9 @@ class ActiveSet:
         if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
-        if over > 1.0 and self.jerk_weight_factor < _MOST_WEIGHT:
-            heavier = max(over**2, _LEAST_FACTOR) * self.jerk_weight_factor
-            return replace(self, jerk_weight_factor=min(heavier, _MOST_WEIGHT))
+        heavier = heavier_jerks(self.jerk_weight_factor, over)
+        if heavier > self.jerk_weight_factor:
+            return replace(self, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
@@ -177,7 +175,8 @@ class ActiveSet:
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
-        grown = grown.with_backoff(self.backoff).with_backoff(residual)
+        spent = dict.fromkeys(spent_at_end(self.backoff, self.names, self.task.speeds), _OF_SUM)
+        grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
         grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
 
@@ -193,8 +192,8 @@ class ActiveSet:
 
     def _outside(self, rows: Iterable[Row], use: float, judgement: Judgement) -> frozenset[VariantId]:
         """Variants outside of which a constraint has a use above `use`."""
-        t, cargo = judgement.replay.t, self.task.model.cargo
-        return missing(rows, self.members, self.task.speeds, above=use, outer=self.task.outer, t=t, cargo=cargo)
+        t, cargo, speeds, outer = judgement.replay.t, self.task.model.cargo, self.task.speeds, self.task.outer
+        return missing(rows, self.names, speeds, above=use, outer=outer, backoff=self.backoff, t=t, cargo=cargo)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem; `own`: of the members alone."""

@@ -13,6 +13,9 @@ ROUGH = 3.0
 _TOO_MUCH, _STUCK = 0.8, 0.6
 """Back-off of such a row, and part of its excess that a round of back-off has left, from which more of it would not."""
 
+_LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
+"""Factor on the weights of the jerks, at once and in all."""
+
 
 def tightened_backoff(backoff: float, excess: float, unused: float, point: EvaluationPoint) -> float:
     """Back-off of a row for the next problem, a fraction of its budget below 1.
@@ -28,6 +31,11 @@ def tightened_backoff(backoff: float, excess: float, unused: float, point: Evalu
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
 
 
+def is_spent(backoff: float) -> bool:
+    """Whether more of the back-off of a row on the final state would not do."""
+    return backoff > _TOO_MUCH
+
+
 def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float], excess: float) -> float:
     """The largest use of a row on the final state where more back-off would not do; 0 where it may.
 
@@ -41,4 +49,14 @@ def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float]
     over = {row: use for row, use in at_end.items() if use > 1.0}
     most, tightest = max(over.values(), default=0.0), max((backoff[row] for row in over), default=0.0)
     stuck = 0.0 < _STUCK * excess < most - 1.0
-    return most if most > ROUGH or tightest > _TOO_MUCH or stuck else 0.0
+    return most if most > ROUGH or is_spent(tightest) or stuck else 0.0
+
+
+def heavier_jerks(factor: float, over: float) -> float:
+    """Factor on the weights of the jerks in the next problem; the same where no row is beyond its back-off.
+
+    Args:
+        factor: of the last problem.
+        over: largest use beyond back-off, as `beyond_backoff` has it; 0 for none.
+    """
+    return min(max(over**2, _LEAST_FACTOR) * factor, _MOST_WEIGHT) if over > 1.0 else factor
