@@ -16,11 +16,19 @@ from nospill.collisions.planes import reaching
 from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.core.paths import Path
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.clearance import Clearance
+from nospill.laws.constraints.clearance import Clearance, clearance_row
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
-from nospill.transcription.clearance_block import LIMIT, PLANE, clearance_block
+from nospill.transcription.clearance_block import (
+    COEFFICIENTS,
+    DISC,
+    LIMIT,
+    PLANE,
+    RESERVE,
+    clearance_block,
+    upper_triangle,
+)
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.task import Task
@@ -49,11 +57,14 @@ def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tupl
     The planes are the same in all intervals.
     """
     least: dict[int, list[float]] = {}
-    for group, numbers in zip(planes.groups, planes.numbers, strict=True):
-        between = group.between
+    for group, numbers, points in zip(planes.groups, planes.numbers, planes.points, strict=True):
+        between, first = group.between, 0
         z = np.concatenate([q[between.inner : between.outer], turned])
         for place, own in zip(group.places, numbers, strict=True):
-            value = float(clearance_block(between).value(z, own))
+            of_points, first = points[first : first + place.points], first + place.points
+            coefficients = np.asarray(clearance_block(between).value(z, own)).ravel()
+            distances = coefficients[0] + of_points[:, : DISC + 1] @ coefficients[1:]
+            value = float(np.min(clearance_row(distances, of_points[:, LIMIT], of_points[:, RESERVE])))
             found = least.setdefault(place.plane // INTERVALS, [np.inf, np.inf])
             found[between.count > 0] = min(found[between.count > 0], value)
     return {number: (fixed, other) for number, (fixed, other) in least.items()}
@@ -97,23 +108,24 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
     assert compared > 5
 
 
-def test_derivatives_of_a_row_agree_with_differences() -> None:
+def test_derivatives_of_a_block_agree_with_differences() -> None:
     random = np.random.default_rng(2)
     planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
     for group, numbers in zip(planes.groups, planes.numbers, strict=True):
         block, count = clearance_block(group.between), group.between.count + PLANE
         z = np.concatenate([POSE[group.between.inner : group.between.outer], np.zeros(PLANE)])
         z += random.uniform(-0.2, 0.2, count)
+        steps, multipliers = 1e-5 * np.eye(count), random.normal(size=COEFFICIENTS)
         for own in numbers[:3]:
-            steps = 1e-5 * np.eye(count)
-            slopes = [
-                np.array(block.slope(z + step, own)[1]) - np.array(block.slope(z - step, own)[1]) for step in steps
-            ]
-            values = [float(block.value(z + step, own)) - float(block.value(z - step, own)) for step in steps]
-            np.testing.assert_allclose(np.asarray(block.slope(z, own)[1]).ravel(), np.array(values) / 2e-5, atol=1e-7)
-            hessian = np.hstack(slopes) / 2e-5
-            upper = np.concatenate([hessian[: column + 1, column] for column in range(count)])
-            np.testing.assert_allclose(np.asarray(block.curvature(z, own, 1.0)).ravel(), upper, atol=1e-6)
+            before, after = ([block.slope(z + step * way, own) for step in steps] for way in (-1, 1))
+            coefficients, slopes = (np.asarray(part) for part in block.slope(z, own))
+            np.testing.assert_array_equal(coefficients, np.asarray(block.value(z, own)))
+            changes = [np.asarray(more[0] - less[0]) for less, more in zip(before, after, strict=True)]
+            np.testing.assert_allclose(slopes, np.vstack(changes) / 2e-5, atol=1e-6)
+            bent = [np.asarray(more[1] - less[1]) @ multipliers for less, more in zip(before, after, strict=True)]
+            hessian = np.column_stack(bent) / 2e-5
+            found = np.asarray(block.curvature(z, own, multipliers)).ravel()
+            np.testing.assert_allclose(found, hessian[upper_triangle(count)], atol=1e-5)
 
 
 def problem() -> Problem:
@@ -212,8 +224,8 @@ def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
     level = Task.of(read_scenario("cups-past-a-column"))
     assert not level.keeps_apart and level.room(POSE[None]) == {}
     planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
-    for group, rows, numbers in zip(planes.groups, planes.rows, planes.numbers, strict=True):
-        for row, own in zip(rows, numbers, strict=True):
+    for group, rows, points in zip(planes.groups, planes.rows, planes.points, strict=True):
+        for row, own in zip(rows, points, strict=True):
             limit = pairs_of(row.subject)[0].limit if group.between.count else 0.0
             assert own[LIMIT] == limit
 

@@ -1,7 +1,10 @@
-"""The block of one row of clearance: a point of a body stays on its side of a plane that is fixed to another body.
+"""The block of one body beside a plane that is fixed to another body: how far its points are from the plane.
 
 It reads the joints between the two bodies and the three variables of the plane, and is made once for each pair of
-joints of an arm. With no joint between, it is the row of the body that the plane is fixed to, on the other side.
+joints of an arm. With no joint between, it is of the body that the plane is fixed to, on the other side.
+
+The distance of a point is linear in it and in the radius of its disc, with five coefficients that all points of a body
+share: these are what the block gives, so the arm's kinematics are found once for all points.
 """
 
 from __future__ import annotations
@@ -15,8 +18,7 @@ import numpy as np
 
 from nospill.core.frames import SX
 from nospill.laws import codegen
-from nospill.laws.constraints.base import smooth_rows
-from nospill.laws.constraints.clearance import Clearance, clearance_budget
+from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import chain_bodies
 from nospill.robots.kinematics.chain import frame_in_frame
@@ -25,15 +27,17 @@ from nospill.transcription.tray_block import functions_of
 PLANE = 3
 """Variables of a plane: two turns of its normal, tangents of angles, and its way along that in `Clearance.least_size`.
 """
-POINT, DISC, AXIS = slice(0, 3), 3, slice(4, 7)
-"""Places among a row's numbers: a point of the core of its body and the radius of its disc, m, about an axis, in the
-frame of its joint."""
-NORMAL, ACROSS, OFFSET = slice(7, 10), slice(10, 16), 16
-"""Of the plane where its variables are zero: its unit normal towards the body it is fixed to, two unit vectors across
-that, and its offset, m, in the frame of the joint that it is fixed to; what the body's ball takes is taken off."""
-LIMIT, RESERVE = 17, 18
-"""The distance to be kept from the plane, m, and the back-off."""
-NUMBERS = 19
+AXIS, NORMAL, ACROSS, OFFSET = slice(0, 3), slice(3, 6), slice(6, 12), 12
+"""Places among the numbers of a body beside a plane: the axis of the body's discs, in the frame of its joint. Of the
+plane where its variables are zero: its unit normal towards the body it is fixed to, two unit vectors across that, and
+its offset, m, in the frame of the joint that it is fixed to; what the body's ball takes is taken off."""
+NUMBERS = 13
+POINT, DISC, LIMIT, RESERVE = slice(0, 3), 3, 4, 5
+"""Places among the numbers of a point, which is a row: the point of the core of its body in the frame of its joint and
+the radius of its disc, m, the distance to be kept from the plane, m, and the back-off."""
+POINT_NUMBERS = 6
+COEFFICIENTS = 5
+"""Of 1, of a point's three coordinates and of the radius of its disc, in its distance as part of `least_size`."""
 
 _ROUNDED = 1e-6
 """Rounds off the reach of a disc that faces its plane, to the safe side: by a thousandth of its radius."""
@@ -63,12 +67,12 @@ class Between:
 
 @dataclass(frozen=True, eq=False)
 class ClearanceBlock:
-    """Functions of z, the joints between the bodies, rad, and the variables of the plane, and of a row's numbers.
+    """Functions of z, the joints between the bodies, rad, and the variables of the plane, and of a body's numbers.
 
     Attributes:
-        value: (z, numbers) -> row, at least zero.
-        slope: (z, numbers) -> row, its gradient.
-        curvature: (z, numbers, multiplier) -> upper triangle of the Hessian, column by column.
+        value: (z, numbers) -> coefficients (1, `COEFFICIENTS`).
+        slope: (z, numbers) -> coefficients, and the gradient of each, a column.
+        curvature: (z, numbers, multipliers of the coefficients) -> upper triangle of the Hessian, column by column.
     """
 
     value: Any
@@ -84,23 +88,24 @@ def clearance_block(between: Between) -> ClearanceBlock:
 
 
 def _build(between: Between) -> codegen.Functions:
-    z, own, multiplier = SX.sym("z", between.count + PLANE), SX.sym("own", NUMBERS), SX.sym("l")
+    z, own = SX.sym("z", between.count + PLANE), SX.sym("own", NUMBERS)
+    multipliers = SX.sym("l", COEFFICIENTS)
     q, turns, way = z[: between.count], z[between.count : between.count + 2], z[-1]
     chain = chain_bodies(read_tree(between.urdf), between.joints, between.tip)
     position, rotation = frame_in_frame(chain, between.inner, q)
     normal = (own[NORMAL] + ca.reshape(own[ACROSS], 3, 2) @ turns) / ca.sqrt(1 + ca.sumsqr(turns))
-    beyond = own[OFFSET] + Clearance.least_size * way - ca.dot(normal, position + rotation @ own[POINT])
-    facing = ca.dot(normal, rotation @ own[AXIS])
-    reach = own[DISC] * ca.sqrt(1 - facing**2 + _ROUNDED)
-    distance = (beyond if between.count else -beyond) - reach
-    row, _, _ = smooth_rows(clearance_budget(distance, own[LIMIT]), own[RESERVE])
+    beyond = own[OFFSET] + Clearance.least_size * way - ca.dot(normal, position)
+    seen = rotation.T @ normal  # from the body's joint
+    reach = ca.sqrt(1 - ca.dot(seen, own[AXIS]) ** 2 + _ROUNDED)
+    distance = ca.vertcat(beyond, -seen) if between.count else ca.vertcat(-beyond, seen)
+    coefficients = ca.vertcat(distance, -reach) / Clearance.least_size
     rows, columns = upper_triangle(z.numel())
-    hessian = ca.densify(ca.hessian(multiplier * row, z)[0])
+    hessian = ca.densify(ca.hessian(ca.dot(multipliers, coefficients), z)[0])
     return functions_of(
         {
-            "value": ([z, own], [row]),
-            "slope": ([z, own], [row, ca.gradient(row, z)]),
-            "curvature": ([z, own, multiplier], [hessian[(columns * z.numel() + rows).tolist()]]),
+            "value": ([z, own], [coefficients.T]),
+            "slope": ([z, own], [coefficients.T, ca.densify(ca.jacobian(coefficients, z).T)]),
+            "curvature": ([z, own, multipliers], [hessian[(columns * z.numel() + rows).tolist()]]),
         }
     )
 

@@ -13,7 +13,7 @@ on the tray those points have rows that reach farthest at an attitude that the t
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import NamedTuple
 
@@ -37,6 +37,7 @@ from nospill.transcription.clearance_block import (
     OFFSET,
     PLANE,
     POINT,
+    POINT_NUMBERS,
     RESERVE,
     Between,
 )
@@ -47,29 +48,41 @@ _MOST_TURNED = 3.0
 """Tangent of the largest turn of a normal in each of two directions."""
 
 
-class RowPlace(NamedTuple):
-    """What a row reads.
+class BodyPlace(NamedTuple):
+    """A body beside a plane, at a node.
 
     Attributes:
-        node: whose joints; 0 where it reads none.
+        node: whose joints it reads; 0 where it reads none.
         plane: number of the plane; those of half-spaces share the last one, whose variables are fixed.
+        points: how many of its points have rows.
     """
 
     node: int
     plane: int
+    points: int
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Rows of one pair of joints.
+    """Bodies beside planes, with one pair of joints between them.
 
     Attributes:
         between: the joints.
-        places: of each row.
+        places: of each body.
     """
 
     between: Between
-    places: tuple[RowPlace, ...]
+    places: tuple[BodyPlace, ...]
+
+    @property
+    def row_count(self) -> int:
+        """Number of rows, one for each point, body by body."""
+        return sum(place.points for place in self.places)
+
+    @property
+    def number_count(self) -> int:
+        """Number of parameters: of each body, then of each point."""
+        return NUMBERS * len(self.places) + POINT_NUMBERS * self.row_count
 
 
 Groups = tuple[Group, ...]
@@ -83,7 +96,12 @@ def variable_count(groups: Groups) -> int:
 
 def row_count(groups: Groups) -> int:
     """Number of rows."""
-    return sum(len(group.places) for group in groups)
+    return sum(group.row_count for group in groups)
+
+
+def number_count(groups: Groups) -> int:
+    """Number of parameters."""
+    return sum(group.number_count for group in groups)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +109,10 @@ class Planes:
     """The planes along a motion.
 
     Attributes:
-        groups: of rows.
+        groups: of bodies beside planes.
         rows: of each group, what each of its rows belongs to.
-        numbers: of each group, (rows, NUMBERS), back-off zero.
+        numbers: of each group, (bodies, NUMBERS).
+        points: of each group, (rows, POINT_NUMBERS), back-off zero.
         moved: how many of the planes have variables that are free; one more may be fixed.
         values: of the variables of all planes, zero where they were found.
     """
@@ -101,6 +120,7 @@ class Planes:
     groups: Groups
     rows: tuple[tuple[RowId, ...], ...]
     numbers: tuple[np.ndarray, ...]
+    points: tuple[np.ndarray, ...]
     moved: int
     values: np.ndarray
 
@@ -112,24 +132,25 @@ class Planes:
     def parameters(self, backoff: Mapping[RowId, float]) -> np.ndarray:
         """All numbers, group by group, with the back-off of each row."""
         parts = [np.zeros(0)]
-        for group, rows, numbers in zip(self.groups, self.rows, self.numbers, strict=True):
-            own = numbers.copy()
+        for group, rows, numbers, points in zip(self.groups, self.rows, self.numbers, self.points, strict=True):
+            own = points.copy()
             if group.between.count:
                 own[:, RESERVE] = [backoff.get(row, 0.0) for row in rows]
-            parts.append(own.ravel())
+            parts += [numbers.ravel(), own.ravel()]
         return np.concatenate(parts)
 
     def places(self) -> dict[RowId, np.ndarray]:
         """Of each row those that keep its distance: (2, m) places among the rows of clearance, and nodes."""
         found, first = dict[RowId, list[tuple[int, int]]](), 0
         for group, rows in zip(self.groups, self.rows, strict=True):
+            nodes = [place.node for place in group.places for _ in range(place.points)]
             for index, row in enumerate(rows if group.between.count else ()):
-                found.setdefault(row, []).append((first + index, group.places[index].node))
+                found.setdefault(row, []).append((first + index, nodes[index]))
             first += len(rows)
         return {row: np.array(own).T for row, own in found.items()}
 
 
-NO_PLANES = Planes((), (), (), 0, np.zeros(0))
+NO_PLANES = Planes((), (), (), (), 0, np.zeros(0))
 
 
 def separating(
@@ -152,7 +173,7 @@ def separating(
     robot, taking_part = scene.robot, [pair for pair in scene_pairs(scene) if pair.subject in subjects]
     # the end of the last interval is no variable: its plane is found at its start
     frames = joint_frames(arm_chain(robot), np.concatenate([(q[:-1] + q[1:]) / 2, q[-1:]]))
-    found: dict[Between, list[_Rows]] = {}
+    found: dict[Between, list[_Beside]] = {}
     moved = 0
     for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
         row = RowId(Clearance.name, pair.subject)
@@ -166,41 +187,48 @@ def separating(
             continue
         number, moved = moved + np.arange(len(plane.interval)), moved + len(plane.interval)
         none = np.zeros_like(number)
-        still.append(_Rows(row, none, number, _of_points(pair.second, plane.numbers, pair.second.shape.ball, 0.0)))
-        own = _of_points(pair.first, plane.numbers, -pair.first.shape.ball, pair.limit)
+        still.append(_beside(pair.second, row, none, number, plane.numbers, pair.second.shape.ball, 0.0))
         for node in (plane.interval + 1, plane.interval):
             inside = (node > 0) & (node < len(q))
-            moving.append(_Rows(row, node[inside], number[inside], own[:, inside]))
-    parts = {between: own for between, own in found.items() if any(item.numbers.size for item in own)}
+            own, ball = plane.numbers[inside], -pair.first.shape.ball
+            moving.append(_beside(pair.first, row, node[inside], number[inside], own, ball, pair.limit))
+    parts = {between: own for between, own in found.items() if any(len(item.node) for item in own)}
     groups = tuple(Group(between, tuple(chain(*[item.places() for item in own]))) for between, own in parts.items())
     return Planes(
         groups,
-        tuple(tuple(item.row for item in own for _ in item.places()) for own in parts.values()),
-        tuple(np.concatenate([item.numbers.reshape(-1, NUMBERS) for item in own]) for own in parts.values()),
+        tuple(tuple(chain(*[item.rows() for item in own])) for own in parts.values()),
+        tuple(np.concatenate([item.numbers for item in own]) for own in parts.values()),
+        tuple(np.concatenate([np.tile(item.points, (len(item.node), 1)) for item in own]) for own in parts.values()),
         moved,
         np.zeros(variable_count(groups)),
     )
 
 
 @dataclass(frozen=True, slots=True)
-class _Rows:
-    """Rows of the points of a body.
+class _Beside:
+    """A body beside planes.
 
     Attributes:
-        row: what they belong to.
-        node, plane: (k,) as in `RowPlace`, of each point.
-        numbers: (points, k, NUMBERS).
+        row: what its points' rows belong to.
+        node, plane: (k,) as in `BodyPlace`.
+        numbers: (k, NUMBERS).
+        points: (m, POINT_NUMBERS), beside each of the planes.
     """
 
     row: RowId
     node: np.ndarray
     plane: np.ndarray
     numbers: np.ndarray
+    points: np.ndarray
 
-    def places(self) -> list[RowPlace]:
-        """Of each row, point by point."""
-        own = [RowPlace(node, plane) for node, plane in zip(self.node.tolist(), self.plane.tolist(), strict=True)]
-        return own * len(self.numbers)
+    def places(self) -> list[BodyPlace]:
+        """Of the body beside each plane."""
+        both = zip(self.node.tolist(), self.plane.tolist(), strict=True)
+        return [BodyPlace(node, plane, len(self.points)) for node, plane in both]
+
+    def rows(self) -> list[RowId]:
+        """What each row belongs to."""
+        return [self.row] * (len(self.node) * len(self.points))
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,24 +256,26 @@ def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
     return _NearPlanes(near[room < within], found[room < within])
 
 
-def _of_half_space(pair: Pair, row: RowId, plane: _NearPlanes, number: int, motion: MotionRules) -> _Rows:
+def _of_half_space(pair: Pair, row: RowId, plane: _NearPlanes, number: int, motion: MotionRules) -> _Beside:
     """One row for a point at a node: its plane is the surface."""
     inside = plane.interval > 0
-    numbers = plane.numbers[inside]
-    points = np.arange(len(pair.first.points))
-    if pair.first.on_path and len(numbers):
-        points = reaching(pair.first, numbers[0, NORMAL], motion.max_tilt if motion.tilt_free else 0.0)
-    own = _of_points(pair.first, numbers, -pair.first.shape.ball, pair.limit)[points]
-    return _Rows(row, plane.interval[inside], np.full(len(numbers), number), own)
+    nodes, numbers, ball = plane.interval[inside], plane.numbers[inside], -pair.first.shape.ball
+    found = _beside(pair.first, row, nodes, np.full(len(nodes), number), numbers, ball, pair.limit)
+    if pair.first.on_path and len(nodes):
+        tilt = motion.max_tilt if motion.tilt_free else 0.0
+        return replace(found, points=found.points[reaching(pair.first, numbers[0, NORMAL], tilt)])
+    return found
 
 
-def _of_points(body: Body, plane: np.ndarray, further: float, limit: float) -> np.ndarray:
-    """Of the points of a body's core, (points, k, NUMBERS) beside planes (k, NUMBERS), moved by `further`, m."""
-    own = np.tile(plane, (len(body.points), 1, 1))
-    own[:, :, POINT], own[:, :, DISC] = body.points[:, None], body.shape.discs[:, None]
-    own[:, :, AXIS], own[:, :, LIMIT] = body.rotation[:, 2], limit
-    own[:, :, OFFSET] += further
-    return own
+def _beside(
+    body: Body, row: RowId, node: np.ndarray, plane: np.ndarray, numbers: np.ndarray, further: float, limit: float
+) -> _Beside:
+    """A body beside planes (k, NUMBERS) moved by `further`, m, with a limit to be kept from them, m."""
+    own, points = numbers.copy(), np.zeros((len(body.points), POINT_NUMBERS))
+    own[:, AXIS] = body.rotation[:, 2]
+    own[:, OFFSET] += further
+    points[:, POINT], points[:, DISC], points[:, LIMIT] = body.points, body.shape.discs, limit
+    return _Beside(row, node, plane, own, points)
 
 
 def _across(normals: np.ndarray) -> np.ndarray:

@@ -16,8 +16,7 @@ import numpy as np
 
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
-from nospill.transcription.clearance_block import NUMBERS
-from nospill.transcription.clearance_planes import Groups, row_count, variable_count
+from nospill.transcription.clearance_planes import Groups, number_count, variable_count
 from nospill.transcription.clearance_rows import ClearanceRows
 from nospill.transcription.layout import Layout
 from nospill.transcription.stage import Block, RowIndex
@@ -111,7 +110,7 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
 
     of_motion = intervals * stage.layout.size + stage.layout.states
     w = MX.sym("w", of_motion + variable_count(clearance))
-    p = MX.sym("p", stage.sizes.parameters + NUMBERS * row_count(clearance))
+    p = MX.sym("p", stage.sizes.parameters + number_count(clearance))
     given = BlockCalls(stage, intervals, w, p)
     apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters :])
     gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)

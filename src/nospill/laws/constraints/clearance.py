@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, RowId
+import casadi as ca
+
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Role, RowId
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -15,7 +16,7 @@ class Clearance(Constraint):
 
     The judge finds the distances of bodies itself (`judge.clearance`). Which pairs there are, and the planes by which
     the optimiser keeps them apart, is geometry of the arm (`collisions`), not of a sample: the rows are made beside
-    those of the table, by `clearance_budget`.
+    those of the table, by `clearance_row`.
     """
 
     name = "clearance"
@@ -36,9 +37,15 @@ class Clearance(Constraint):
         return ()
 
 
-def clearance_budget(distance: SX, limit: SX) -> Range:
-    """A distance, m, from a plane between two bodies is at least a limit, m; a budget is `least_size`."""
-    return Range(distance, limit, None, SX(Clearance.least_size))
+def clearance_row(distance: ca.MX, limit: ca.MX, reserve: ca.MX) -> ca.MX:
+    """Rows, at least zero, of distances from planes between two bodies; a budget is `least_size`.
+
+    Args:
+        distance: as parts of `least_size`.
+        limit: that is to be kept, m.
+        reserve: fraction of the budget that is kept from the optimiser.
+    """
+    return distance - limit / Clearance.least_size - reserve
 
 
 def clearance_backoff(room: Mapping[RowId, float]) -> dict[RowId, float]:
