@@ -160,6 +160,25 @@ def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
         assert min(missing, 0.1 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.1 + 1e-12)
 
 
+def test_contacts_near_their_limit_get_most_of_what_the_worst_got(scene: Scene) -> None:
+    """Whether they take part yet or not; not those far from it, nor liquids, which swing each in its own time."""
+    active = ActiveSet.of(Task.of(scene), Q)
+    active = active.with_rows(active.rows - {RowId("slip", "c4")})
+    found = active.after(
+        judgement(
+            row("slip", "c1", -0.01),
+            *[row("slip", name, margin) for name, margin in zip(("c2", "c3", "c4"), (0.02, 0.2, 0.02), strict=True)],
+            row("slosh height", "c1", -0.01),
+            row("slosh height", "c2", 0.02),
+            row("twist", "c1", 0.01),
+        )
+    ).backoff
+    more = {item for item in found if found[item] > active.backoff[item]}
+    assert more == {*(RowId("slip", name) for name in ("c1", "c2", "c4")), RowId("slosh height", "c1")}
+    worst, *others = (found[RowId("slip", name)] - active.backoff[RowId("slip", name)] for name in ("c1", "c2", "c4"))
+    assert others == pytest.approx([0.8 * worst] * 2)
+
+
 def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:
     task = Task.of(scene, {"slip"})
     active = ActiveSet.of(task, Q)

@@ -125,9 +125,13 @@ def spent_at_end(
     return {row: slowed[row.subject] for row in rows if row.subject in slowed}
 
 
-def uses_at_end(rows: Iterable[Row]) -> dict[RowId, float]:
-    """Uses of the rows on the final state among some rows."""
-    return {RowId(row.constraint, row.subject): row.use for row in rows if row.constraint in END_NAMES}
+def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:
+    """The largest use of each row."""
+    uses: dict[RowId, float] = {}
+    for row in rows:
+        key = RowId(row.constraint, row.subject)
+        uses[key] = max(row.use, uses.get(key, 0.0))
+    return uses
 
 
 def _variant(row: Row) -> VariantId:

@@ -14,14 +14,14 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
-from nospill.judge.variant_rows import attributed, missing, spent_at_end, uses_at_end
+from nospill.judge.variant_rows import attributed, missing, spent_at_end, uses_of
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, heavier_jerks, tightened_backoff
+from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, heavier_jerks, shared_backoff, tightened_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -146,7 +146,8 @@ class ActiveSet:
         if refined != self.refined:
             alone = self._outside(rows, np.inf, judgement)
             return self.joined(self.members | alone, refined.union(name for name, _ in alone), judgement)
-        at_end = uses_at_end(self._on_members(rows, own=True))
+        uses = uses_of(self._on_members(rows, own=True))
+        at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES}
         over = beyond_backoff(at_end, self.backoff, self.excess) if refined else 0.0
         modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
         if 1.0 < over <= ROUGH and modes > self.modes:
@@ -166,6 +167,7 @@ class ActiveSet:
                 backoff[key] = tightened_backoff(backoff[key], excess, slack.get(key, 0.0), point)
             elif key in backoff:
                 joining.add(key)
+        backoff = shared_backoff(backoff, self.backoff, uses)
         if not joining and backoff == self.backoff:
             return self
         return replace(self, rows=self.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0)
@@ -183,8 +185,7 @@ class ActiveSet:
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
         broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
-        several = self.task.scene.planned_modes > 1
-        return frozenset(name for name, _ in self.members if several and name in broken)
+        return frozenset(name for name, _ in self.members if name in broken and self.task.scene.planned_modes > 1)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from nospill.laws.constraints import LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 
 _MORE, _LEAST = 1.5, 3e-4
@@ -12,6 +13,9 @@ ROUGH = 3.0
 """Use of a row on the final state from which no number of modes in the problem would do."""
 _TOO_MUCH, _STUCK = 0.8, 0.6
 """Back-off of such a row, and part of its excess that a round of back-off has left, from which more of it would not."""
+_CONTACTS = OBJECT_NAMES - LIQUID_NAMES
+_NEAR, _SHARE = 0.03, 0.8
+"""Part of its limit that a contact leaves, or less, where it is near it; and what it gets of another's back-off."""
 
 _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
 """Factor on the weights of the jerks, at once and in all."""
@@ -29,6 +33,28 @@ def tightened_backoff(backoff: float, excess: float, unused: float, point: Evalu
     most = _MOST_AT_END if point is EvaluationPoint.END else _MOST
     step = min(_MORE * excess + _LEAST, most)
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
+
+
+def shared_backoff(
+    backoff: Mapping[RowId, float], before: Mapping[RowId, float], uses: Mapping[RowId, float]
+) -> dict[RowId, float]:
+    """Back-off of every row; contacts near a limit get `_SHARE` of what the worst one of their constraint got.
+
+    Objects on one tray feel the same motion: where one exceeds its limit between the nodes, those beside it do so as
+    soon as it no longer holds the motion back.
+
+    Args:
+        backoff: of every row, for the next problem, each for itself.
+        before: of the last problem.
+        uses: of the rows of what is in the problem, as judged.
+    """
+    most: dict[str, float] = {}
+    for row, value in backoff.items():
+        if row.constraint in _CONTACTS and value > before[row]:
+            shared = before[row] + _SHARE * (value - before[row])
+            most[row.constraint] = max(shared, most.get(row.constraint, 0.0))
+    near = {row for row, use in uses.items() if use > 1.0 - _NEAR and row in backoff}
+    return {row: max(value, most.get(row.constraint, 0.0)) if row in near else value for row, value in backoff.items()}
 
 
 def is_spent(backoff: float) -> bool:
