@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TypeVar
 
 import casadi as ca
+import numpy as np
 
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Role, RowId
 from nospill.laws.sample import Sample
@@ -37,7 +39,10 @@ class Clearance(Constraint):
         return ()
 
 
-def clearance_row(distance: ca.MX, limit: ca.MX, reserve: ca.MX) -> ca.MX:
+_Values = TypeVar("_Values", ca.MX, np.ndarray)
+
+
+def clearance_row(distance: _Values, limit: _Values, reserve: _Values) -> _Values:
     """Rows, at least zero, of distances from planes between two bodies; a budget is `least_size`.
 
     Args:
