@@ -10,13 +10,14 @@ from nospill.planning.starts import attempts
 from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import USUAL_START
+from nospill.transcription.task import Task
 
 
 @pytest.mark.parametrize(("compared", "first"), [(1, 3), (3, 3), (6, 6)])
 def test_the_last_starts_are_for_when_nothing_is_found(compared: int, first: int) -> None:
     scene = read_scenario("matrix-rigid")
     scene = replace(scene, planning=replace(scene.planning, starts=compared))
-    found = attempts(scene, brief=False)
+    found = attempts(Task.of(scene), brief=False)
     starts = [attempt.start for attempt in found]
     assert starts[0] == USUAL_START
     assert len(set(starts[: first + 1])) == first + 1
@@ -25,12 +26,15 @@ def test_the_last_starts_are_for_when_nothing_is_found(compared: int, first: int
     # the usual two again, then what has not been tried
     assert starts[first + 1 : first + 3] == [starts[1], starts[0]]
     assert not set(starts[first + 3 :]) & set(starts[: first + 1])
-    assert attempts(scene, brief=True) == found[:first]
+    assert attempts(Task.of(scene), brief=True) == found[:first]
 
 
 def test_both_globalisations_take_turns() -> None:
-    first = attempts(read_scenario("matrix-rigid"), brief=True)
-    assert [attempt.kkt_error_globalization for attempt in first] == [False, True, False]
+    turns = {"matrix-rigid": [False, True, False], "cups-around-a-column": [True, False, True]}
+    for name, expected in turns.items():
+        task = Task.of(read_scenario(name))
+        assert task.keeps_apart == expected[0]
+        assert [attempt.kkt_error_globalization for attempt in attempts(task, brief=True)] == expected
 
 
 def test_answers_near_the_best_are_counted() -> None:

@@ -37,7 +37,7 @@ def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     best = last = None
     long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.longest
     if not (long and diagnosis.is_hopeless(scene, joint_path)):
-        best, last = best_of(task, joint_path, log, attempts(scene, brief=brief or scene.motion.duration is not None))
+        best, last = best_of(task, joint_path, log, attempts(task, brief=brief or scene.motion.duration is not None))
     if best is not None:
         return best
     if brief:
@@ -51,8 +51,7 @@ def search_elsewhere(task: Task, joint_path: JointPath, log: Log) -> Candidate:
     Raises:
         NoSolutionError: there is none.
     """
-    others = attempts(task.searched_scene, brief=False)[len(log.starts) :]
-    found, _ = best_of(task, joint_path, log, others)
+    found, _ = best_of(task, joint_path, log, attempts(task, brief=False)[len(log.starts) :])
     if found is None:
         raise NoSolutionError("No other motion found.")
     return found
