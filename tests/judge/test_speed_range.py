@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.judge.certificate import judge_motion
+from nospill.judge.corners import _LOOKS, _between
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
 from nospill.judge.variant_rows import missing
@@ -105,6 +106,21 @@ def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
     assert beside(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
     assert beside(values[50], members, known) == [("a", f"{values[15]}")]
     assert beside(values[7], members[:1], known) == []
+
+
+def test_looks_between_speeds_find_a_narrow_peak() -> None:
+    """One vertex of a parabola is not enough where a peak is as narrow as the grid."""
+
+    def use(speed: float) -> float:
+        return 0.985 + 0.0145 * math.exp(-(((speed - 0.27) / 0.0012) ** 2))
+
+    known = {speed: use(speed) for speed in (0.2654, 0.2681, 0.2708, 0.2735)}
+    found = [max(known.values())]
+    for _ in range(_LOOKS):
+        known |= {speed: use(speed) for speed in _between([known])}
+        found.append(max(known.values()))
+    assert found[0] < found[1] < use(0.27) - 4e-3 and found[-1] > use(0.27) - 1e-3
+    assert _between([{0.5: 0.9, 0.6: 0.97, 0.7: 0.9}]) == () == _between([{0.5: 0.9, 0.6: 1.01, 0.7: 0.9}])
 
 
 def test_peaks_beside_which_back_off_is_in_vain_join() -> None:

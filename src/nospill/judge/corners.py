@@ -27,6 +27,11 @@ _OF_SLOWED = 0.25
 _NEAR = 0.01
 """Part of a limit; a use nearer to it than that at two speeds of the grid may exceed it between them (0.6 % seen)."""
 
+_LOOKS, _SAME = 3, 3e-4
+"""Looks between speeds, each at the vertex of a parabola through those before; at a quarter of the speed a phase turns
+by a radian from one speed of the grid to the next, where the first vertex alone misses the peak. Speeds that differ by
+less than the second, as part of them, are one."""
+
 
 def corner_rows(
     trajectory: Trajectory,
@@ -59,11 +64,15 @@ def corner_traces(
             yield trace, text
             use = uses.setdefault(RowId(trace.constraint, trace.subject), {})
             use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
-    for speed in _between(uses.values()):
-        nearest = min((corner.speed for corner in corners), key=lambda own: abs(own - speed))
-        for corner in corners:
-            if corner.speed == nearest:
-                yield from _played(trajectory, replace(corner, speed=speed), motion, rate)
+    for _ in range(_LOOKS):
+        for speed in _between(uses.values()):
+            nearest = min((corner.speed for corner in corners), key=lambda own: abs(own - speed))
+            for corner in corners:
+                if corner.speed == nearest:
+                    for trace, text in _played(trajectory, replace(corner, speed=speed), motion, rate):
+                        yield trace, text
+                        use = uses[RowId(trace.constraint, trace.subject)]
+                        use[speed] = max(use.get(speed, 0.0), float(np.max(trace.use)))
     if scene.motion.speeds:
         yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
     if is_uncertain(scene) and played is not None:
@@ -113,14 +122,15 @@ def _torques(
 
 
 def _between(uses: Iterable[Mapping[float, float]]) -> tuple[float, ...]:
-    """Speeds between those of the grid at which a use just below its limit is largest: vertices of parabolas."""
+    """Speeds between those that were looked at, where a use just below its limit is largest: vertices of parabolas."""
     found = set[float]()
     for use in uses:
         speeds = sorted(use)
         for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
             before, most, after = (use[speed] for speed in (first, middle, last))
-            curvature = before - 2.0 * most + after
-            if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and curvature < 0.0:
-                offset = 0.5 * (before - after) / curvature
-                found.add(round(middle + offset * (last - middle if offset > 0.0 else middle - first), 6))
+            if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
+                below, above = (middle - first) * (most - after), (last - middle) * (most - before)
+                vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
+                if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
+                    found.add(round(vertex, 6))
     return tuple(sorted(found, reverse=True))
