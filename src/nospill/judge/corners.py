@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,10 +24,10 @@ from nospill.scene.variants import speed_text
 _OF_SLOWED = 0.25
 """Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
 
-_NEAR = 0.01
-"""Part of a limit; a use nearer to it than that at two speeds of the grid may exceed it between them (0.6 % seen)."""
+_NEAR = 0.02
+"""Part of a limit; a use nearer to it than that at two speeds of the grid may exceed it between them (1.2 % seen)."""
 
-_LOOKS, _SAME = 3, 3e-4
+_LOOKS, _SAME = 3, 3e-5
 """Looks between speeds, each at the vertex of a parabola through those before; at a quarter of the speed a phase turns
 by a radian from one speed of the grid to the next, where the first vertex alone misses the peak. Speeds that differ by
 less than the second, as part of them, are one."""
@@ -59,20 +59,17 @@ def corner_traces(
 ) -> Iterator[tuple[Trace, str]]:
     """The traces behind `corner_rows`, one at a time, each with the variant it is of."""
     corners, uses = list(corner_scenes(scene)), dict[RowId, dict[float, float]]()
-    for corner in corners:
-        for trace, text in _played(trajectory, corner, motion, rate):
-            yield trace, text
-            use = uses.setdefault(RowId(trace.constraint, trace.subject), {})
-            use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
+
+    def looked_at(some: Iterable[Corner]) -> Iterator[tuple[Trace, str]]:
+        for corner in some:
+            for trace, text in _played(trajectory, corner, motion, rate):
+                use = uses.setdefault(RowId(trace.constraint, trace.subject), {})
+                use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
+                yield trace, text
+
+    yield from looked_at(corners)
     for _ in range(_LOOKS):
-        for speed in _between(uses.values()):
-            nearest = min((corner.speed for corner in corners), key=lambda own: abs(own - speed))
-            for corner in corners:
-                if corner.speed == nearest:
-                    for trace, text in _played(trajectory, replace(corner, speed=speed), motion, rate):
-                        yield trace, text
-                        use = uses[RowId(trace.constraint, trace.subject)]
-                        use[speed] = max(use.get(speed, 0.0), float(np.max(trace.use)))
+        yield from looked_at(_at_speeds(corners, _between(uses.values())))
     if scene.motion.speeds:
         yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
     if is_uncertain(scene) and played is not None:
@@ -119,6 +116,12 @@ def _torques(
     for trace in traces:
         if trace.constraint == JointTorque.name:
             yield replace(trace, t=trace.t * least), speed_text(least)
+
+
+def _at_speeds(corners: Sequence[Corner], speeds: Iterable[float]) -> list[Corner]:
+    """Of each speed the corners at the nearest one of the grid, moved to it."""
+    nearest = {speed: min((corner.speed for corner in corners), key=lambda own: abs(own - speed)) for speed in speeds}
+    return [replace(own, speed=speed) for speed, near in nearest.items() for own in corners if own.speed == near]
 
 
 def _between(uses: Iterable[Mapping[float, float]]) -> tuple[float, ...]:
