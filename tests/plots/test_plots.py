@@ -6,6 +6,7 @@ import dataclasses
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -34,6 +35,7 @@ from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
 from nospill.plots.path_view import path_figure
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
+from nospill.plots.tray_plan import footprint_outline
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
@@ -437,6 +439,21 @@ def test_a_level_path_has_two_ticks_of_its_height_at_least() -> None:
     low, high = axes.get_zlim()  # pyright: ignore[reportAttributeAccessIssue]
     ticks = [tick for tick in axes.get_zticks() if low <= tick <= high]  # pyright: ignore[reportAttributeAccessIssue]
     assert len(ticks) >= 2
+
+
+def test_the_path_is_drawn_whatever_was_in_memory_before(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Objects whose outlines have different numbers of corners, and arrays that hold huge numbers until written."""
+    assert len({len(footprint_outline(cargo)) for cargo in tilting.plan.scene.cargo}) > 1
+    empty = np.empty
+
+    def with_what_was_there(*arguments: Any, **keywords: Any) -> np.ndarray:
+        made = empty(*arguments, **keywords)
+        if made.dtype == float:
+            made.fill(1.7e308)
+        return made
+
+    monkeypatch.setattr(np, "empty", with_what_was_there)
+    FigureCanvasAgg(path_figure(tilting)).draw()
 
 
 def test_slosh_curve_is_the_judges(tilting: Evidence, pictures: dict[str, Figure]) -> None:

@@ -84,11 +84,14 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     axes.plot(*shadow.T, color="#BBBBBB", linewidth=1.0, zorder=1, clip_on=False)
     for index, outline in zip(instants, outlines, strict=True):
         bases = [_on_tray(evidence, index, footprint) for footprint in footprints]
-        for shapes, fill, edge in (([outline], "#DDE9F3C0", "#333333"), (bases, "#FFFFFFD0", "#666666")):
-            if shapes:
-                axes.add_collection3d(
-                    Poly3DCollection(shapes, facecolors=fill, edgecolors=edge, linewidths=0.7, zorder=2, clip_on=False)
-                )
+        # One collection each: with different numbers of corners, Matplotlib reads memory that nobody has written.
+        for shape, fill, edge in (
+            (outline, "#DDE9F3C0", "#333333"),
+            *((base, "#FFFFFFD0", "#666666") for base in bases),
+        ):
+            axes.add_collection3d(
+                Poly3DCollection([shape], facecolors=fill, edgecolors=edge, linewidths=0.7, zorder=2, clip_on=False)
+            )
         shaft = _on_tray(evidence, index, np.array([[0.0, 0.0], [reach, 0.0]]))
         axes.add_collection3d(Line3DCollection([shaft], colors=ORANGE, linewidths=1.6, zorder=3, clip_on=False))
         tip = _on_tray(evidence, index, head)
