@@ -6,7 +6,6 @@ import dataclasses
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import matplotlib
 import numpy as np
@@ -20,90 +19,29 @@ from scipy.integrate import solve_ivp
 
 from nospill.core.units import superscript
 from nospill.errors import PlanFolderError
-from nospill.judge.certificate import Judgement, judge
 from nospill.judge.limiting import limiting_names
 from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plans import approach
-from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
-from nospill.plots.path_view import path_figure
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
-from nospill.plots.tray_plan import footprint_outline
 from nospill.scenario import scene_from_table
-from nospill.scene.scene import Scene
-from nospill.transcription.starting_motions import Start
-from tests.builders import joint_path_of, smooth_record
+from tests.plots.small_plans import CARGO, LONG, cup, plan_of, table
 from tests.waiting import run_python
-
-LONG = "a-cup-with-a-name-of-sixty-four-letters-which-is-the-most-allowed"[:64]
 
 APPLYING = {"slosh-heights", "margins", "joints", "tilt", "other-speeds", "summary"}
 """Figures of every plan that tilts with liquids and has no obstacles; limits where it comes near any."""
 
 
-def cup(name: str, x: int, y: int) -> dict[str, object]:
-    size = {"shape": "cylinder", "radius": "25 mm", "height": "99 mm"}
-    filling = {"liquid": "water", "liquid_height": "49 mm", "max_slosh_height": f"{12 + abs(x) // 10} mm"}
-    return {"name": name, "at": [f"{x} mm", f"{y} mm"], **size, **filling}
-
-
-def table(cargo: list[dict[str, object]], **motion: object) -> dict[str, object]:
-    return {
-        "fidelity": "full",
-        "name": "small-plan",
-        "robot": {"model": "comau-smart-six"},
-        "tray": {"size": ["335 mm", "250 mm"], "friction": 0.466, "friction_reserve": 0.1, "offset": "108 mm"},
-        "cargo": cargo,
-        "path": {"type": "preset", "name": "arc", "yaw": ["0 deg", "90 deg"]},
-        "motion": {"end": "residual", **motion},
-        "planning": {"slosh_modes": 1},
-    }
-
-
-CARGO: list[dict[str, object]] = [
-    cup("cup", -100, -60) | {"empty_mass": "30 g"},
-    {
-        "name": "box",
-        "at": ["70 mm", "-60 mm"],
-        "shape": "box",
-        "length": "80 mm",
-        "width": "60 mm",
-        "height": "90 mm",
-        "liquid": "water",
-        "liquid_height": "45 mm",
-        "max_slosh_height": "20 mm",
-        "empty_mass": "40 g",
-    },
-    {
-        "name": "bottle",
-        "at": ["80 mm", "60 mm"],
-        "shape": "cylinder",
-        "radius": "33 mm",
-        "height": "120 mm",
-        "mass": "0.4 kg",
-    },
-]
 EIGHT = [
     cup(name, -112 + 75 * (index % 4), -60 + 120 * (index // 4))
     for index, name in enumerate(["_a", LONG, "c", LONG[::-1], "e", "f", "g", "h"])
 ]
-
-
-def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
-    """A smooth motion along the path, judged; no solver is involved, so the limits may or may not hold."""
-    path = joint_path_of(scene, samples=41)
-    start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
-    trajectory = smooth_record(scene, path, 40, start)
-    judgement = judge(trajectory, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
-    return Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report), judgement
 
 
 @pytest.fixture(scope="module")
@@ -430,30 +368,6 @@ def test_names_are_no_formulas() -> None:
     assert len(plain(LONG)) == 22
     assert plain(LONG, 10)[:6] == LONG[:6]
     assert plain(LONG, 10)[-3:] == LONG[-3:]
-
-
-def test_a_level_path_has_two_ticks_of_its_height_at_least() -> None:
-    level = {"type": "line", "start": [0.8, -0.3, 1.2], "end": [0.8, 0.3, 1.2], "yaw": [0.0, 0.0]}
-    found, judgement = plan_of(scene_from_table({**table(CARGO), "path": level}, name="level"), 1.3)
-    (axes,) = path_figure(Evidence(found, judgement)).axes
-    low, high = axes.get_zlim()  # pyright: ignore[reportAttributeAccessIssue]
-    ticks = [tick for tick in axes.get_zticks() if low <= tick <= high]  # pyright: ignore[reportAttributeAccessIssue]
-    assert len(ticks) >= 2
-
-
-def test_the_path_is_drawn_whatever_was_in_memory_before(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Objects whose outlines have different numbers of corners, and arrays that hold huge numbers until written."""
-    assert len({len(footprint_outline(cargo)) for cargo in tilting.plan.scene.cargo}) > 1
-    empty = np.empty
-
-    def with_what_was_there(*arguments: Any, **keywords: Any) -> np.ndarray:
-        made = empty(*arguments, **keywords)
-        if made.dtype == float:
-            made.fill(1.7e308)
-        return made
-
-    monkeypatch.setattr(np, "empty", with_what_was_there)
-    FigureCanvasAgg(path_figure(tilting)).draw()
 
 
 def test_slosh_curve_is_the_judges(tilting: Evidence, pictures: dict[str, Figure]) -> None:
