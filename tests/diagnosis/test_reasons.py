@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -144,10 +145,15 @@ def test_a_search_that_ends_without_a_motion_says_what_the_last_one_breaks(chang
 def test_a_motion_found_when_time_is_up_is_judged_as_it_is(changed_scene: Changed) -> None:
     found = plan(changed_scene("matrix-rigid", FEW | {"planning.max_plan_time": 1e-3}))
     assert found.report.starts.tried == 1 and found.report.rounds == 0
-    assert found.report.solver_status.endswith("; the time planning.max_plan_time was up")
+    assert found.report.solver_status.endswith("; the time planning.max_plan_time was up") and found.report.ran_out
     usual = plan(changed_scene("matrix-rigid", FEW))
     assert "max_plan_time" not in usual.report.solver_status and usual.certificate.ok
     assert not found.certificate.ok and found.duration == pytest.approx(usual.duration, rel=0.1)
+    assert found.message.endswith(" Planning ended at planning.max_plan_time = 0.001 s: allow more.")
+    assert "max_plan_time" not in replace(found, certificate=usual.certificate).message
+    ranged = replace(found, scene=replace(found.scene, motion=replace(found.scene.motion, speed_range=(0.5, 1.0))))
+    assert ranged.certified_speeds is None
+    assert replace(ranged, certificate=usual.certificate).certified_speeds == (0.5, 1.0)
 
 
 def test_a_path_out_of_reach_is_the_robots_fault(changed_scene: Changed) -> None:

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from nospill.judge.certificate import judge_motion
-from nospill.judge.corners import _LOOKS, _between
+from nospill.judge.corners import _LOOKS, closer, vertices
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
 from nospill.judge.variant_rows import missing
 from nospill.judge.verdict import Row
-from nospill.judge.worst_speeds import beside, evenly, peaks
+from nospill.judge.worst_speeds import beside, evenly, is_far, peaks
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
 from nospill.scene.scene import SPEED_STEP
@@ -30,8 +30,8 @@ def test_speeds_of_a_range_are_close_to_each_other(smooth_motion: Callable) -> N
     scene = with_range(smooth_motion("mixed-tray").scene, 0.25)
     speeds = scene.motion.speeds
     assert speeds[-1] == 0.25 and speeds[0] < 1.0
-    steps = np.diff(np.log([1.0, *speeds]))
-    assert np.all(steps < 0.0) and np.all(steps > -SPEED_STEP - 1e-4)
+    steps = np.diff(1.0 / np.array([1.0, *speeds]))
+    assert np.all(steps > 0.0) and np.all(steps < SPEED_STEP + 2e-4)  # speeds are rounded
     assert with_range(scene, 0.5, 0.8).motion.speeds[0] == 0.8
     assert replace(scene.motion, speed_range=None).speeds == ()
 
@@ -108,21 +108,24 @@ def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
     assert beside(values[7], members[:1], known) == []
 
 
-@pytest.mark.parametrize("at", np.linspace(0.2681, 0.2708, 9).tolist())
+@pytest.mark.parametrize("at", np.linspace(3.7, 3.7 + SPEED_STEP, 9).tolist())
 def test_looks_between_speeds_find_a_narrow_peak(at: float) -> None:
-    """One as narrow as the grid, wherever it stands between two speeds."""
+    """One as narrow as the steps of 1/v, wherever it stands between two of them."""
 
     def use(speed: float) -> float:
-        return 0.985 + 0.0145 * math.exp(-(((speed - at) / 0.0012) ** 2))
+        return 0.985 + 0.0145 * math.exp(-(((1.0 / speed - at) / SPEED_STEP) ** 2))
 
-    known = {speed: use(speed) for speed in (0.2627, 0.2654, 0.2681, 0.2708, 0.2735)}
-    for _ in range(_LOOKS):
-        known |= {speed: use(speed) for speed in _between([known])}
-    assert max(known.values()) > use(at) - 5e-4
+    known = {1.0 / slowness: use(1.0 / slowness) for slowness in (3.7 + SPEED_STEP * np.arange(-2, 4)).tolist()}
+    for look in (closer, *_LOOKS * (vertices,)):
+        known |= {speed: use(speed) for speed in look(known)}
+    assert max(known.values()) > use(1.0 / at) - 5e-5
 
 
 def test_no_look_between_speeds_far_from_a_limit_or_over_it() -> None:
-    assert _between([{0.5: 0.9, 0.6: 0.97, 0.7: 0.9}]) == () == _between([{0.5: 0.9, 0.6: 1.01, 0.7: 0.9}])
+    for most in (0.96, 1.01):
+        use = {0.5: 0.9, 0.51: most, 0.52: 0.9}
+        assert closer(use) == set() == vertices(use)
+    assert len(closer({0.5: 0.9, 0.51: 0.99, 0.52: 0.9})) > 10
 
 
 def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
@@ -143,3 +146,22 @@ def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
     assert joining("residual height", 1.05, _4=0.3, _8=0.9) == {"6"}
     assert joining("residual height", 0.99, _4=0.3, _8=0.9) == set()
     assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()
+
+
+def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> None:
+    """Back-off of members more than half of pi / (omega T) in 1/v away says nothing of it; nearer ones keep it."""
+    cargo = smooth_motion("mixed-tray").scene.cargo
+    slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
+    t = np.array([0.0, 2.0])
+    half = 0.5 * math.pi / (slowest * t[-1])
+    for away, expected in ((1.1, {"at"}), (0.9, set())):
+        speeds = {("a", ""): 1.0, ("a", "b"): 0.5, ("a", "at"): 1.0 / (2.0 + away * half), ("a", "end"): 0.2}
+        names = {("a", ""): "a", ("a", "b"): "a at b"}
+        uses = {"b": 0.9, "at": 1.02, "end": 0.3}
+        rows = [
+            Row("residual height", "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for text, use in uses.items()
+        ]
+        room = {"outer": ["a"], "t": t, "cargo": cargo, "backoff": {}}
+        assert {text for _, text in missing(rows, names, speeds, above=1.5, **room)} == expected
+        assert missing(rows, names, speeds, above=math.inf, **room) == set()
+    assert not is_far(0.3, [("a", "")], {("a", ""): 1.0}, 0.1)

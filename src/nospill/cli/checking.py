@@ -60,7 +60,8 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     judgement = judge_whole(saved)
     certificate = judgement.certificate
     print_certificate(certificate, saved.scene, everything=everything)
-    slower = other_speeds(uses_at(saved.trajectory, saved.scene), saved.scene.motion.speed_range)
+    certified = saved.scene.motion.speed_range if certificate.ok else None
+    slower = other_speeds(uses_at(saved.trajectory, saved.scene), certified)
     print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():

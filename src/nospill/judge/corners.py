@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,13 +26,15 @@ from nospill.scene.variants import speed_text
 _OF_SLOWED = 0.25
 """Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
 
-_NEAR = 0.02
-"""Part of a limit; a use nearer to it than that at two speeds of the grid may exceed it between them (1.2 % seen)."""
+_NEAR = 0.03
+"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it beside that (1.6 % seen)."""
 
-_LOOKS, _SAME = 3, 3e-5
-"""Looks between speeds, each at the vertex of a parabola through those before; at a quarter of the speed a phase turns
-by a radian from one speed of the grid to the next, where the first vertex alone misses the peak. Speeds that differ by
-less than the second, as part of them, are one."""
+_CLOSE, _LOOKS, _SAME = 0.0045, 2, 3e-5
+"""Between speeds v that come near a limit: distance of their 1/v in the first look; further looks, each at the vertices
+of the parabolas through those before; and the part of a speed by which two differ at least."""
+
+_BROKEN = 0.05
+"""Part of a limit; where one is broken by more at a speed of the grid, nothing is looked at between them."""
 
 
 def corner_rows(
@@ -68,8 +72,9 @@ def corner_traces(
                 yield trace, text
 
     yield from looked_at(corners)
-    for _ in range(_LOOKS):
-        yield from looked_at(_at_speeds(corners, _between(uses.values())))
+    if max((max(use.values()) for use in uses.values()), default=0.0) < 1.0 + _BROKEN:
+        for between in (closer, *_LOOKS * (vertices,)):
+            yield from looked_at(_at_speeds(corners, uses, between))
     if scene.motion.speeds:
         yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
     if is_uncertain(scene) and played is not None:
@@ -118,22 +123,45 @@ def _torques(
             yield replace(trace, t=trace.t * least), speed_text(least)
 
 
-def _at_speeds(corners: Sequence[Corner], speeds: Iterable[float]) -> list[Corner]:
-    """Of each speed the corners at the nearest one of the grid, moved to it."""
-    nearest = {speed: min((corner.speed for corner in corners), key=lambda own: abs(own - speed)) for speed in speeds}
-    return [replace(own, speed=speed) for speed, near in nearest.items() for own in corners if own.speed == near]
+def _at_speeds(
+    corners: Sequence[Corner],
+    uses: Mapping[RowId, Mapping[float, float]],
+    between: Callable[[Mapping[float, float]], Iterable[float]],
+) -> list[Corner]:
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them."""
+    asking: dict[float, set[str]] = {}
+    for row, use in uses.items():
+        for speed in between(use):
+            asking.setdefault(speed, set()).add(row.subject)
+    grid = sorted({corner.speed for corner in corners})
+    found = []
+    for speed, names in asking.items():
+        nearest = min(grid, key=lambda own: abs(own - speed))
+        for own in (corner for corner in corners if corner.speed == nearest):
+            cargo = tuple(item for item in own.scene.cargo if item.name in names)
+            found.append(replace(own, scene=replace(own.scene, cargo=cargo), speed=speed))
+    return found
 
 
-def _between(uses: Iterable[Mapping[float, float]]) -> tuple[float, ...]:
-    """Speeds between those that were looked at, where a use just below its limit is largest: vertices of parabolas."""
+def closer(use: Mapping[float, float]) -> set[float]:
+    """Speeds between neighbours of which one comes near a limit without exceeding it, from the uses at some speeds."""
     found = set[float]()
-    for use in uses:
-        speeds = sorted(use)
-        for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
-            before, most, after = (use[speed] for speed in (first, middle, last))
-            if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
-                below, above = (middle - first) * (most - after), (last - middle) * (most - before)
-                vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
-                if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
-                    found.add(round(vertex, 6))
-    return tuple(sorted(found, reverse=True))
+    for first, last in pairwise(sorted(use)):
+        if 1.0 - _NEAR < max(use[first], use[last]) <= 1.0:
+            slow, fast = 1.0 / first, 1.0 / last
+            count = math.ceil((slow - fast) / _CLOSE - 1e-9)
+            found |= {round(float(1.0 / inverse), 6) for inverse in np.linspace(slow, fast, count + 1)[1:-1]}
+    return found
+
+
+def vertices(use: Mapping[float, float]) -> set[float]:
+    """Speeds at which a use just below its limit is largest: vertices of parabolas, from the uses at some speeds."""
+    found, speeds = set[float](), sorted(use)
+    for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
+        before, most, after = (use[speed] for speed in (first, middle, last))
+        if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
+            below, above = (middle - first) * (most - after), (last - middle) * (most - before)
+            vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
+            if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
+                found.add(round(vertex, 6))
+    return found

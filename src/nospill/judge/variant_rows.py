@@ -12,7 +12,7 @@ from itertools import groupby, islice
 import numpy as np
 
 from nospill.judge.verdict import Row, condensed
-from nospill.judge.worst_speeds import beside, evenly, peaks
+from nospill.judge.worst_speeds import beside, evenly, is_far, peaks
 from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.tightening import is_spent
@@ -40,8 +40,9 @@ def missing(
     """Of every constraint the worst objects, of each the variant outside a problem with the largest use.
 
     At other speeds, the peaks: of liquids those well above a limit, and those beside which back-off has been in vain.
+    Where nothing else joins, those over it that are half a step of their phase at the end from all that are slowed.
 
-    Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
+    Of liquids that are not in the problem at other speeds yet, the worst one at even steps of that phase.
 
     Args:
         rows: of a judged motion.
@@ -59,9 +60,10 @@ def missing(
     solid = [row for row in slowed if row.constraint not in LIQUID_NAMES]
     liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
     found: list[Row] = []
+    slowest = min((mode.frequency for item in cargo for mode in item.oscillators), default=0.0)
+    step = np.pi / (slowest * np.ptp(t)) if slowest else np.inf
     if liquid and all(speeds[member] == 1.0 for member in names):
-        slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
-        found = [row for row in evenly(liquid, speeds, np.pi / (slowest * np.ptp(t))) if row.use > above]
+        found = [row for row in evenly(liquid, speeds, step) if row.use > above]
     alone = set(outer).difference(name for name, _ in names)
     spent = set(spent_at_end(backoff, names, speeds).values())
     at_end = (row for row in liquid if spent and row.constraint in END_NAMES)
@@ -72,7 +74,11 @@ def missing(
         found += peaks(solid, speeds)
     planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in names)
     found += _worst(condensed(row for row in planned if row.use > least[row]))
-    return frozenset(_variant(row) for row in found if row.use > least[row]).difference(names)
+    joining = frozenset(_variant(row) for row in found if row.use > least[row]).difference(names)
+    if joining or np.isinf(above):
+        return joining
+    over = (row for row in peaks(liquid, speeds) if row.use > 1.0)
+    return frozenset(_variant(row) for row in over if is_far(speeds[_variant(row)], names, speeds, step))
 
 
 def _worst(rows: Iterable[Row]) -> Iterator[Row]:

@@ -72,3 +72,9 @@ def beside(speed: float, members: Iterable[VariantId], speeds: Mapping[VariantId
         min((speeds[item] for item in slowed if speeds[item] >= speed), default=None),
     }
     return [member for member in slowed if speeds[member] in next_to]
+
+
+def is_far(speed: float, members: Iterable[VariantId], speeds: Mapping[VariantId, float], step: float) -> bool:
+    """Whether members are slowed, but to no speed v whose 1/v is within half of `step` of that of `speed`."""
+    slowed = [speeds[item] for item in members if speeds[item] < 1.0]
+    return bool(slowed) and all(abs(1.0 / speed - 1.0 / own) > 0.5 * step for own in slowed)

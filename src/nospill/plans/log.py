@@ -8,10 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from nospill.plans.records import PlanningReport, Starts
+from nospill.plans.records import TIME_IS_UP, PlanningReport, Starts
 from nospill.transcription.solvers import Solution
-
-_TIME_IS_UP = "; the time planning.max_plan_time was up"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +96,7 @@ class Log:
             rounds=self.rounds,
             starts=Starts.of(self.starts),
             phases=self.phases,
-            solver_status=last + (_TIME_IS_UP if self.out_of_time else ""),
+            solver_status=last + (TIME_IS_UP if self.out_of_time else ""),
             linear_solvers=tuple(solution.linear_solver for solution in self.solutions),
             **found,
         )

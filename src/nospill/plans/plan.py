@@ -71,7 +71,14 @@ class Plan:
             return (
                 f"{self.certificate.word.capitalize()}: {self.duration:.3f} s; nearest to its limit: {describe(worst)}."
             )
-        return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}"
+        longest = self.scene.planning.max_plan_time
+        ended = f" Planning ended at planning.max_plan_time = {longest:g} s: allow more." if self.report.ran_out else ""
+        return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}{ended}"
+
+    @property
+    def certified_speeds(self) -> tuple[float, float] | None:
+        """The range of speeds that the certificate is about and holds in; None where there is none."""
+        return self.scene.motion.speed_range if self.certificate.ok else None
 
     @property
     def held_back(self) -> str:
@@ -105,7 +112,7 @@ class Plan:
         if self.maxima.other_speeds is not None:
             return found
         uses = uses_at(self.trajectory, self.scene)
-        warnings = (*self.warnings, *other_speeds(uses, self.scene.motion.speed_range))
+        warnings = (*self.warnings, *other_speeds(uses, found.certified_speeds))
         return replace(found, maxima=replace(self.maxima, other_speeds=uses), warnings=warnings)
 
     def save(

@@ -15,6 +15,9 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.scene import Scene
 
+TIME_IS_UP = "; the time planning.max_plan_time was up"
+"""End of the status of a planner whose time was up."""
+
 
 @dataclass(frozen=True, slots=True)
 class MotionMaxima:
@@ -104,6 +107,11 @@ class PlanningReport:
     savings: dict[str, float] = field(default_factory=dict)
     compared: dict[str, float] = field(default_factory=dict)
     jerk_weight_factor: float = 1.0
+
+    @property
+    def ran_out(self) -> bool:
+        """Whether planning ended because its time was up."""
+        return self.solver_status.endswith(TIME_IS_UP)
 
 
 def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:

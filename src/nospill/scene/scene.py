@@ -24,9 +24,10 @@ FULL_MODES = 20
 EndCondition = Literal["still", "published", "residual"]
 
 
-SPEED_STEP = 0.01
-"""Relative distance of the speeds of a range that are looked at: over a motion of 2 s a mode at 2 Hz gets 0.25 rad out
-of step from one to the next, and what neighbours both keep, a speed between them exceeds by less than 1 %."""
+SPEED_STEP = 0.0125
+"""Distance of the 1/v of the speeds v of a range that are looked at, parts of the planned one. What a mode of frequency
+omega does in the time T is a function of 1/v of bandwidth omega T, and this determines it up to omega T = 250: the
+fastest of twenty modes of a cup of 35 mm radius in 1.9 s."""
 
 _PLANNED_MODES = 3
 """Most modes that the optimiser carries at full fidelity: the faster ones together are less than what is kept back."""
@@ -80,8 +81,8 @@ class MotionRules:
         if self.speed_range is None:
             return ()
         least, greatest = self.speed_range
-        count = math.ceil(math.log(greatest / least) / SPEED_STEP - 1e-9) + 1
-        grid = np.geomspace(greatest, least, count)
+        count = math.ceil((1.0 / least - 1.0 / greatest) / SPEED_STEP - 1e-9) + 1
+        grid = 1.0 / np.linspace(1.0 / greatest, 1.0 / least, count)
         return tuple(speed for speed in (round(float(item), 5) for item in grid) if speed < 1.0)
 
     @property

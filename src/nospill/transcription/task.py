@@ -22,6 +22,8 @@ from nospill.transcription.passages import NOT_BOUNDED, Passage
 
 _MOST_OBJECTS = 8
 """Most objects that a problem begins with: the time of a step grows with their cube."""
+_EXCITED = 2.0
+"""Frequencies up to which modes of slowed liquids are carried, over the greatest one that is carried at full speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,25 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [replace(item, cargo=with_modes(item.cargo, modes)) for item in own] if own[0].name in refined else own
+            [_refined(item, modes) if item.name in refined and item.id in members else item for item in own]
             for own in self.variants
         ]
         return scene_of(scene, families, members)
+
+
+def _refined(variant: Variant, modes: int) -> Variant:
+    """A variant with more modes: at a part v of the speed those that the motion excites as well.
+
+    A mode of frequency omega answers there to what one of omega / v answers to at the planned speed.
+    """
+    found = replace(variant, cargo=with_modes(variant.cargo, modes))
+    greatest = _EXCITED * variant.speed * _fastest(found.cargo)
+    while modes > 1 and _fastest(found.cargo) > greatest:
+        modes -= 1
+        found = replace(variant, cargo=with_modes(variant.cargo, modes))
+    return found
+
+
+def _fastest(cargo: Cargo) -> float:
+    """Greatest frequency of the liquid of an object, rad/s; 0 without any."""
+    return max((mode.frequency for mode in cargo.oscillators), default=0.0)

@@ -9,7 +9,7 @@ from nospill.plans.warnings.record import PlanWarning
 
 
 def other_speeds(uses: Sequence[SpeedUse], speed_range: tuple[float, float] | None = None) -> Iterator[PlanWarning]:
-    """A limit on an object is broken at a lower speed; `speed_range` is where the certificate holds too."""
+    """A limit on an object is broken at a lower speed; `speed_range` is where a certificate holds, None without one."""
     broken = [item for item in uses if max(item.liquid, item.contact) > 1.0]
     if broken:
         worst = max(broken, key=lambda item: max(item.liquid, item.contact))
