@@ -128,8 +128,10 @@ def test_no_look_between_speeds_far_from_a_limit_or_over_it() -> None:
     assert len(closer({0.5: 0.9, 0.51: 0.99, 0.52: 0.9})) > 10
 
 
-def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
+def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) -> None:
     """A residual height between two members joins where it is well above, or one of them keeps nearly all back."""
+    scene = smooth_motion("mixed-tray").scene
+    cup = replace(next(item for item in scene.cargo if item.oscillators), name="a")
     speeds = {("a", ""): 1.0} | {("a", str(speed)): speed / 10 for speed in range(3, 10)}
     names = {("a", ""): "a", ("a", "4"): "a at 4", ("a", "8"): "a at 8"}
     uses = {"3": 0.2, "4": 0.9, "5": 0.95, "6": 1.05, "7": 0.9, "8": 0.8, "9": 0.7}
@@ -138,7 +140,7 @@ def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
         peak = {**uses, "6": worst}
         rows = [Row(constraint, "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, at) for at, use in peak.items()]
         backoff = {RowId(constraint, f"a at {number[1:]}"): value for number, value in kept.items()}
-        room = {"outer": ["a"], "t": np.array([0.0, 1.0]), "cargo": ()}
+        room = {"outer": ["a"], "t": np.array([0.0, 0.01]), "cargo": [cup]}  # no speed is far from another
         return {text for _, text in missing(rows, names, speeds, above=1.005, backoff=backoff, **room)}
 
     assert joining("residual height", 1.2, _4=0.3, _8=0.5) == {"6"}
@@ -146,6 +148,37 @@ def test_peaks_beside_which_back_off_is_in_vain_join() -> None:
     assert joining("residual height", 1.05, _4=0.3, _8=0.9) == {"6"}
     assert joining("residual height", 0.99, _4=0.3, _8=0.9) == set()
     assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()
+
+
+def test_liquids_join_at_even_steps_and_solids_wherever_they_break_a_limit(smooth_motion: Callable) -> None:
+    """Those of a liquid whatever they use, since their peaks move; a solid is no burden."""
+    scene = with_range(smooth_motion("mixed-tray").scene, 0.5)
+    families = variants_by_object(scene)
+    speeds = {item.id: item.speed for own in families for item in own}
+    names = {own[0].id: own[0].name for own in families}
+    solid = next(own for own in families if not own[0].cargo.oscillators)
+
+    def joining(liquid_use: float, solid_use: float) -> dict[str, set[float]]:
+        rows = [
+            Row(constraint, own[0].name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, item.text)
+            for own in families
+            for constraint, use in (("slip", solid_use), ("residual height", liquid_use))
+            if constraint == "slip" or own is not solid
+            for item in own[1:]
+        ]
+        room = {"outer": [], "t": np.array([0.0, 2.0]), "cargo": scene.cargo, "backoff": {}}
+        found: dict[str, set[float]] = {}
+        for variant in missing(rows, names, speeds, above=1.5, **room):
+            found.setdefault(variant[0], set()).add(speeds[variant])
+        return found
+
+    assert joining(0.9, 0.9) == {}
+    assert joining(0.9, 1.01).keys() == {solid[0].name}
+    some = joining(1.6, 0.9)
+    slowest = min(mode.frequency for item in scene.cargo for mode in item.oscillators)
+    slowness = 1.0 / np.array(sorted(set.union(*some.values()), reverse=True))
+    assert solid[0].name not in some and slowness[-1] == 2.0
+    assert np.max(np.diff([1.0, *slowness])) < math.pi / (2.0 * slowest) + SPEED_STEP
 
 
 def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> None:

@@ -13,9 +13,9 @@ import numpy as np
 
 from nospill.judge.verdict import Row, condensed
 from nospill.judge.worst_speeds import beside, evenly, is_far, peaks
-from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints import BY_NAME, END_NAMES, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.tightening import is_spent
+from nospill.laws.constraints.tightening import is_spent, tightened_backoff
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
 
@@ -57,26 +57,28 @@ def missing(
     """
     of_objects = [row for row in rows if row.constraint in OBJECT_NAMES]
     slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
-    solid = [row for row in slowed if row.constraint not in LIQUID_NAMES]
+    contact = [row for row in slowed if row.constraint not in LIQUID_NAMES]
     liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
-    found: list[Row] = []
-    slowest = min((mode.frequency for item in cargo for mode in item.oscillators), default=0.0)
-    step = np.pi / (slowest * np.ptp(t)) if slowest else np.inf
-    if liquid and all(speeds[member] == 1.0 for member in names):
-        found = [row for row in evenly(liquid, speeds, step) if row.use > above]
+    frequencies = {item.name: min(mode.frequency for mode in item.oscillators) for item in cargo if item.oscillators}
+    step = np.pi / (min(frequencies.values()) * np.ptp(t)) if frequencies else np.inf
     alone = set(outer).difference(name for name, _ in names)
     spent = set(spent_at_end(backoff, names, speeds).values())
     at_end = (row for row in liquid if spent and row.constraint in END_NAMES)
     in_vain = {row for row in at_end if not spent.isdisjoint(beside(speeds[_variant(row)], names, speeds))}
+    solid = [row for row in contact if row.subject not in frequencies]
+    in_vain.update(solid)  # they bring no states
     least = {row: min(above, 1.0) if row.subject in alone or row in in_vain else above for row in of_objects}
-    if not found:
-        found = [row for row in peaks(liquid, speeds) if row in in_vain or row.use > above + _SLIGHT_OF_SLOWED]
-        found += peaks(solid, speeds)
+    found, even = peaks(solid, speeds), list[Row]()
+    found += peaks((row for row in contact if row.subject in frequencies), speeds)
+    if any(speeds[member] < 1.0 and member[0] in frequencies for member in names):
+        found += [row for row in peaks(liquid, speeds) if row in in_vain or row.use > above + _SLIGHT_OF_SLOWED]
+    elif any(row.use > above for row in liquid):
+        even = evenly(liquid, speeds, step)
     planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in names)
     found += _worst(condensed(row for row in planned if row.use > least[row]))
-    joining = frozenset(_variant(row) for row in found if row.use > least[row]).difference(names)
-    if joining or np.isinf(above):
-        return joining
+    joining = {_variant(row) for row in found if row.use > least[row]}.union(map(_variant, even))
+    if joining.difference(names) or np.isinf(above):
+        return frozenset(joining.difference(names))
     over = (row for row in peaks(liquid, speeds) if row.use > 1.0)
     return frozenset(_variant(row) for row in over if is_far(speeds[_variant(row)], names, speeds, step))
 
@@ -129,6 +131,28 @@ def spent_at_end(
     slowed = {label: item for item, label in names.items() if speeds[item] < 1.0}
     rows = (row for row, kept in backoff.items() if row.constraint in END_NAMES and is_spent(kept))
     return {row: slowed[row.subject] for row in rows if row.subject in slowed}
+
+
+def tightened(
+    rows: Iterable[Row], active: Collection[RowId], backoff: Mapping[RowId, float], slack: Mapping[RowId, float]
+) -> tuple[dict[RowId, float], frozenset[RowId]]:
+    """Back-off of every row for the next problem, and the rows that are broken without taking part in this one.
+
+    Args:
+        rows: that break their limits, by the names of the members.
+        active: rows that take part.
+        backoff: of every row that may.
+        slack: part of its budget that each left unused.
+    """
+    joining, found = set[RowId](), dict(backoff)
+    for row in condensed(rows):
+        key = RowId(row.constraint, row.subject)
+        if key in active:
+            excess, point = row.shortfall / row.size, BY_NAME[row.constraint].evaluated_at
+            found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), point)
+        elif key in found:
+            joining.add(key)
+    return found, frozenset(joining)
 
 
 def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:
