@@ -40,9 +40,8 @@ def missing(
     """Of every constraint the worst objects, of each the variant outside a problem with the largest use.
 
     At other speeds, the peaks: of liquids those well above a limit, and those beside which back-off has been in vain.
-    Where nothing else joins, those over it that are half a step of their phase at the end from all that are slowed.
 
-    Of liquids that are not in the problem at other speeds yet, the worst one at even steps of that phase.
+    Of liquids that are not in the problem at other speeds yet, the worst one at even steps of its phase at the end.
 
     Args:
         rows: of a judged motion.
@@ -59,28 +58,46 @@ def missing(
     slowed = [row for row in of_objects if speeds[_variant(row)] < 1.0]
     contact = [row for row in slowed if row.constraint not in LIQUID_NAMES]
     liquid = [row for row in slowed if row.constraint in LIQUID_NAMES]
-    frequencies = {item.name: min(mode.frequency for mode in item.oscillators) for item in cargo if item.oscillators}
-    step = np.pi / (min(frequencies.values()) * np.ptp(t)) if frequencies else np.inf
+    liquids = {item.name for item in cargo if item.oscillators}
     alone = set(outer).difference(name for name, _ in names)
     spent = set(spent_at_end(backoff, names, speeds).values())
     at_end = (row for row in liquid if spent and row.constraint in END_NAMES)
     in_vain = {row for row in at_end if not spent.isdisjoint(beside(speeds[_variant(row)], names, speeds))}
-    solid = [row for row in contact if row.subject not in frequencies]
+    solid = [row for row in contact if row.subject not in liquids]
     in_vain.update(solid)  # they bring no states
     least = {row: min(above, 1.0) if row.subject in alone or row in in_vain else above for row in of_objects}
-    found, even = peaks(solid, speeds), list[Row]()
-    found += peaks((row for row in contact if row.subject in frequencies), speeds)
-    if any(speeds[member] < 1.0 and member[0] in frequencies for member in names):
+    found = peaks(solid, speeds)
+    found += peaks((row for row in contact if row.subject in liquids), speeds)
+    if any(speeds[member] < 1.0 and member[0] in liquids for member in names):
         found += [row for row in peaks(liquid, speeds) if row in in_vain or row.use > above + _SLIGHT_OF_SLOWED]
-    elif any(row.use > above for row in liquid):
-        even = evenly(liquid, speeds, step)
+    elif liquid:
+        found += evenly(liquid, speeds, _step(t, cargo))
     planned = (row for row in of_objects if speeds[_variant(row)] == 1.0 and _variant(row) not in names)
     found += _worst(condensed(row for row in planned if row.use > least[row]))
-    joining = {_variant(row) for row in found if row.use > least[row]}.union(map(_variant, even))
-    if joining.difference(names) or np.isinf(above):
-        return frozenset(joining.difference(names))
-    over = (row for row in peaks(liquid, speeds) if row.use > 1.0)
+    return frozenset(_variant(row) for row in found if row.use > least[row]).difference(names)
+
+
+def far_peaks(
+    rows: Iterable[Row],
+    names: Mapping[VariantId, str],
+    speeds: Mapping[VariantId, float],
+    *,
+    t: np.ndarray,
+    cargo: Iterable[Cargo],
+) -> frozenset[VariantId]:
+    """Liquids over a limit at speeds of which the back-off of what is in the problem says nothing.
+
+    Half a step of their phase at the end, or more, from all that are slowed. Arguments as of `missing`.
+    """
+    liquid = (row for row in rows if row.constraint in LIQUID_NAMES and speeds[_variant(row)] < 1.0)
+    over = [row for row in peaks(liquid, speeds) if row.use > 1.0]
+    step = _step(t, cargo) if over else 0.0
     return frozenset(_variant(row) for row in over if is_far(speeds[_variant(row)], names, speeds, step))
+
+
+def _step(t: np.ndarray, cargo: Iterable[Cargo]) -> float:
+    """Step of 1/v, v a part of the planned speed, in which the phase of the slowest mode at the end turns by pi."""
+    return float(np.pi / (min(mode.frequency for item in cargo for mode in item.oscillators) * np.ptp(t)))
 
 
 def _worst(rows: Iterable[Row]) -> Iterator[Row]:

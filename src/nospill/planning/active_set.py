@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
-from nospill.judge.variant_rows import attributed, missing, spent_at_end, tightened, uses_of
+from nospill.judge.variant_rows import attributed, far_peaks, missing, spent_at_end, tightened, uses_of
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
@@ -138,9 +138,8 @@ class ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
         Modes join first, of the liquids that break a limit, and objects without members; where modes that are left out
-        swing too far at the end, the jerks weigh more. Then members join, the worst of `missing`, and those at other
-        speeds get a larger back-off of what they break themselves. Where none joins, violated rows join, and those in
-        the problem get a larger back-off.
+        swing too far at the end, the jerks weigh more. Then members join, the worst of `missing`. Where there is none,
+        violated rows join, those in the problem get a larger back-off, and `far_peaks` join, which that does not reach.
         """
         rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
         refined = self.refined | self._too_coarse(rows)
@@ -158,13 +157,14 @@ class ActiveSet:
         if heavier > self.jerk_weight_factor:
             return replace(self, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
-        broken = self._on_members((row for row in rows if row.shortfall > 0.0), own=bool(outside))
-        backoff, joining = tightened(broken, self.rows, self.backoff, slack)
         if outside:
-            slowed = {label for item, label in self.names.items() if self.task.speeds[item] < 1.0}
-            known = {row: value if row.subject in slowed else self.backoff[row] for row, value in backoff.items()}
-            names = {name for name, _ in outside if refined}
-            return replace(self, backoff=known).joined(self.members | outside, refined | names, judgement)
+            return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
+        broken = self._on_members(row for row in rows if row.shortfall > 0.0)
+        backoff, joining = tightened(broken, self.rows, self.backoff, slack)
+        t, cargo = judgement.replay.t, self.task.model.cargo
+        far = far_peaks(rows, self.names, self.task.speeds, t=t, cargo=cargo)
+        if far:
+            return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
         backoff = shared_backoff(backoff, self.backoff, uses)
         if not joining and backoff == self.backoff:
             return self
