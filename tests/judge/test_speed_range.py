@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.judge.certificate import judge_motion
-from nospill.judge.corners import _LOOKS, closer, vertices
+from nospill.judge.corners import _LOOKS, _at_speeds, closer, vertices
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
 from nospill.judge.variant_rows import far_peaks, missing
@@ -19,6 +19,7 @@ from nospill.judge.worst_speeds import beside, evenly, is_far, peaks
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
 from nospill.scene.scene import SPEED_STEP
+from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object
 
 
@@ -126,6 +127,16 @@ def test_no_look_between_speeds_far_from_a_limit_or_over_it() -> None:
         use = {0.5: 0.9, 0.51: most, 0.52: 0.9}
         assert closer(use) == set() == vertices(use)
     assert len(closer({0.5: 0.9, 0.51: 0.99, 0.52: 0.9})) > 10
+
+
+def test_between_speeds_only_what_asks_and_is_tried_there_is_played(smooth_motion: Callable) -> None:
+    """Solids are tried at both ends, which say all of them: none is played between, however near to a limit."""
+    corners = list(corner_scenes(with_range(smooth_motion("mixed-tray").scene, 0.5)))
+    uses = {RowId("slip", name): {0.5: 0.99, 0.9877: 0.99} for name in ("bottle", "cup")}
+    found = _at_speeds(corners, uses, closer)
+    assert len(found) > 100
+    assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found if 0.51 < own.speed < 0.97)
+    assert _at_speeds(corners, {}, closer) == []
 
 
 def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) -> None:

@@ -128,7 +128,7 @@ def _at_speeds(
     uses: Mapping[RowId, Mapping[float, float]],
     between: Callable[[Mapping[float, float]], Iterable[float]],
 ) -> list[Corner]:
-    """Corners at speeds between those of the grid, of the objects whose uses ask for them."""
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried beside it."""
     asking: dict[float, set[str]] = {}
     for row, use in uses.items():
         for speed in between(use):
@@ -138,8 +138,9 @@ def _at_speeds(
     for speed, names in asking.items():
         nearest = min(grid, key=lambda own: abs(own - speed))
         for own in (corner for corner in corners if corner.speed == nearest):
-            cargo = tuple(item for item in own.scene.cargo if item.name in names)
-            found.append(replace(own, scene=replace(own.scene, cargo=cargo), speed=speed))
+            cargo = tuple(item for item in own.scene.cargo if item.name in names.intersection(own.texts))
+            if cargo:
+                found.append(replace(own, scene=replace(own.scene, cargo=cargo), speed=speed))
     return found
 
 
