@@ -8,7 +8,7 @@ from nospill.collisions.bodies import Body
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import scene_pairs
 from nospill.core.shapes import Shape
-from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
 
@@ -53,18 +53,21 @@ class Configurations:
         """
         free, frames = np.ones(len(q), dtype=bool), joint_frames(self._chain, q)
         wanted = self._limits[:, None] + self._around[:, None] * (np.zeros(len(q)) if spare is None else spare)
-        near = self._gaps(frames) < wanted
-        for number in np.flatnonzero(near.any(axis=1)):
-            where = np.flatnonzero(near[number] & free)
-            if len(where):
-                free[where] = self._measures[number].at(frames, where)[0] >= wanted[number, where]
-        return free
-
-    def _gaps(self, frames: JointFrames) -> np.ndarray:
-        """Bounds (k, m) on the distances of the pairs by ball and box, m."""
         turns, at = frames.rotation[self._joints], frames.position[self._joints]
         centres, origins = (at + (turns @ points[:, None, :, None])[..., 0] for points in self._points)
         axes = turns @ self._axes[:, None]
+        pairs, looks = np.nonzero(self._gaps(centres, origins, axes) < wanted)
+        first, second = self._first[pairs], self._second[pairs]
+        back = np.swapaxes(axes[second, looks], 1, 2)
+        places = (back @ (origins[first, looks] - origins[second, looks])[:, :, None])[:, :, 0]
+        turned = back @ axes[first, looks]
+        for index, (pair, look) in enumerate(zip(pairs.tolist(), looks.tolist(), strict=True)):
+            if free[look]:
+                free[look] = self._measures[pair].between(turned[index], places[index]) >= wanted[pair, look]
+        return free
+
+    def _gaps(self, centres: np.ndarray, origins: np.ndarray, axes: np.ndarray) -> np.ndarray:
+        """Bounds (k, m) on the distances of the pairs by ball and box, m; bodies by places (b, m, 3) and axes."""
         gaps = centres[self._first] - origins[self._second]
         local = (gaps[:, :, None] @ axes[self._second])[:, :, 0]
         beyond = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)

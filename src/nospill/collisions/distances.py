@@ -55,23 +55,20 @@ class Distances:
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
         self._request.gjk_tolerance = _TOLERANCE
 
+    def between(self, turn: np.ndarray, place: np.ndarray) -> float:
+        """Distance, m, with axes (3, 3) and place (3,) of the first body in the frame of the second."""
+        self._result.clear()
+        return float(self._measure(self._transform(turn, place), self._still, self._request, self._result))
+
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
         (positions, rotations), (others, turns) = (_placed(body, frames, samples) for body in (self.first, self.second))
         back = np.swapaxes(turns, 1, 2)
         gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
         found, normals = np.empty(len(samples)), np.empty((len(samples), 3))
-        request, result, measure, transform, still = (
-            self._request,
-            self._result,
-            self._measure,
-            self._transform,
-            self._still,
-        )
         for index, (gap, turn) in enumerate(zip(gaps, turned, strict=True)):
-            result.clear()
-            found[index] = measure(transform(turn, gap), still, request, result)
-            normals[index] = result.normal
+            found[index] = self.between(turn, gap)
+            normals[index] = self._result.normal
         if self.second.shape.kind == "halfspace":
             directions = -turns[:, :, 2]
         else:

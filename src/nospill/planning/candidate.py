@@ -8,9 +8,6 @@ from types import MappingProxyType
 
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.laws.constraints.trough import Trough
-from nospill.laws.constraints.via import PassedPlace
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.plans.log import Log
@@ -21,11 +18,10 @@ from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
 from nospill.transcription.stages import Stages, node_positions
+from nospill.transcription.starting_motions import hidden_at_start
 from nospill.transcription.weights import weigh_too_much
 
 _NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
-_HIDDEN_AT_START = (SloshHeight.name, Trough.name, PassedPlace.name)
-"""Of levels a liquid at rest says nothing, of places to pass a start on the way through them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,9 +104,9 @@ def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
 
 
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
-    """The set with the rows that come near their limits on a start whose liquids are at rest."""
+    """The set with the rows that come near their limits on a start, and those of which it says nothing."""
     slack = slack_of(active, start)
-    hidden = {row for row in slack if row.constraint in _HIDDEN_AT_START}
+    hidden = {row for row in slack if row.constraint in hidden_at_start(active.scene)}
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | hidden)
 
 
