@@ -18,7 +18,7 @@ from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
 from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
 from nospill.transcription.stages import Stages, node_positions
-from nospill.transcription.starting_motions import hidden_at_start
+from nospill.transcription.starting_motions import HIDDEN_AT_START
 from nospill.transcription.weights import weigh_too_much
 
 _NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
@@ -106,7 +106,7 @@ def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
     """The set with the rows that come near their limits on a start, and those of which it says nothing."""
     slack = slack_of(active, start)
-    hidden = {row for row in slack if row.constraint in hidden_at_start(active.scene)}
+    hidden = {row for row in slack if row.constraint in HIDDEN_AT_START}
     return active.with_rows(active.rows | active.near(slack, _NEAR_AT_START) | hidden)
 
 
@@ -151,6 +151,8 @@ def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) 
         joining, touching = broken - active.rows, broken & active.task.around_solids
         if not joining and touching <= active.everywhere:
             return replace(candidate, solution=replace(candidate.solution, slack=slack))
+        if joining:  # with it what is near its limit, or each would ask for one more solve; planes cost more than that
+            joining |= active.near(slack) - active.rows - active.task.around_solids
         active = replace(active.with_rows(active.rows | joining), everywhere=active.everywhere | (touching - joining))
         # where bodies touch, from the start again: no plane leads out of the middle of an obstacle
         if not touching:

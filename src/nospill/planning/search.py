@@ -81,7 +81,7 @@ def best_of(
         if usable(last.solution):
             if best is None or last.solution.objective < best.solution.objective:
                 best = last
-        elif best is None and diagnosis.is_hopeless(scene, joint_path):
+        elif not tried and diagnosis.is_hopeless(scene, joint_path):
             break
     return best, last
 

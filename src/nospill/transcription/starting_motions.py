@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.laws.constraints import CONTROL_NAMES
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.via import PassedPlace
@@ -40,7 +39,7 @@ _COARSEST = 25
 _COARSE_SWING = 2.5
 """Most of a liquid's swing in an interval, rad."""
 
-_HIDDEN = frozenset({SloshHeight.name, Trough.name, PassedPlace.name})
+HIDDEN_AT_START = (SloshHeight.name, Trough.name, PassedPlace.name)
 """Constraints of which no start says anything: its liquids are at rest, and it is on its way through the places."""
 
 USUAL_START = Start(stretch=0.7)
@@ -139,15 +138,6 @@ def coarse_start(scene: Scene, joint_path: JointPath, start: Start = USUAL_START
     """A smooth motion along the path on the coarse grid, on which starts are compared."""
     fewest = resolving_intervals(scene, estimate_duration(scene, joint_path), _COARSE_SWING)
     return smooth_start(scene, joint_path, max(_COARSEST, scene.planning.intervals // 4, fewest), start)
-
-
-def hidden_at_start(scene: Scene) -> frozenset[str]:
-    """Names of constraints of which a start says nothing of how near their limits an answer comes.
-
-    Where the tray may leave its path, answers lean and jerk as no start does, and every row that joins later asks for
-    one more solve (record 0011).
-    """
-    return _HIDDEN | CONTROL_NAMES if scene.motion.leaves_path else _HIDDEN
 
 
 def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:

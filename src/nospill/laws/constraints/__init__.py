@@ -69,8 +69,5 @@ OBJECT_NAMES = LIQUID_NAMES | {item.name for item in CONSTRAINTS if item.role is
 BESIDE_JERK_NAMES = frozenset({TiltJerk.name, OffsetJerk.name, YawJerk.name})
 """Names of those on the jerks by which the tray moves beside its path."""
 
-CONTROL_NAMES = frozenset(item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.CONTROL)
-"""Names of those on tilt and jerks."""
-
 END_NAMES = frozenset(item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.END)
 """Names of those on the final state."""
