@@ -12,8 +12,11 @@ from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
 from nospill.robots.tool import Tool
 
-SUBSTEPS = (1, 4, 16, 64, 256)
-"""An interval between two samples is tried in this many steps, one after the other, before a branch is given up."""
+_FIRST, _FINEST, _FINER = 4, 256, 4
+"""An interval between two samples that takes more than one step is begun with a quarter of it; a step that fails is
+tried with a quarter of its width, down to this part of the interval, before a branch is given up."""
+
+_ROUNDING = 1e-9
 
 MAX_PREDICTION = 0.3
 """Largest change of a joint in one step, rad."""
@@ -92,22 +95,14 @@ def follow(
     for index in range(1, len(s)):
         if active.size == 0:
             break
-        waiting = active
-        for substeps in SUBSTEPS:
-            start = q[waiting, index - 1]
-            if substeps == 1:
-                width = s[index] - s[index - 1]
-                reached, good = stepper.step(
-                    start, width, positions[index], rotations[index], rates[index - 1], stepper.held(start, s[index])
-                )
-            else:
-                reached, good = stepper.advance(start, np.linspace(s[index - 1], s[index], substeps + 1))
-            q[waiting[good], index] = reached[good]
-            last[waiting[good]] = index
-            waiting = waiting[~good]
-            if waiting.size == 0:
-                break
-        active = np.setdiff1d(active, waiting, assume_unique=True)
+        start, width = q[active, index - 1], s[index] - s[index - 1]
+        at_end = stepper.held(start, s[index])
+        reached, good = stepper.step(start, width, positions[index], rotations[index], rates[index - 1], at_end)
+        if not good.all():
+            reached[~good], good[~good] = stepper.advance(start[~good], s[index - 1], s[index])
+        q[active[good], index] = reached[good]
+        last[active[good]] = index
+        active = active[good]
 
     complete = np.zeros(branches, dtype=bool)
     complete[active] = True
@@ -140,26 +135,34 @@ class _Stepper:
         self._held = held
         self._moving = moving
 
-    def advance(self, q: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Carry branches q (k, n) from s[0] through all s; return where they are (k, n) and which made it (k,)."""
-        q = q.copy()
-        good = np.ones(len(q), dtype=bool)
-        positions, rotations = tray_poses(self._path, s[1:])
-        rates = tray_rates(self._path, s[:-1])
-        kept = self.held(q, s[0])
-        for step, width in enumerate(np.diff(s)):
-            rows = np.flatnonzero(good)
-            if rows.size == 0:
-                break
-            held = None if kept is None else Held(kept.direction, kept.values[rows])
-            held = held if self._moving is None else self.held(q[rows], s[step + 1])
-            q[rows], good[rows] = self.step(q[rows], width, positions[step], rotations[step], rates[step], held)
+    def advance(self, q: np.ndarray, first: float, last: float) -> tuple[np.ndarray, np.ndarray]:
+        """Carry branches q (k, n) through an interval of s, each in steps as wide as it bears.
+
+        Returns:
+            Where they are at its end (k, n), and which of them made it (k,).
+        """
+        q, s, good = q.copy(), np.full(len(q), first), np.ones(len(q), dtype=bool)
+        width, least = np.full(len(q), (last - first) / _FIRST), (last - first) / _FINEST
+        kept = self.held(q, first)
+        while (rows := np.flatnonzero(good & (s < last))).size:
+            # at the end exactly, whatever the sum of the steps
+            there = np.where(last - s[rows] <= width[rows] * (1.0 + _ROUNDING), last, s[rows] + width[rows])
+            positions, rotations = tray_poses(self._path, there)
+            held = None
+            if kept is not None:
+                values = kept.values[rows] if self._moving is None else self._moving(there)[:, 0]
+                held = Held(kept.direction, values)
+            step = (there - s[rows])[:, None]
+            reached, done = self.step(q[rows], step, positions, rotations, tray_rates(self._path, s[rows]), held)
+            q[rows[done]], s[rows[done]] = reached[done], there[done]
+            good[rows] = done | (width[rows] > least)
+            width[rows] = np.where(done, 2.0 * width[rows], np.maximum(width[rows] / _FINER, least))
         return q, good
 
     def step(
         self,
         q: np.ndarray,
-        width: float,
+        width: float | np.ndarray,
         position: np.ndarray,
         rotation: np.ndarray,
         rate: np.ndarray,
@@ -169,10 +172,10 @@ class _Stepper:
 
         Args:
             q: (k, n) where they were.
-            width: of the step, in s.
-            position: (3,) of the tray at the end of the step.
-            rotation: (3, 3) likewise.
-            rate: (6,) as of `tray_rates`, at the beginning of the step.
+            width: of the step, in s; or (k, 1), one for each branch.
+            position: (3,) of the tray at the end of the step; or (k, 3).
+            rotation: (3, 3) likewise; or (k, 3, 3).
+            rate: (6,) as of `tray_rates`, at the beginning of the step; or (k, 6).
             held: what it comes to at the end of the step; None where nothing is held.
         """
         _, _, jacobian = self._at(q)
