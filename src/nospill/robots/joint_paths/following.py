@@ -136,7 +136,7 @@ class _Stepper:
         self._moving = moving
 
     def advance(self, q: np.ndarray, first: float, last: float) -> tuple[np.ndarray, np.ndarray]:
-        """Carry branches q (k, n) through an interval of s, each in steps as wide as it bears.
+        """Carry branches q (k, n) through an interval of s, each with its own adaptive step size.
 
         Returns:
             Where they are at its end (k, n), and which of them made it (k,).
