@@ -1,0 +1,78 @@
+"""What a search does beside solving: rows that join together, and tasks that are hopeless."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nospill.laws.constraints.base import RowId
+from nospill.planning import candidate, search
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import Candidate
+from nospill.planning.starts import attempts
+from nospill.plans.log import Log
+from nospill.scenario import read_scenario
+from nospill.transcription.clearance_planes import NO_PLANES
+from nospill.transcription.solvers import Solution
+from nospill.transcription.starting_motions import coarse_start
+from nospill.transcription.task import Task
+from tests.builders import joint_path_of
+
+
+def answer(active: ActiveSet, motion: Any, *_: Any) -> Candidate:
+    """A motion as if it had been solved for."""
+    none = np.zeros(0)
+    return Candidate(active, Solution(motion, none, none, none, 1.0, 0.0, {}, True, "", 1, 0.0, "none"), NO_PLANES)
+
+
+def test_with_a_broken_row_those_near_their_limit_join(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = read_scenario("matrix-liquid-tilt")
+    joint_path = joint_path_of(scene)
+    active = ActiveSet.of(Task.of(scene), joint_path.q).with_rows(())
+    broken, near, far = (RowId("slip", name) for name in ("c1", "c2", "c3"))
+    assert {broken, near, far} <= active.possible - active.rows
+    solved: list[ActiveSet] = []
+
+    def recorded(given: ActiveSet, motion: Any, *_: Any) -> Candidate:
+        solved.append(given)
+        return answer(given, motion)
+
+    monkeypatch.setattr(candidate, "solved", recorded)
+    monkeypatch.setattr(
+        candidate, "slack_of", lambda *_: {broken: -0.1 if len(solved) == 1 else 0.1, near: 0.2, far: 0.5}
+    )
+    found = candidate.solved_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
+    assert len(solved) == 2
+    assert found.active.rows - active.rows == {broken, near}
+
+
+def test_near_rows_alone_ask_for_no_further_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = read_scenario("matrix-liquid-tilt")
+    joint_path = joint_path_of(scene)
+    active = ActiveSet.of(Task.of(scene), joint_path.q).with_rows(())
+    monkeypatch.setattr(candidate, "solved", answer)
+    monkeypatch.setattr(candidate, "slack_of", lambda *_: {RowId("slip", "c1"): 0.01})
+    found = candidate.solved_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
+    assert found.active.rows == active.rows
+
+
+@pytest.mark.parametrize(("hopeless", "tried"), [(False, 3), (True, 1)])
+def test_whether_a_task_is_hopeless_is_looked_at_once(
+    monkeypatch: pytest.MonkeyPatch, hopeless: bool, tried: int
+) -> None:
+    task, looks = Task.of(read_scenario("matrix-rigid")), []
+
+    def looked(*given: Any) -> bool:
+        looks.append(given)
+        return hopeless
+
+    monkeypatch.setattr(search.diagnosis, "is_hopeless", looked)
+    monkeypatch.setattr(search, "solved_lazily", answer)
+    monkeypatch.setattr(search, "usable", lambda _: False)
+    log = Log(None, 60.0)
+    best, last = search.best_of(task, joint_path_of(task.scene), log, attempts(task, brief=True))
+    assert best is None and last is not None
+    assert log.starts == [None] * tried
+    assert len(looks) == 1
