@@ -25,7 +25,8 @@ class Configurations:
             MissingExtraError: the library coal is not installed.
         """
         self._chain = arm_chain(scene.robot)
-        pairs = scene_pairs(scene)
+        # those whose second body stands still come first
+        pairs = sorted(scene_pairs(scene), key=lambda pair: pair.second.joint > 0)
         self._measures = [Distances(pair.first, pair.second) for pair in pairs]
         self._limits = np.array([pair.limit for pair in pairs])
         self._around = np.array([pair.second.obstacle is not None for pair in pairs])
@@ -38,6 +39,7 @@ class Configurations:
         self._axes = np.array([body.rotation for body in numbers])
         self._first = np.array([numbers[pair.first] for pair in pairs])
         self._second = np.array([numbers[pair.second] for pair in pairs])
+        self._still = sum(pair.second.joint == 0 for pair in pairs)
         self._radii = np.array([pair.first.radius for pair in pairs])
         self._low, self._high = np.array([_box(pair.second.shape) for pair in pairs]).transpose(1, 0, 2)[:, :, None]
 
@@ -61,17 +63,21 @@ class Configurations:
         back = np.swapaxes(axes[second, looks], 1, 2)
         places = (back @ (origins[first, looks] - origins[second, looks])[:, :, None])[:, :, 0]
         turned = back @ axes[first, looks]
-        for index, (pair, look) in enumerate(zip(pairs.tolist(), looks.tolist(), strict=True)):
+        least = wanted[pairs, looks].tolist()
+        for pair, look, turn, place, kept in zip(pairs.tolist(), looks.tolist(), turned, places, least, strict=True):
             if free[look]:
-                free[look] = self._measures[pair].between(turned[index], places[index]) >= wanted[pair, look]
+                free[look] = self._measures[pair].between(turn, place) >= kept
         return free
 
     def _gaps(self, centres: np.ndarray, origins: np.ndarray, axes: np.ndarray) -> np.ndarray:
         """Bounds (k, m) on the distances of the pairs by ball and box, m; bodies by places (b, m, 3) and axes."""
+        still, moving = self._second[: self._still], self._second[self._still :]
         gaps = centres[self._first] - origins[self._second]
-        local = (gaps[:, :, None] @ axes[self._second])[:, :, 0]
+        local = np.empty_like(gaps)
+        local[: self._still] = gaps[: self._still] @ self._axes[still]
+        local[self._still :] = (gaps[self._still :, :, None] @ axes[moving])[:, :, 0]
         beyond = np.maximum(np.maximum(self._low - local, local - self._high), 0.0)
-        return np.linalg.norm(beyond, axis=2) - self._radii[:, None]
+        return np.sqrt(np.einsum("kmi,kmi->km", beyond, beyond)) - self._radii[:, None]
 
 
 def _box(shape: Shape) -> tuple[np.ndarray, np.ndarray]:

@@ -36,8 +36,8 @@ _LINE = 0.04
 """rad; of the joint that turns most between two looks along a line of the joints."""
 _CORRECTIONS = 5
 """Newton's steps that bring seven joints to the tray's pose."""
-_LEVEL = 1e-6
-"""m and rad; greatest distance from the tray's pose."""
+_LEVEL, _ENOUGH = 1e-6, 1e-8
+"""m and rad; greatest distance from the tray's pose, and from which on no more of them are made."""
 _HELD = 481
 """Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
 places it has a range of a degree."""
@@ -202,7 +202,13 @@ class LevelArm:
         """
         tool = self.scene.tray.tool
         found, error = newton(
-            kinematics(self.robot), poses[:, :3], _turned(poses[:, 3]), near, tool=tool, max_iterations=_CORRECTIONS
+            kinematics(self.robot),
+            poses[:, :3],
+            _turned(poses[:, 3]),
+            near,
+            tool=tool,
+            max_iterations=_CORRECTIONS,
+            enough=_ENOUGH,
         )
         steps = np.abs(np.diff(found, axis=0, prepend=q[None])).max(axis=1)
         inside = np.all(self._turning | ((found >= self.robot.lower) & (found <= self.robot.upper)), axis=1)

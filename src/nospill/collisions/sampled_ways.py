@@ -61,16 +61,14 @@ class _Tree:
     """Configurations that are joined to the start, or to the goal."""
 
     def __init__(self, poses: np.ndarray, q: np.ndarray) -> None:
-        self.poses, self.q, self.parents, self.roots = [*poses], [*q], [-1] * len(q), len(q)
+        self.poses, self.q, self.parents, self.roots = poses, q, [-1] * len(q), len(q)
 
     def add(self, poses: np.ndarray, q: np.ndarray, parent: int) -> int:
         """Add nodes one after the other, the first after a parent; return the number of the last."""
-        for pose, joints in zip(poses, q, strict=True):
-            self.poses.append(pose)
-            self.q.append(joints)
-            self.parents.append(parent)
-            parent = len(self.q) - 1
-        return parent
+        count = len(self.q)
+        self.parents += [parent, *range(count, count + len(q) - 1)]
+        self.poses, self.q = np.concatenate([self.poses, poses]), np.concatenate([self.q, q])
+        return len(self.q) - 1
 
     def back(self, number: int) -> list[int]:
         """A node and those before it, back to the root."""
@@ -202,8 +200,7 @@ def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) 
 
 def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int | None:
     """Grow a tree from its nearest node towards a configuration; return the last node, None where none is new."""
-    known = np.array(tree.q)
-    gaps = arm.time(known, q) + np.linalg.norm((np.array(tree.poses) - pose) * METRIC, axis=1) / _SPEED
+    gaps = arm.time(tree.q, q) + np.linalg.norm((tree.poses - pose) * METRIC, axis=1) / _SPEED
     nearest = int(np.argmin(gaps))
     if gaps[nearest] < _SAME:
         return nearest

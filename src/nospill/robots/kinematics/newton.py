@@ -13,6 +13,8 @@ from nospill.robots.tool import FLANGE, Tool
 
 RESIDUAL = 1e-11
 """Largest pose error (m and rad, norm of six) that counts as solved."""
+ROUNDING = 1e-15
+"""Pose error below which a further step brings nothing."""
 
 DAMPING = 1e-12
 """Added to J J^T (m^2 and rad^2): keeps the step finite at a singularity and costs no accuracy elsewhere, since the
@@ -102,6 +104,7 @@ def newton(
     held: Held | None = None,
     max_iterations: int = 30,
     max_step: float = 0.3,
+    enough: float = ROUNDING,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Iterate as `solve_joints` does, but return what was reached instead of judging it.
 
@@ -114,6 +117,7 @@ def newton(
         held: a combination of the joints whose values are given; what it is off counts as pose error.
         max_iterations: Newton steps.
         max_step: largest change of one joint in one step, rad.
+        enough: pose error from which on no further step is made.
 
     Returns:
         Joint positions (m, n), rad, and pose errors (m,), the norm of position (m) and rotation (rad) error. A sample
@@ -135,7 +139,7 @@ def newton(
         if iteration == max_iterations:
             break
         # finished: solved, and the last step brought nothing more
-        going = ~((size < RESIDUAL) & (~better | (size < 1e-15)))
+        going = ~((size < enough) | ((size < RESIDUAL) & ~better))
         step = np.clip(least_norm_step(jacobian[going], gap[going]), -max_step, max_step)
         active = active[going]
         q[active] += step

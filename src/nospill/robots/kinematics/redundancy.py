@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import casadi as ca
 import numpy as np
 
 from nospill.robots.kinematics.closed_form import has_closed_form
@@ -20,8 +21,8 @@ from nospill.robots.robot import Robot
 
 _SAMPLES = 200
 _HELD_POSITIONS = 13
-_NO_SIDE = 1e-3
-"""Distance of the null vectors' hull from zero below which it counts as holding it."""
+_LONGEST = 1e3
+"""Of a vector with products of 1 or more with unit vectors: where it is longer, no direction is on one side of them."""
 
 
 def redundant_joint(robot: ArmChain) -> int | None:
@@ -59,21 +60,28 @@ def _conditioning(arm: Kinematics, index: int) -> float:
 def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
     """Direction (n,) whose least product with the self-motion along joint positions (m, n) is greatest; seven joints.
 
-    It is the point of the null vectors' convex hull that is nearest to zero, as a unit vector; their mean where the
-    hull holds zero, since then no direction has a product of one sign with all of them.
+    The null vectors' mean where no direction has a product of one sign with all of them.
     """
-    from scipy.optimize import nnls  # slow to load, and for seven joints alone
-
     jacobians = kinematics(robot).jacobians(q)
     vectors = np.linalg.svd(jacobians, full_matrices=True)[2][:, -1, :]
     turned = np.where(np.einsum("ij,ij->i", vectors[1:], vectors[:-1]) < 0, -1.0, 1.0)
     vectors *= np.concatenate([[1.0], np.cumprod(turned)])[:, None]
-    # weights >= 0 with the least |sum w v|^2 + (1 - sum w)^2: but for their sum those of the nearest point
-    weights, _ = nnls(np.vstack([vectors.T, np.ones(len(q))]), np.append(np.zeros(q.shape[1]), 1.0))
-    nearest = weights @ vectors
-    if np.linalg.norm(nearest) < _NO_SIDE * weights.sum():
-        nearest = vectors.mean(axis=0)
-    return nearest / np.linalg.norm(nearest)
+    return widest_direction(vectors)
+
+
+def widest_direction(vectors: np.ndarray) -> np.ndarray:
+    """Unit vector (n,) whose least product with vectors (m, n) is greatest; their mean's where none is above zero.
+
+    It is that of the shortest vector whose products with all of them are 1 or more, a quadratic programme.
+    """
+    count, size = vectors.shape
+    sparsity = {"h": ca.Sparsity.diag(size), "a": ca.Sparsity.dense(count, size)}
+    shortest = ca.conic("direction", "daqp", sparsity, {"error_on_fail": False})
+    found = shortest(h=ca.DM.eye(size), a=vectors, lba=1.0, uba=np.inf)
+    direction = np.asarray(found["x"]).ravel()
+    if not shortest.stats()["success"] or np.linalg.norm(direction) > _LONGEST:
+        direction = vectors.mean(axis=0)
+    return direction / np.linalg.norm(direction)
 
 
 class _NamedChain:
