@@ -36,8 +36,10 @@ _LINE = 0.04
 """rad; of the joint that turns most between two looks along a line of the joints."""
 _CORRECTIONS = 5
 """Newton's steps that bring seven joints to the tray's pose."""
-_LEVEL, _ENOUGH = 1e-6, 1e-8
-"""m and rad; greatest distance from the tray's pose, and from which on no more of them are made."""
+_LEVEL = 1e-6
+"""m and rad; greatest distance from the tray's pose."""
+_ENOUGH = 1e-8
+"""m and rad; distance from it below which no further step is made."""
 _HELD = 481
 """Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
 places it has a range of a degree."""

@@ -117,11 +117,12 @@ def newton(
         held: a combination of the joints whose values are given; what it is off counts as pose error.
         max_iterations: Newton steps.
         max_step: largest change of one joint in one step, rad.
-        enough: pose error from which on no further step is made.
+        enough: pose error below which no further step is made.
 
     Returns:
         Joint positions (m, n), rad, and pose errors (m,), the norm of position (m) and rotation (rad) error. A sample
-        stops when it is solved and a further step brings nothing, so the answer is as good as rounding allows.
+        stops when it is solved and a further step brings nothing, so the answer is as good as rounding allows where
+        `enough` asks for that.
     """
     q = np.array(q_start, dtype=float)
     error = np.full(len(q), np.inf)

@@ -70,9 +70,10 @@ def self_motion(robot: ArmChain, q: np.ndarray) -> np.ndarray:
 
 
 def widest_direction(vectors: np.ndarray) -> np.ndarray:
-    """Unit vector (n,) whose least product with vectors (m, n) is greatest; their mean's where none is above zero.
+    """Unit vector (n,) whose least product with vectors (m, n) is greatest; along their mean where none is above zero.
 
-    It is that of the shortest vector whose products with all of them are 1 or more, a quadratic programme.
+    It is the direction of the shortest vector whose products with all of them are 1 or more: a quadratic programme, as
+    for the hyperplane of maximum margin.
     """
     count, size = vectors.shape
     sparsity = {"h": ca.Sparsity.diag(size), "a": ca.Sparsity.dense(count, size)}
