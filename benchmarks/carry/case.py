@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import sys
 import time
@@ -48,10 +49,10 @@ def run(table: dict[str, Any], name: str, *, longest: float) -> dict[str, Any]:
         scene = replace(scene, planning=replace(scene.planning, max_plan_time=longest))
     except NospillError as error:
         return {"kind": REFUSED, "reason": str(error)}
-    began, at = time.process_time(), time.perf_counter()
+    began, at = processor_time(), time.perf_counter()
 
     def spent() -> dict[str, float]:
-        return {"plan_processor_s": time.process_time() - began, "plan_s": time.perf_counter() - at}
+        return {"plan_processor_s": processor_time() - began, "plan_s": time.perf_counter() - at}
 
     try:
         plan = planner.plan(scene)
@@ -60,6 +61,11 @@ def run(table: dict[str, Any], name: str, *, longest: float) -> dict[str, Any]:
         return {"kind": failure.kind, "reason": failure.reason, "blamed": failure.blamed} | figures
     figures = spent()
     return figures | looked_at(plan) | {"on_way_s": on_way(plan, longest)}
+
+
+def processor_time() -> float:
+    """Of this process and those that it started and that have ended, s."""
+    return sum(os.times()[:4])
 
 
 def looked_at(plan: Plan) -> dict[str, Any]:

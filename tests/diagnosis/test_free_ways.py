@@ -137,6 +137,16 @@ def test_a_goal_beside_an_obstacle_is_bad_input() -> None:
     assert caught.value.exit_code == 2
 
 
+def test_two_processes_find_the_same_sampled_way_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_of(COLUMN, TABLE)
+    monkeypatch.setattr(free_ways, "SEEDS", (0, 1, 2))
+    found = free_ways.sampled_way_of(scene)
+    monkeypatch.setenv("NOSPILL_THREADS", "2")
+    again = free_ways.sampled_way_of(scene)
+    assert found is not None and again is not None
+    assert found[0] == again[0] and found[1].source == again[1].source
+
+
 def test_a_sampled_way_round_a_column_is_clear_and_the_same_every_time() -> None:
     scene = scene_of(COLUMN, TABLE)
     found, again = free_ways.sampled_way_of(scene), free_ways.sampled_way_of(scene)
@@ -161,10 +171,13 @@ def test_what_is_in_the_way_of_the_tray_is_seen_without_the_arm() -> None:
     assert of_tray.room == pytest.approx(room - of_tray.pair.limit, abs=1e-6)
 
 
-def test_what_a_glimpse_shows_is_what_following_finds() -> None:
+def test_what_a_glimpse_shows_is_what_following_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ways that are open on some branch all along, and their figures, from places against the whole path."""
     scene = scene_of({**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}, TABLE)
     found = free_ways.open_ways(scene)
+    monkeypatch.setenv("NOSPILL_THREADS", "2")
+    by_two = free_ways.open_ways(scene)
+    assert [own.path.coefficients.tobytes() for own in by_two] == [own.path.coefficients.tobytes() for own in found]
     assert scene not in found
     clear = {}
     for way in ways(scene):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
-from itertools import islice, product
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import product
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from nospill.collisions.level_arm import LEVER, METRIC, LevelArm
 from nospill.collisions.over_the_base import base_axis, led_over, passes
 from nospill.collisions.sampled_ways import SampledWay, cut, joined, sampled_way, shortened, time_along
 from nospill.core.paths import Path
+from nospill.core.processes import shared_out
 from nospill.core.smoothing import smooth_curve
 from nospill.diagnosis.collisions import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
@@ -81,8 +82,8 @@ def freest_way(scene: Scene) -> Scene:
 
 def open_ways(scene: Scene) -> list[PossibleWay]:
     """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
-    arm = LevelArm(scene)
-    figures = [(way, _figure(arm, way)) for way in possible_ways(scene)]
+    possible = [*possible_ways(scene)]
+    figures = zip(possible, shared_out(partial(_figure, LevelArm(scene)), possible), strict=True)
     # rounded, so that ways that are alike compare by their order
     return [way for way, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
 
@@ -166,24 +167,56 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     kinds = (False, True) if seven or axis is not None else (False,)
     for farther, spare in product(kinds, _SPARES):
         arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
-        found = [(seed, sampled_way(arm, seed=seed, samples=SAMPLES, over=over)) for seed in SEEDS]
-        short = [_shortened(arm, legs, seed, over) for seed, legs in found if legs]
-        smooth = (_smooth(scene, arm, way, over) for way in sorted(short, key=lambda way: time_along(arm, way.q)))
-        best = [*islice((way for way in smooth if way is not None), _SMOOTHED)]
-        if best:
-            return min(best, key=lambda way: way[0])
+        short = [way for way in shared_out(partial(_short_way, arm, over), SEEDS) if way is not None]
+        short.sort(key=lambda way: time_along(arm, way.q))
+        smooth: list[_SmoothWay] = []
+        while short and len(smooth) < _SMOOTHED:
+            missing = _SMOOTHED - len(smooth)
+            found = shared_out(partial(_smooth, scene, arm, over), short[:missing])
+            smooth += [way for way in found if way is not None]
+            short = short[missing:]
+        if smooth:
+            best = min(smooth, key=lambda way: way.speed_figure)
+            return best.speed_figure, best.along(scene)
     return None
 
 
-def _shortened(arm: LevelArm, legs: Sequence[SampledWay], seed: int, over: np.ndarray | None) -> SampledWay:
-    """The legs of a way made shorter, in one; where it passes over the axis of the base it is kept as it is."""
+def _short_way(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledWay | None:
+    """The way that one seed finds, made shorter; None where it finds none.
+
+    Where it passes over the axis of the base it is kept as it is.
+    """
+    legs = sampled_way(arm, seed=seed, samples=SAMPLES, over=over)
+    if not legs:
+        return None
     if over is not None:
         legs = [part for leg in legs for part in cut(leg, passes(leg.poses, leg.q, over))]
     return joined([shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs])
 
 
-def _smooth(scene: Scene, arm: LevelArm, way: SampledWay, axis: np.ndarray | None) -> tuple[float, Scene] | None:
-    """The scene along the smoothest clear curve beside a way, after its speed figure, s; None where none is clear.
+@dataclass(frozen=True, slots=True, eq=False)
+class _SmoothWay:
+    """A smooth clear curve beside a sampled way.
+
+    Attributes:
+        speed_figure: of the fastest joint path along it, s.
+        points: (m, 3) of the tray's centre, m.
+        yaw: (m,) of the tray, rad.
+        joints: (m, 7) of an arm of seven joints, rad.
+    """
+
+    speed_figure: float
+    points: np.ndarray
+    yaw: np.ndarray
+    joints: np.ndarray | None
+
+    def along(self, scene: Scene) -> Scene:
+        """The scene with this way."""
+        return along(scene, self.points, self.yaw, self.joints)
+
+
+def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledWay) -> _SmoothWay | None:
+    """The smoothest clear curve beside a way; None where none is clear.
 
     Where the way passes over the axis of the base, so does the curve.
     """
@@ -221,5 +254,5 @@ def _smooth(scene: Scene, arm: LevelArm, way: SampledWay, axis: np.ndarray | Non
         paths = tried_along(found).paths
         path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
         if path is not None:
-            return float(f"{path.speed_figure:.6g}"), found
+            return _SmoothWay(float(f"{path.speed_figure:.6g}"), poses[:, :3], poses[:, 3], joints)
     return None
