@@ -35,6 +35,7 @@ class Job:
         table: its scenario; drawn from the seed where there is none.
         module: that is run.
         compiled: whether functions may be compiled and kept for the next job.
+        threads: how many may work at once, and as many processes.
     """
 
     seed: int
@@ -44,6 +45,7 @@ class Job:
     table: dict[str, Any] | None = None
     module: str = CASE
     compiled: bool = False
+    threads: int = 1
 
 
 def run_job(job: Job) -> dict[str, Any]:
@@ -55,7 +57,7 @@ def run_job(job: Job) -> dict[str, Any]:
     began = time.perf_counter()
     with subprocess.Popen(
         command,
-        env=environment(job.folder, compiled=job.compiled),
+        env=environment(job.folder, compiled=job.compiled, threads=job.threads),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -74,9 +76,11 @@ def run_job(job: Job) -> dict[str, Any]:
     return line_of(job, out, errors, None if late else process.returncode) | {"seconds": time.perf_counter() - began}
 
 
-def environment(folder: str | None, *, compiled: bool = False) -> dict[str, str]:
-    """Of a process: one thread, no compiler unless structures come again, the package of a folder first."""
-    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_THREADS": "1"} | ({} if compiled else {"NOSPILL_COMPILE": "off"})
+def environment(folder: str | None, *, compiled: bool = False, threads: int = 1) -> dict[str, str]:
+    """Of a process: its threads, no compiler unless structures come again, the package of a folder first."""
+    settings = {"OMP_NUM_THREADS": "1", "NOSPILL_THREADS": str(threads)} | (
+        {} if compiled else {"NOSPILL_COMPILE": "off"}
+    )
     return os.environ | settings | {"PYTHONPATH": os.pathsep.join(filter(None, (folder, ROOT)))}
 
 

@@ -21,6 +21,7 @@ from benchmarks.campaign.process import Job, run_job
 from benchmarks.campaign.run import REPOSITORY, on_this_machine, package
 from benchmarks.carry.draw import PROBLEMS, read_problems
 from benchmarks.carry.report import write_page
+from nospill.core.batches import thread_count
 
 PAGE = REPOSITORY / "docs" / "carrying.md"
 CASE = "benchmarks.carry.case"
@@ -35,9 +36,12 @@ def main(words: list[str] | None = None) -> None:
         print(f"written: {PAGE}")
         return
     problems = read_problems(arguments.problems)
+    threads = max(1, thread_count() // arguments.jobs)
     with package(live=arguments.live) as folder:
         jobs = {
-            seed: Job(seed, arguments.limit, str(folder), table=item["table"], module=CASE, compiled=True)
+            seed: Job(
+                seed, arguments.limit, str(folder), table=item["table"], module=CASE, compiled=True, threads=threads
+            )
             for seed, item in problems.items()
         }
         if arguments.only is not None:
