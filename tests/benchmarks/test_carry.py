@@ -46,7 +46,14 @@ def test_the_page_has_a_row_for_every_group(tmp_path) -> None:
     page = tmp_path / "carrying.md"
     page.write_text(f"before\n{BEGIN}\n{END}\nafter\n", encoding="utf-8")
     head = {"family": "box", "slow_s": 4.0, "singular": False, "blocked": 1, "pathless": 0, "commit": "abc"}
-    planned = {"kind": "planned", "duration_s": 1.0, "on_way_s": 2.0, "plan_processor_s": 3.0, "touching": 0}
+    planned = {
+        "kind": "planned",
+        "duration_s": 1.0,
+        "on_way_s": 2.0,
+        "plan_s": 2.0,
+        "plan_processor_s": 3.0,
+        "touching": 0,
+    }
     lines = [
         {**head, **planned, "seed": 3, "structure": "ur5e, 1 liquids, 0 solids, level", "verify": {"ok": True}},
         {
@@ -59,6 +66,6 @@ def test_the_page_has_a_row_for_every_group(tmp_path) -> None:
     ]
     write_page(lines, page)
     text = page.read_text(encoding="utf-8")
-    assert "| box | 2 | 1 | 50% | 3.0 | 0.50 |" in text
+    assert "| box | 2 | 1 | 50% | 2.0 | 0.50 |" in text
     assert "| not found | No way | 1 | box 1 | 10 |" in text
     assert text.startswith("before\n") and text.endswith("after\n")

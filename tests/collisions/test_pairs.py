@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from nospill.collisions.bodies import Body
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import pair_table, scene_pairs
 from nospill.robots.description.catalog import ROBOTS
@@ -34,6 +35,14 @@ def test_pairs_of_every_arm(changed_scene, name: str) -> None:
     home = joint_frames(arm_chain(scene.robot), scene.robot.home[None])
     for pair in pairs:
         assert Distances(pair.first, pair.second).at(home, np.zeros(1, dtype=int))[0][0] > 0.0, pair.subject
+
+
+def test_shares_are_those_of_all_distances(changed_scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Balls about the bodies spare queries and change nothing."""
+    table = pair_table(changed_scene("coffee-to-go", {"obstacle": [FAR]}))
+    monkeypatch.setattr(Body, "radius", 10.0)
+    assert pair_table(changed_scene("coffee-to-go", {"obstacle": [FAR]})) == table
+    assert any(0.0 < row.touching < 0.9 for row in table)
 
 
 def test_an_empty_tray_carries_nothing(changed_scene) -> None:

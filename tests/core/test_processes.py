@@ -57,9 +57,13 @@ def test_what_is_not_of_the_module_is_shared_out_too_and_arrays_come_back() -> N
         np.testing.assert_array_equal(values, item * factor)
 
 
-@pytest.mark.parametrize("items", [(), (3,), range(257)])
+@pytest.mark.parametrize("items", [(), (3,), range(10_001)])
 def test_nothing_is_forked_for_few_items_or_too_many(items: Sequence[int]) -> None:
     assert shared_out(lambda item: (item, os.getpid()), items) == [(item, os.getpid()) for item in items]
+
+
+def test_as_many_items_as_are_shared_out_at_most() -> None:
+    assert shared_out(lambda item: -item, range(10_000)) == [-item for item in range(10_000)]
 
 
 def test_one_thread_is_one_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -115,11 +115,19 @@ def test_chains_of_stages(library: Path, stages: int, variables: int, equalities
     check(Factor(library, entries), matrix, entries.value)
 
 
+@pytest.mark.parametrize("inequalities", [1, 2, 7, 8, 9, 30])
+def test_inequalities_on_the_same_variables(library: Path, inequalities: int) -> None:
+    """Leaves of the tree with the same rows, in panels of eight at most."""
+    matrix = chain(inequalities, 12, 9, 5, inequalities)
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 14), st.integers(1, 12), st.data())
 def test_any_chain(library: Path, seed: int, stages: int, variables: int, data: st.DataObject) -> None:
     equalities = data.draw(st.integers(0, variables))
-    matrix = chain(seed, stages, variables, equalities, data.draw(st.integers(0, 4)))
+    matrix = chain(seed, stages, variables, equalities, data.draw(st.integers(0, 20)))
     entries = of_upper(matrix)
     factor = Factor(library, entries)
     assert factor.factorise(entries.value) == 0

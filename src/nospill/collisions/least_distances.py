@@ -26,6 +26,7 @@ from nospill.collisions.distances import Distances, separation
 from nospill.collisions.motion_bounds import SampledMotion
 from nospill.collisions.pairs import Pair
 from nospill.core.arrays import cross
+from nospill.core.processes import shared_out
 from nospill.robots.kinematics.frames import JointFrames, axis_reach, joint_frames
 
 _BLOCK = 128
@@ -57,15 +58,14 @@ def least_distances(motion: SampledMotion, pairs: Sequence[Pair]) -> tuple[Least
     Raises:
         MissingExtraError: coal is not installed.
     """
-    found: dict[str, LeastDistance] = {}
-    search = _Search(motion, pairs) if pairs else None
+    subjects: dict[str, list[Pair]] = {}
     for pair in pairs:
-        assert search is not None
-        known = found.get(pair.subject)
-        own = search.least(pair, np.inf if known is None else known.distance)
-        if known is None or own.distance < known.distance:
-            found[pair.subject] = own
-    return tuple(found.values())
+        subjects.setdefault(pair.subject, []).append(pair)
+    groups = [*subjects.values()]
+    found = shared_out(_Search(motion, pairs).least_of, groups) if groups else []
+    return tuple(
+        LeastDistance(group[number], distance, at) for group, (number, distance, at) in zip(groups, found, strict=True)
+    )
 
 
 class _Blocks:
@@ -122,15 +122,24 @@ class _Search:
             self.partitions[size] = _Blocks(self.motion, self.around, size)
         return self.partitions[size]
 
-    def least(self, pair: Pair, known: float) -> LeastDistance:
-        """The least distance of one pair: `best` of those measured, and the least of all bounds that were enough.
+    def least_of(self, pairs: Sequence[Pair]) -> tuple[int, float, float]:
+        """The least distance of some pairs: the number of its pair, the distance, m, and where, s."""
+        number, (least, at) = 0, self._least(pairs[0], np.inf)
+        for own, pair in enumerate(pairs[1:], start=1):
+            distance, when = self._least(pair, least)
+            if distance < least:
+                number, least, at = own, distance, when
+        return number, least, at
+
+    def _least(self, pair: Pair, known: float) -> tuple[float, float]:
+        """The least distance of one pair, m, and where, s: of those measured and of all bounds that were enough.
 
         Where it cannot be below a known distance, m, it is some distance that is not below it either.
         """
         size, blocks = _BLOCK, self.blocks(_BLOCK)
         low = self._of_balls(pair, blocks)
         if float(np.min(low)) >= known:
-            return LeastDistance(pair, float(np.min(low)), float(self.motion.t[0]))
+            return float(np.min(low)), float(self.motion.t[0])
         measure = Distances(pair.first, pair.second)
         # the most promising block first: what it has spares most of the others
         nearest = int(np.argmin(low))
@@ -152,7 +161,7 @@ class _Search:
                 break
             blocks = self.blocks(size)
             chosen = halves[halves < len(blocks.middle)]
-        return LeastDistance(pair, min(bound, best), float(self.motion.t[at]))
+        return min(bound, best), float(self.motion.t[at])
 
     def _measured(
         self, pair: Pair, measure: Distances, blocks: _Blocks, chosen: np.ndarray

@@ -16,7 +16,7 @@ import numpy as np
 
 from nospill.collisions.bodies import Body, region_bodies, scene_bodies
 from nospill.collisions.distances import Distances
-from nospill.robots.kinematics.frames import arm_chain, joint_frames
+from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
 BY_CONSTRUCTION = 0.9
@@ -99,17 +99,25 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[tuple[Pair, ...], tuple[SampledP
     return (*around, *kept), tuple(table.values())
 
 
+def _centres(body: Body, frames: JointFrames) -> np.ndarray:
+    """(m, 3) of the ball about a body, m."""
+    return frames.position[body.joint] + frames.rotation[body.joint] @ body.centre
+
+
 def _sampled(scene: Scene, pairs: Sequence[Pair]) -> dict[str, SampledPair]:
     """By subject. Bodies of one link belong together: the one that touches most speaks for all."""
     robot, generator = scene.robot, np.random.default_rng(_SEED)
     q = generator.uniform(robot.lower, robot.upper, (SAMPLES, len(robot.joints)))
     if robot.home is not None:
         q = np.concatenate([q, robot.home[None]])
-    frames, everywhere = joint_frames(arm_chain(robot), q), np.arange(len(q))
+    frames = joint_frames(arm_chain(robot), q)
+    centres = {body: _centres(body, frames) for pair in pairs for body in (pair.first, pair.second)}
     touching: dict[str, np.ndarray] = {}
     for pair in pairs:
-        own = Distances(pair.first, pair.second).at(frames, everywhere)[0] < 0.0
-        touching[pair.subject] = touching.get(pair.subject, False) | own
+        apart = np.linalg.norm(centres[pair.first] - centres[pair.second], axis=1)
+        near = np.flatnonzero(apart < pair.first.radius + pair.second.radius)
+        own = touching.setdefault(pair.subject, np.zeros(len(q), dtype=bool))
+        own[near] |= Distances(pair.first, pair.second).at(frames, near)[0] < 0.0
     found = {}
     for pair in pairs:
         own = touching[pair.subject]

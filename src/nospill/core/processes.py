@@ -10,6 +10,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import struct
 import sys
 import threading
 import time
@@ -24,8 +25,9 @@ from nospill.core.batches import thread_count
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-_MOST_ITEMS = 256
-"""Their numbers are one byte each, and all of them fit into a pipe."""
+_MOST_ITEMS = 10_000
+"""Their numbers fit into a pipe."""
+_NUMBER = struct.Struct("=I")
 _PATIENCE = 10.0
 """s; a fork is waited for as long as the work here took, but for so long at least, before its items are done here."""
 
@@ -38,12 +40,12 @@ def shared_out(function: Callable[[Item], Result], items: Sequence[Item]) -> lis
 
     Args:
         function: its result depends on the item only and can be pickled.
-        items: what it is called with; at most 256 are shared out.
+        items: what it is called with; at most 10,000 are shared out.
     """
     if not 1 < len(items) <= _MOST_ITEMS or not _may_fork():
         return [function(item) for item in items]
     numbers, source = os.pipe()
-    os.write(source, bytes(range(len(items))))
+    os.write(source, b"".join(map(_NUMBER.pack, range(len(items)))))
     os.close(source)
     ours, theirs = multiprocessing.Pipe(duplex=False)
     fork = multiprocessing.get_context("fork").Process(
@@ -78,8 +80,9 @@ def _may_fork() -> bool:
 def _taken(function: Callable[[Item], Result], items: Sequence[Item], numbers: int) -> dict[int, Result]:
     """Results by the numbers of the items, one number after the other read from a pipe that all processes share."""
     found = {}
-    while number := os.read(numbers, 1):
-        found[number[0]] = function(items[number[0]])
+    while read := os.read(numbers, _NUMBER.size):
+        (number,) = _NUMBER.unpack(read)
+        found[number] = function(items[number])
     return found
 
 

@@ -11,52 +11,73 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+typedef double One __attribute__((vector_size(8), aligned(8), may_alias));
 typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
 
-/* Rows of c from i on, COUNT vectors of them, and four of its columns from j on. */
-#define BLOCK(VECTOR, COUNT)                                                                                           \
+/* Rows of c from i on, COUNT vectors of them, and COLUMNS of its columns from j on. */
+#define BLOCK(VECTOR, COUNT, COLUMNS)                                                                                  \
     do {                                                                                                               \
-        enum { WIDE = sizeof(VECTOR) / sizeof(double) };                                                               \
-        VECTOR sum[COUNT][4] = {{{0.0}}};                                                                              \
+        enum { WIDE = sizeof(VECTOR) / sizeof(double), ROWS = WIDE * COUNT };                                          \
+        VECTOR sum[COUNT][COLUMNS];                                                                                    \
+        for (int a = 0; a < COUNT; a++)                                                                                \
+            for (int b = 0; b < COLUMNS; b++) sum[a][b] = (VECTOR){0.0};                                               \
         for (int l = 0; l < depth; l++) {                                                                              \
             const double *by = f + j + (size_t)l * ld, *of = g + i + (size_t)l * ld;                                   \
             for (int a = 0; a < COUNT; a++) {                                                                          \
                 VECTOR rows_of = *(const VECTOR *)(of + WIDE * a);                                                     \
-                for (int b = 0; b < 4; b++) sum[a][b] += rows_of * by[b];                                              \
+                for (int b = 0; b < COLUMNS; b++) sum[a][b] += rows_of * by[b];                                        \
             }                                                                                                          \
         }                                                                                                              \
-        for (int a = 0; a < COUNT; a++)                                                                                \
-            for (int b = 0; b < 4; b++) *(VECTOR *)(c + i + WIDE * a + (size_t)(j + b) * ldc) -= sum[a][b];            \
-        i += WIDE * COUNT;                                                                                             \
+        if (!place || place[i + ROWS - 1] - place[i] == ROWS - 1) {                                                    \
+            double *from = c + (place ? place[i] : i);                                                                 \
+            for (int a = 0; a < COUNT; a++)                                                                            \
+                for (int b = 0; b < COLUMNS; b++)                                                                      \
+                    *(VECTOR *)(from + WIDE * a + (size_t)(place ? place[j + b] : j + b) * ldc) -= sum[a][b];          \
+        } else                                                                                                         \
+            for (int b = 0; b < COLUMNS; b++) {                                                                        \
+                double *to = c + (size_t)place[j + b] * ldc;                                                           \
+                for (int a = 0; a < COUNT; a++)                                                                        \
+                    for (int k = 0; k < WIDE; k++) to[place[i + WIDE * a + k]] -= sum[a][b][k];                        \
+            }                                                                                                          \
+        i += ROWS;                                                                                                     \
+    } while (0)
+
+/* All rows from the diagonal on, and COLUMNS columns from j on. */
+#define STRIP(COLUMNS)                                                                                                 \
+    do {                                                                                                               \
+        int i = j;                                                                                                     \
+        if (with_fma) {                                                                                                \
+            while (i + 8 <= rows) BLOCK(Four, 2, COLUMNS);                                                             \
+            if (i + 4 <= rows) BLOCK(Four, 1, COLUMNS);                                                                \
+        } else                                                                                                         \
+            while (i + 4 <= rows) BLOCK(Two, 2, COLUMNS);                                                              \
+        if (i + 2 <= rows) BLOCK(Two, 1, COLUMNS);                                                                     \
+        if (i < rows) BLOCK(One, 1, COLUMNS);                                                                          \
+        j += COLUMNS;                                                                                                  \
     } while (0)
 
 /* c -= g f^T on and below the diagonal: c (rows x columns), g (rows x depth), f the same rows as g, of which the first
-   `columns` count; all by columns, ld and ldc apart. Above the diagonal c is left undefined. */
-INLINE void update(int rows, int columns, int depth, const double *g, const double *f, int ld, double *c, int ldc,
-                   int with_fma) {
+   `columns` count; all by columns, ld and ldc apart. `place`: rows and columns of c by those of the product, ascending;
+   NULL where they are the same. Above the diagonal c is left undefined. */
+INLINE void subtract_product(int rows, int columns, int depth, const double *g, const double *f, int ld, double *c,
+                             int ldc, const int *place, int with_fma) {
     int j = 0;
-    for (; j + 4 <= columns; j += 4) {
-        int i = j;
-        if (with_fma) {
-            while (i + 8 <= rows) BLOCK(Four, 2);
-            if (i + 4 <= rows) BLOCK(Four, 1);
-        } else
-            while (i + 4 <= rows) BLOCK(Two, 2);
-        for (; i < rows; i++)
-            for (int b = j; b < j + 4; b++) {
-                double sum = 0.0;
-                for (int l = 0; l < depth; l++) sum += g[i + (size_t)l * ld] * f[b + (size_t)l * ld];
-                c[i + (size_t)b * ldc] -= sum;
-            }
-    }
-    for (; j < columns; j++)
-        for (int l = 0; l < depth; l++) {
-            const double *restrict of = g + (size_t)l * ld;
-            double by = f[j + (size_t)l * ld];
-            double *restrict to = c + (size_t)j * ldc;
-            for (int i = j; i < rows; i++) to[i] -= of[i] * by;
-        }
+    while (j + 4 <= columns) STRIP(4);
+    if (j + 2 <= columns) STRIP(2);
+    if (j < columns) STRIP(1);
+}
+
+typedef void Update(int, int, int, const double *, const double *, int, double *, int, const int *);
+
+WITH_FMA static void update_with_fma(int rows, int columns, int depth, const double *g, const double *f, int ld,
+                                     double *c, int ldc, const int *place) {
+    subtract_product(rows, columns, depth, g, f, ld, c, ldc, place, 1);
+}
+
+static void update_without_fma(int rows, int columns, int depth, const double *g, const double *f, int ld, double *c,
+                           int ldc, const int *place) {
+    subtract_product(rows, columns, depth, g, f, ld, c, ldc, place, 0);
 }
 
 /* y -= column a, from row `begin` on. */

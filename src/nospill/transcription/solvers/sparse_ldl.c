@@ -13,7 +13,6 @@ static const double LEAST_PIVOT = 1e-9;
 
 enum { NOT_ORDERED, ORDERED, ANALYSED };
 enum { LIW_TOO_SMALL = -3, LA_TOO_SMALL = -4, SINGULAR = -5, NO_MEMORY = -20 };
-enum { BLOCK_COLUMNS = 8 }; /* of a panel, eliminated one by one before the next ones are brought up to date */
 
 /* ---- numbers ---- */
 
@@ -92,6 +91,7 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int height, d
         }
         for (int j = k + wide; j < end; j++) {
             double *restrict to = panel + (size_t)j * height, f = one[j], g = wide == 2 ? two[j] : 0.0;
+            if (f == 0.0 && g == 0.0) continue; /* always so between leaves */
             if (wide == 1)
                 for (int i = j; i < height; i++) to[i] -= by_one[i] * f;
             else
@@ -103,7 +103,7 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int height, d
 
 /* Take what a panel contributes off the panels that its rows are columns of. */
 INLINE void contribute(const View *v, int p, int own, int height, const double *panel, const double *divided,
-                       double *product, int with_fma) {
+                       Update *update) {
     const Structure *s = &v->s;
     int below = height - own;
     for (int u = s->update[p]; u < s->update[p + 1]; u++) {
@@ -113,22 +113,12 @@ INLINE void contribute(const View *v, int p, int own, int height, const double *
         const int *local = s->local + s->where[u];
         double *to = v->factor + s->panel[t];
         const double *f = panel + own + from, *g = divided + own + from;
-        if (own == 1) {
-            for (int j = 0; j < columns; j++)
-                for (int i = j; i < rows; i++) to[local[i] + (size_t)local[j] * far] -= g[i] * f[j];
-            continue;
-        }
-        memset(product, 0, (size_t)rows * columns * sizeof *product);
-        update(rows, columns, own, g, f, height, product, rows, with_fma);
-        for (int j = 0; j < columns; j++) {
-            double *column = to + (size_t)local[j] * far;
-            for (int i = j; i < rows; i++) column[local[i]] += product[i + (size_t)j * rows];
-        }
+        update(rows, columns, own, g, f, height, to, far, local);
     }
 }
 
 /* Returns the number of negative eigenvalues, -1 where a pivot is singular. */
-INLINE int factorise(const View *v, int n, const double *value, int with_fma) {
+INLINE int factorise(const View *v, int n, const double *value, Update *update) {
     const Structure *s = &v->s;
     int negative = 0;
     memset(v->factor, 0, ((size_t)s->factor + n) * sizeof *v->factor);
@@ -140,12 +130,12 @@ INLINE int factorise(const View *v, int n, const double *value, int with_fma) {
             for (end = begin; end < own && end < begin + BLOCK_COLUMNS;) end += s->width[first + end];
             if (begin)
                 update(height - begin, end - begin, begin, divided + begin, panel + begin, height,
-                       panel + begin + (size_t)begin * height, height, with_fma);
+                       panel + begin + (size_t)begin * height, height, NULL);
             int count = eliminate(v, first, begin, end, height, panel, divided);
             if (count < 0) return -1;
             negative += count;
         }
-        contribute(v, p, own, height, panel, divided, v->work + (size_t)own * height, with_fma);
+        contribute(v, p, own, height, panel, divided, update);
     }
     return negative;
 }
@@ -195,7 +185,7 @@ INLINE void substitute(const View *v, double *x, double *y) {
     }
 }
 
-WITH_FMA static int factorise_with_fma(const View *v, int n, const double *value) { return factorise(v, n, value, 1); }
+WITH_FMA static int factorise_with_fma(const View *v, int n, const double *value) { return factorise(v, n, value, update_with_fma); }
 
 WITH_FMA static void substitute_with_fma(const View *v, double *x, double *y) { substitute(v, x, y); }
 
@@ -249,7 +239,7 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
     }
     *state = ANALYSED;
     for (int i = 0; i < *n; i++) v.pivot[v.s.position[i]] = i < v.s.primal ? REGULARISATION : -REGULARISATION;
-    negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, 0);
+    negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, update_without_fma);
     if (negative < 0)
         info[0] = SINGULAR;
     else

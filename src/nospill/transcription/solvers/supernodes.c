@@ -1,8 +1,13 @@
 /* Structure of the factor: columns with nearly the same rows are one supernode, a dense panel. A pivot joins the panel
-   before it where it is the parent of that and few places of the panel stay zero. */
+   before it where it is the parent of that and few places of the panel stay zero, or where both are leaves of the tree
+   with the same rows, as the inequalities of a stage are. */
 
 /* Most places of a panel that may be zero, as part of all. */
 static const double MOST_ZEROS = 0.1;
+
+/* Columns eliminated one by one before the next ones of a panel are brought up to date; of a panel of leaves, between
+   which nothing stands, the most. */
+enum { BLOCK_COLUMNS = 8 };
 
 typedef struct {
     int entries, columns, panels, rows, targets, locals, factor, most, primal; /* sizes; most: room for work */
@@ -45,15 +50,26 @@ static int rows_below(const Tree *t, int pivot) {
     return rows;
 }
 
+/* Whether two leaves of the tree fill in the same pivots: nothing stands between them, and they may be one panel. */
+static int are_alike(const Tree *t, const int *leaf, int one, int two) {
+    int count = t->begin[one + 1] - t->begin[one];
+    return leaf[one] && leaf[two] && count > 0 && count == t->begin[two + 1] - t->begin[two] &&
+           !memcmp(t->below + t->begin[one], t->below + t->begin[two], (size_t)count * sizeof *t->below);
+}
+
 /* Divide the pivots into panels, the first pivot of each in `first`; below a panel are the rows below its last pivot.
-   Returns the number of panels. */
-static int divide_into_panels(const Tree *t, int *first) {
+   Returns the number of panels. `leaf`: room for a mark of each pivot. */
+static int divide_into_panels(const Tree *t, int *first, int *leaf) {
     int panels = 0, columns = 0;
     long long held = 0;
+    for (int k = 0; k < t->pivots; k++) leaf[k] = 1;
+    for (int k = 0; k < t->pivots; k++)
+        if (t->parent[k] >= 0) leaf[t->parent[k]] = 0;
     for (int k = 0; k < t->pivots; k++) {
         long long wide = t->wide[k], all = columns + wide, rows = rows_below(t, k);
         long long alone = wide * (wide + 1) / 2 + wide * rows, size = all * (all + 1) / 2 + all * rows;
-        if (k > 0 && t->parent[k - 1] == k && (double)(size - held - alone) < MOST_ZEROS * (double)size)
+        int dense = (double)(size - held - alone) < MOST_ZEROS * (double)size;
+        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, leaf, k - 1, k))))
             columns = (int)all, held += alone;
         else
             first[panels++] = k, columns = (int)wide, held = alone;
@@ -151,7 +167,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     t.begin[0] = 0;
 
     int *first = sequence, *panel_of = scratch;
-    s.panels = divide_into_panels(&t, first);
+    s.panels = divide_into_panels(&t, first, scratch);
     for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from; /* first position */
     at[t.pivots] = s.columns;
     for (int p = 0; p < s.panels; p++) s.rows += rows_below(&t, first[p + 1] - 1);
@@ -173,13 +189,9 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     }
     s.factor = (int)factor;
     find_targets(&s, panel_of, 1);
-    for (int p = 0; p < s.panels; p++) { /* room: the panel divided by its pivots, and its widest update */
-        int own = s.first[p + 1] - s.first[p], below = s.list[p + 1] - s.list[p], run = 0, widest = 0, of = -1;
-        for (int k = s.list[p]; k < s.list[p + 1]; k++) {
-            run = panel_of[s.row[k]] == of ? run + 1 : 1, of = panel_of[s.row[k]];
-            widest = greater(widest, run);
-        }
-        s.most = greater(s.most, (own + below) * own + below * widest);
+    for (int p = 0; p < s.panels; p++) { /* room: the panel divided by its pivots */
+        int own = s.first[p + 1] - s.first[p];
+        s.most = greater(s.most, own * (own + s.list[p + 1] - s.list[p]));
     }
     *length = lay_out(&s, n, NULL);
     array = malloc((size_t)*length * sizeof *array);
