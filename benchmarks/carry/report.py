@@ -30,7 +30,7 @@ def section(lines: list[Line]) -> Iterator[str]:
         yield "No problem has been run yet."
         return
     commits = ", ".join(dict.fromkeys(line.get("commit") or "unknown" for line in lines))
-    yield f"{len(lines)} problems, commit {commits}; one plan at a time, times by the clock."
+    yield f"{len(lines)} problems, commit {commits}; times by the clock."
     yield ""
     yield from _by_group("family", {name: [line for line in lines if line["family"] == name] for name in FAMILIES})
     yield ""

@@ -97,6 +97,14 @@ def test_items_of_a_fork_that_ends_are_done_here(end: Callable[[], None]) -> Non
     assert shared_out(work, ITEMS) == [(item, os.getpid()) for item in ITEMS]
 
 
+def test_items_are_done_here_where_the_system_refuses_a_fork(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse() -> int:
+        raise OSError("out of memory")
+
+    monkeypatch.setattr(os, "fork", refuse)
+    assert shared_out(worker_of, ITEMS) == [(item, os.getpid()) for item in ITEMS]
+
+
 def test_items_of_a_silent_fork_are_done_here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(processes, "_PATIENCE", 0.1)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.collisions.distances import Distances
+from nospill.collisions.distances import Distances, ball_gap
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.core.paths import Path
 from nospill.robots.joint_paths.following import tray_poses
@@ -118,9 +118,4 @@ def least_room(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float
 
 def ball_room(pair: Pair, frames: JointFrames) -> np.ndarray:
     """A bound (m,) on the room of a pair by the balls about both bodies, m."""
-    if pair.second.shape.kind == "halfspace":
-        return np.full(frames.position.shape[1], -np.inf)
-    first, second = (
-        frames.position[body.joint] + frames.rotation[body.joint] @ body.centre for body in (pair.first, pair.second)
-    )
-    return np.linalg.norm(first - second, axis=1) - pair.first.radius - pair.second.radius - pair.limit
+    return ball_gap(pair.first, pair.second, frames) - pair.limit

@@ -78,6 +78,14 @@ class Distances:
         return found, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
 
 
+def ball_gap(first: Body, second: Body, frames: JointFrames) -> np.ndarray:
+    """A bound (m,) on the distance of two bodies by the balls about them, m; of a half-space none."""
+    if second.shape.kind == "halfspace":
+        return np.full(frames.position.shape[1], -np.inf)
+    one, two = (frames.position[body.joint] + frames.rotation[body.joint] @ body.centre for body in (first, second))
+    return np.linalg.norm(one - two, axis=1) - first.radius - second.radius
+
+
 def separation(
     first: Body,
     second: Body,

@@ -15,8 +15,8 @@ from itertools import combinations
 import numpy as np
 
 from nospill.collisions.bodies import Body, region_bodies, scene_bodies
-from nospill.collisions.distances import Distances
-from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
+from nospill.collisions.distances import Distances, ball_gap
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
 BY_CONSTRUCTION = 0.9
@@ -99,11 +99,6 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[tuple[Pair, ...], tuple[SampledP
     return (*around, *kept), tuple(table.values())
 
 
-def _centres(body: Body, frames: JointFrames) -> np.ndarray:
-    """(m, 3) of the ball about a body, m."""
-    return frames.position[body.joint] + frames.rotation[body.joint] @ body.centre
-
-
 def _sampled(scene: Scene, pairs: Sequence[Pair]) -> dict[str, SampledPair]:
     """By subject. Bodies of one link belong together: the one that touches most speaks for all."""
     robot, generator = scene.robot, np.random.default_rng(_SEED)
@@ -111,11 +106,9 @@ def _sampled(scene: Scene, pairs: Sequence[Pair]) -> dict[str, SampledPair]:
     if robot.home is not None:
         q = np.concatenate([q, robot.home[None]])
     frames = joint_frames(arm_chain(robot), q)
-    centres = {body: _centres(body, frames) for pair in pairs for body in (pair.first, pair.second)}
     touching: dict[str, np.ndarray] = {}
     for pair in pairs:
-        apart = np.linalg.norm(centres[pair.first] - centres[pair.second], axis=1)
-        near = np.flatnonzero(apart < pair.first.radius + pair.second.radius)
+        near = np.flatnonzero(ball_gap(pair.first, pair.second, frames) < 0.0)
         own = touching.setdefault(pair.subject, np.zeros(len(q), dtype=bool))
         own[near] |= Distances(pair.first, pair.second).at(frames, near)[0] < 0.0
     found = {}

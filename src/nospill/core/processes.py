@@ -2,12 +2,11 @@
 
 A fork shares all memory as it stands, so that items need not be copied and nothing is imported twice; only results are
 sent back. Which process works on an item does not change its result, and whatever goes wrong in the fork is done again
-here: an error of an item is raised from here, and a fork that dies or is silent costs time only.
+here: an error of an item is raised from here, and a fork that is refused, dies or is silent costs time only.
 """
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import struct
@@ -17,10 +16,12 @@ import time
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from multiprocessing.connection import Connection
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from nospill.core.batches import thread_count
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -44,6 +45,8 @@ def shared_out(function: Callable[[Item], Result], items: Sequence[Item]) -> lis
     """
     if not 1 < len(items) <= _MOST_ITEMS or not _may_fork():
         return [function(item) for item in items]
+    import multiprocessing  # 7 ms, which no start-up needs
+
     numbers, source = os.pipe()
     os.write(source, b"".join(map(_NUMBER.pack, range(len(items)))))
     os.close(source)
@@ -53,7 +56,7 @@ def shared_out(function: Callable[[Item], Result], items: Sequence[Item]) -> lis
     )
     began = time.monotonic()
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), suppress(OSError):
             # from Python 3.12 on a fork beside other threads warns; those here take no lock that the fork needs
             warnings.simplefilter("ignore", DeprecationWarning)
             fork.start()
@@ -73,8 +76,11 @@ def shared_out(function: Callable[[Item], Result], items: Sequence[Item]) -> lis
 
 def _may_fork() -> bool:
     """Whether a second process may work, and a fork is safe here."""
-    alone = threading.current_thread() is threading.main_thread() and not multiprocessing.current_process().daemon
-    return sys.platform == "linux" and alone and thread_count() > 1
+    if sys.platform != "linux" or thread_count() == 1 or threading.current_thread() is not threading.main_thread():
+        return False
+    import multiprocessing
+
+    return not multiprocessing.current_process().daemon
 
 
 def _taken(function: Callable[[Item], Result], items: Sequence[Item], numbers: int) -> dict[int, Result]:

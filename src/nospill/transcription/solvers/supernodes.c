@@ -50,26 +50,25 @@ static int rows_below(const Tree *t, int pivot) {
     return rows;
 }
 
-/* Whether two leaves of the tree fill in the same pivots: nothing stands between them, and they may be one panel. */
-static int are_alike(const Tree *t, const int *leaf, int one, int two) {
-    int count = t->begin[one + 1] - t->begin[one];
-    return leaf[one] && leaf[two] && count > 0 && count == t->begin[two + 1] - t->begin[two] &&
+/* Whether two pivots are leaves of the tree, without earlier neighbours, that fill in the same pivots: nothing stands
+   between them, and they may be one panel. */
+static int are_alike(const Tree *t, int one, int two) {
+    int count = t->begin[one + 1] - t->begin[one], leaves = t->start[one] == t->start[one + 1];
+    leaves = leaves && t->start[two] == t->start[two + 1];
+    return leaves && count > 0 && count == t->begin[two + 1] - t->begin[two] &&
            !memcmp(t->below + t->begin[one], t->below + t->begin[two], (size_t)count * sizeof *t->below);
 }
 
 /* Divide the pivots into panels, the first pivot of each in `first`; below a panel are the rows below its last pivot.
-   Returns the number of panels. `leaf`: room for a mark of each pivot. */
-static int divide_into_panels(const Tree *t, int *first, int *leaf) {
+   Returns the number of panels. */
+static int divide_into_panels(const Tree *t, int *first) {
     int panels = 0, columns = 0;
     long long held = 0;
-    for (int k = 0; k < t->pivots; k++) leaf[k] = 1;
-    for (int k = 0; k < t->pivots; k++)
-        if (t->parent[k] >= 0) leaf[t->parent[k]] = 0;
     for (int k = 0; k < t->pivots; k++) {
         long long wide = t->wide[k], all = columns + wide, rows = rows_below(t, k);
         long long alone = wide * (wide + 1) / 2 + wide * rows, size = all * (all + 1) / 2 + all * rows;
         int dense = (double)(size - held - alone) < MOST_ZEROS * (double)size;
-        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, leaf, k - 1, k))))
+        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, k - 1, k))))
             columns = (int)all, held += alone;
         else
             first[panels++] = k, columns = (int)wide, held = alone;
@@ -167,7 +166,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     t.begin[0] = 0;
 
     int *first = sequence, *panel_of = scratch;
-    s.panels = divide_into_panels(&t, first, scratch);
+    s.panels = divide_into_panels(&t, first);
     for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from; /* first position */
     at[t.pivots] = s.columns;
     for (int p = 0; p < s.panels; p++) s.rows += rows_below(&t, first[p + 1] - 1);
