@@ -1,6 +1,6 @@
 """The benchmark behind docs/carrying.md: trays carried among obstacles, each problem with a motion known to exist.
 
-    python -m benchmarks.carry.run --out FILE --cases 236 --jobs 2     run, or go on where it stopped
+    python -m benchmarks.carry.run --out FILE --cases 236 --jobs 1     run, or go on where it stopped
     python -m benchmarks.carry.run --out FILE --only 17                one problem alone, printed and not kept
     python -m benchmarks.carry.run --report FILE ...                   tables into docs/carrying.md
 
