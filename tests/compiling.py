@@ -24,7 +24,7 @@ _KEPT = (
     traces.object_figures_function,
     traces.tray_figures_function,
     replay.arm_motion,
-    replay.liquid_step,
+    replay.liquid_steps,
     export_samples.tray_function,
     export_samples.crest_function,
 )

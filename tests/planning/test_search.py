@@ -10,11 +10,10 @@ import pytest
 from nospill.laws.constraints.base import RowId
 from nospill.planning import candidate, search
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import Candidate
+from nospill.planning.candidate import Candidate, problem_about
 from nospill.planning.starts import attempts
 from nospill.plans.log import Log
 from nospill.scenario import read_scenario
-from nospill.transcription.clearance_planes import NO_PLANES
 from nospill.transcription.solvers import Solution
 from nospill.transcription.starting_motions import coarse_start
 from nospill.transcription.task import Task
@@ -24,7 +23,8 @@ from tests.builders import joint_path_of
 def answer(active: ActiveSet, motion: Any, *_: Any) -> Candidate:
     """A motion as if it had been solved for."""
     none = np.zeros(0)
-    return Candidate(active, Solution(motion, none, none, none, 1.0, 0.0, {}, True, "", 1, 0.0, "none"), NO_PLANES)
+    solution = Solution(motion, none, none, none, 1.0, 0.0, {}, True, "", 1, 0.0, "none")
+    return Candidate(active, solution, problem_about(active, motion))
 
 
 def test_with_a_broken_row_those_near_their_limit_join(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -17,7 +16,7 @@ from nospill.laws.like_objects import outer_objects
 from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
-from nospill.laws.slosh.integrate import integrate, runge_kutta_step
+from nospill.laws.slosh.integrate import integrate, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import Cargo
@@ -59,9 +58,9 @@ def wrench(cargo: Cargo) -> np.ndarray:
     def rate(x: SX, body: SX, _: SX) -> SX:
         return ca.vertcat(x[count:], accelerations(x, body))
 
-    step: Any = runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0)
+    steps = step_sequence(runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0))
     body = motion(STEP / 2 * np.arange(2 * STEPS + 1))
-    states = integrate(step, np.zeros(2 * count), inputs=body, lengths=np.full(STEPS, STEP), parameters=np.zeros(0))
+    states = integrate(steps, np.zeros(2 * count), inputs=body, lengths=np.full(STEPS, STEP), parameters=np.zeros(0))
     x, b = SX.sym("x", 2 * count), SX.sym("b", 9)
     own = object_states(structure, x[:count], x[count:], accelerations(x, b))
     found = contact_wrench("full", numbers, structure, object_motion(numbers, body_motion(b)), own)

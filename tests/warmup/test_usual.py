@@ -83,7 +83,7 @@ def test_the_objects_of_examples_are_usual(name: str, asked: list[Entry]) -> Non
             partial(traces.object_figures_function, replace(kind, end=judged.end), EvaluationPoint.END),
         )
         if item.coordinates:
-            ask(partial(replay.liquid_step, kind))
+            ask(partial(replay.liquid_steps, kind))
     assert len(set(asked)) >= 4 and set(asked) <= usual
 
 

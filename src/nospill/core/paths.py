@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -60,11 +61,17 @@ class Path:
     @property
     def length(self) -> float:
         """Arc length of the position in m, by Gauss quadrature in every span."""
-        nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+        nodes, weights = _gauss_rule()
         half = np.diff(self.breaks) / 2
         middle = (self.breaks[1:] + self.breaks[:-1]) / 2
         speed = np.linalg.norm(self.derivative((middle[:, None] + half[:, None] * nodes).ravel())[:, :3], axis=1)
         return float(half @ (speed.reshape(half.size, -1) @ weights))
+
+
+@lru_cache(maxsize=1)
+def _gauss_rule() -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of Gauss quadrature on [-1, 1]."""
+    return np.polynomial.legendre.leggauss(_GAUSS_POINTS)
 
 
 def path_from_bspline(

@@ -49,6 +49,7 @@ class Answer(Protocol):
         """What the solver returned."""
         ...
 
+    @property
     def problem(self) -> Problem:
         """The problem that it answers."""
         ...
@@ -193,11 +194,10 @@ class Trials:
 def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     """What the multipliers say: by the envelope theorem dT/dp = lambda^T dg/dp, here with p every budget's back-off."""
     solution, stages = answer.solution, answer.solution.stages
-    problem = answer.problem()
+    problem = answer.problem
     transcription = problem.transcription
-    variables = problem.encode(stages)
     values = [
-        np.asarray(transcription.constraint_function(variables, parameters)).ravel()
+        np.asarray(transcription.constraint_function(solution.variables, parameters)).ravel()
         for parameters in (
             problem.parameters,
             problem.with_more_backoff(_STEP),
@@ -223,7 +223,7 @@ def is_possible(search: Searcher, scene: Scene, joint_path: JointPath) -> bool:
     if found is None or found.duration > WITHIN * scene.motion.longest:
         return False
     # the problem may carry fewer objects than the scene
-    layout = found.answer.problem().transcription.layout
+    layout = found.answer.problem.transcription.layout
     joints = found.stages.table[:-1, layout.joint_position]
     return keeps_branch(determinants(scene.robot, joints, found.stages.self_motion))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.errors import ModelError
-from nospill.judge.replay import liquid_step, tray_from_joints
+from nospill.judge.replay import liquid_steps, tray_from_joints
 from nospill.judge.traces import object_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -39,7 +39,7 @@ class LiquidLaw:
         self._scene, self.t = scene, half[::2]
         structure = structure_of(scene)
         self._kind = object_kind(structure, structure.objects[0])
-        self._step = liquid_step(self._kind)
+        self._steps = liquid_steps(self._kind)
         self._known: dict[tuple[float, float], np.ndarray] = {}
 
     def with_slopes(self, rise: float, damping: float, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,9 +73,9 @@ class LiquidLaw:
     def _integrated(self, rise: float, damping: float) -> np.ndarray:
         scene = replace(self._scene, cargo=(self._cup(rise, damping),))
         own = np.asarray(flatten(numbers_of_object(numbers_of(scene), 0)))
-        start = np.zeros(self._step.size1_in(0))
+        start = np.zeros(self._steps.size1_in(0))
         states = integrate(
-            self._step, start, inputs=self._body, lengths=np.full(len(self.t) - 1, STEP), parameters=own
+            self._steps, start, inputs=self._body, lengths=np.full(len(self.t) - 1, STEP), parameters=own
         ).T
         count = len(start) // 2
         function, names = object_figures_function(self._kind, EvaluationPoint.OBJECT)

@@ -20,7 +20,7 @@ from nospill.laws.kinds import arm_kind, numbers_of_object, object_kind, symboli
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
-from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step
+from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
@@ -79,7 +79,7 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    arm, liquids, initial = arm_motion(arm_kind(structure)), _liquids(scene), initial_coordinates(scene)
+    arm = arm_motion(arm_kind(structure))
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -94,7 +94,7 @@ def replay(
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
-        return _integrate(liquids, initial, body[:, ::every], float(grid[2 * every] - grid[0]))
+        return _integrate(scene, body[:, ::every], float(grid[2 * every] - grid[0]))
 
     slosh = refined(play, displacements=count) if count else Integral(play(1), refinement=1, error=0.0)
     assert tray is not None  # play was called
@@ -168,57 +168,9 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-@dataclass(frozen=True, slots=True)
-class _Liquids:
-    """The liquids of one kind.
-
-    Attributes:
-        step: one Runge-Kutta step of all of them: their states, one object after another; body rows; their numbers.
-        parameters: of the step.
-        displacements: where their displacements stand among the slosh coordinates of all objects, (objects, k).
-    """
-
-    step: Any
-    parameters: np.ndarray
-    displacements: np.ndarray
-
-
-def _liquids(scene: Scene) -> tuple[_Liquids, ...]:
-    """The liquids of a scene kind by kind."""
-    structure, numbers = structure_of(scene), numbers_of(scene)
-    kinds: dict[Structure, list[int]] = {}
-    for index, item in enumerate(structure.objects):
-        if item.coordinates:
-            kinds.setdefault(object_kind(structure, item), []).append(index)
-    coordinates = np.arange(coordinate_count(structure))
-    return tuple(
-        _Liquids(
-            _steps(kind, len(members)),
-            np.concatenate([flatten(numbers_of_object(numbers, index)) for index in members]),
-            np.array([coordinates[structure.slosh_slices[index]] for index in members]),
-        )
-        for kind, members in kinds.items()
-    )
-
-
 @lru_cache(maxsize=64)
-def _steps(kind: Structure, count: int) -> Any:
-    """The step of so many liquids of a kind along one motion."""
-    step = liquid_step(kind)
-    if count == 1:
-        return step
-    columns, rows = step.size1_in(0), step.size1_in(5)
-    states, parameters = ca.MX.sym("x", columns * count), ca.MX.sym("p", rows * count)
-    motion = [ca.MX.sym(name, step.size1_in(1)) for name in ("b0", "b1", "b2")]
-    length = ca.MX.sym("h")
-    mapped = step.map("steps", "serial", count, [1, 2, 3, 4], [])
-    following = mapped(ca.reshape(states, columns, count), *motion, length, ca.reshape(parameters, rows, count))
-    return ca.Function("steps", [states, *motion, length, parameters], [ca.vec(following)])
-
-
-@lru_cache(maxsize=64)
-def liquid_step(kind: Structure) -> Any:
-    """One Runge-Kutta step of one liquid; the body rows are its inputs, `numbers_of_object` its parameters."""
+def liquid_steps(kind: Structure) -> Any:
+    """The `step_sequence` of one liquid; the body rows are its inputs, `numbers_of_object` its parameters."""
 
     def build() -> tuple[codegen.Functions, None]:
         count, (vector, numbers) = coordinate_count(kind), symbolic_object(kind)
@@ -229,24 +181,24 @@ def liquid_step(kind: Structure) -> Any:
             return ca.substitute(change, vector, parameters)
 
         step = runge_kutta_step(rate, states=2 * count, inputs=9, parameters=vector.numel())
-        return {"step": step}, None
+        return {"steps": step_sequence(step)}, None
 
-    return codegen.functions("step", kind, build)[0]["step"]
+    return codegen.functions("steps", kind, build)[0]["steps"]
 
 
-def _integrate(liquids: tuple[_Liquids, ...], initial: np.ndarray, body: np.ndarray, length: float) -> np.ndarray:
-    """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities, from `initial`."""
-    count, steps = sum(own.displacements.size for own in liquids), (body.shape[1] - 1) // 2
-    states = np.empty((2 * count, steps + 1))
-    for own in liquids:
-        found = integrate(
-            own.step,
-            # of each liquid its displacements, then its velocities
-            np.swapaxes(initial[:, own.displacements], 0, 1).ravel(),
-            inputs=body,
-            lengths=np.full(steps, length),
-            parameters=own.parameters,
-        )
-        places = np.hstack([own.displacements, count + own.displacements])
-        states[places.ravel()] = found.T
-    return states.T
+def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
+    """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    initial, half, count = initial_coordinates(scene), coordinate_count(structure), (body.shape[1] - 1) // 2
+    states = np.empty((count + 1, 2 * half))
+    for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
+        if item.coordinates:
+            places = np.r_[own, half + own.start : half + own.stop]
+            states[:, places] = integrate(
+                liquid_steps(object_kind(structure, item)),
+                initial[:, own].ravel(),
+                inputs=body,
+                lengths=np.full(count, length),
+                parameters=flatten(numbers_of_object(numbers, index)),
+            )
+    return states

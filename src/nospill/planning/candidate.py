@@ -31,12 +31,12 @@ class Candidate:
     Attributes:
         active: what its problem held.
         solution: the answer.
-        planes: that keep bodies apart on it.
+        problem: that was solved.
     """
 
     active: ActiveSet
     solution: Solution
-    planes: Planes
+    problem: Problem
 
     @property
     def stages(self) -> Stages:
@@ -48,9 +48,10 @@ class Candidate:
         """Whether the solver converged to an answer that is feasible."""
         return usable(self.solution) and self.solution.converged
 
-    def problem(self) -> Problem:
-        """The problem that the motion answers."""
-        return problem_about(self.active, self.stages, self.planes)
+    @property
+    def planes(self) -> Planes:
+        """That keep bodies apart on it."""
+        return self.problem.planes_at(self.solution.variables)
 
     @property
     def keeps_branch(self) -> bool:
@@ -137,7 +138,7 @@ def solved(
         again = solved(replace(active, expected=found), solution.stages, log, options)
         if usable(again.solution):
             return again
-    return Candidate(active, solution, problem.planes_at(solution.variables))
+    return Candidate(active, solution, problem)
 
 
 def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:

@@ -85,7 +85,7 @@ def _planned(
     )
     found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
     answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
-    saved = savings(answer.problem(), answer.solution, limits) if answer.has_converged else {}
+    saved = savings(answer.problem, answer.solution, limits) if answer.has_converged else {}
     with log.phase("approach") if scene.approach is not None else nullcontext():
         found = with_approach(found)
     report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))

@@ -22,7 +22,7 @@ from nospill.laws.parameters import ObjectNumbers, ObjectStructure, constants
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector
-from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step
+from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
@@ -139,7 +139,7 @@ def _simulated(
         )
         return ca.vertcat(state[count:], accelerations)
 
-    step = runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0)
+    steps = step_sequence(runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0))
 
     def solve(refinement: int) -> np.ndarray:
         grid = _divided(motion.t, per_sample * refinement)
@@ -147,7 +147,7 @@ def _simulated(
         check_pressed(grid, body, filling.liquid_height)
         displaced, moving = cargo.initial_coordinates
         start = np.concatenate([_level(structure, filling.modes, world_up(motion)) + displaced, moving])
-        return integrate(step, start, inputs=body, lengths=np.diff(grid[::2]), parameters=np.zeros(0))
+        return integrate(steps, start, inputs=body, lengths=np.diff(grid[::2]), parameters=np.zeros(0))
 
     integral = refined(solve, displacements=count)
     states = integral.states[:: (per_sample // 2) * integral.refinement]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, cast
 
-from nospill.judge.replay import arm_motion, liquid_step
+from nospill.judge.replay import arm_motion, liquid_steps
 from nospill.judge.traces import object_figures_function, tray_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import arm_kind, motion_kind, object_kind, tray_kind
@@ -89,7 +89,7 @@ def _judged_parts(structure: Structure, names: Iterable[str], label: str) -> Ite
     for item, name in zip(structure.objects, names, strict=True):
         kind = object_kind(structure, item)
         if item.coordinates:
-            yield Part(f"{name}, {label}: replay", partial(liquid_step, kind))
+            yield Part(f"{name}, {label}: replay", partial(liquid_steps, kind))
         figures = partial(object_figures_function, kind, EvaluationPoint.OBJECT)
         yield Part(f"{name}, {label}: certificate", figures)
         for end in _ENDS:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -15,7 +14,7 @@ from nospill.errors import ModelError
 
 SX = ca.SX
 
-_CHUNK = 200
+_STEPS, _NESTED = 500, 23
 _TOLERANCE = 1e-7
 _LARGEST_REFINEMENT = 64
 
@@ -59,13 +58,27 @@ def runge_kutta_step(rate: Callable[[SX, SX, SX], SX], *, states: int, inputs: i
     return ca.Function("step", [state, first, middle, last, step, parameter], [following], {"cse": True})
 
 
-def integrate(
-    step: Any, start: np.ndarray, *, inputs: np.ndarray, lengths: np.ndarray, parameters: np.ndarray
-) -> np.ndarray:
-    """Run a `runge_kutta_step` along a motion sampled at half steps.
+def step_sequence(step: Any) -> Any:
+    """500 steps one after another as one function, of which CasADi generates a loop in C.
 
     Args:
-        step: the compiled step.
+        step: a `runge_kutta_step`.
+
+    Returns:
+        CasADi function of the arguments of the step, all but the first with a column for each step -> the states at
+        the ends of the steps, one a column.
+    """
+    # CasADi nests groups of `base` steps; of the square root of their number it makes them in the least time.
+    return step.mapaccum("steps", _STEPS, {"base": _NESTED})
+
+
+def integrate(
+    steps: Any, start: np.ndarray, *, inputs: np.ndarray, lengths: np.ndarray, parameters: np.ndarray
+) -> np.ndarray:
+    """Run Runge-Kutta steps along a motion sampled at half steps.
+
+    Args:
+        steps: a `step_sequence`, compiled or not.
         start: (n,) state at the start.
         inputs: (k, 2 m + 1) at the ends and middles of the steps.
         lengths: (m,) of the steps, s.
@@ -74,28 +87,22 @@ def integrate(
     Returns:
         (m + 1, n) states at the ends of the steps.
     """
-    steps = len(lengths)
-    missing = -steps % _CHUNK
-    # The steps run in chunks of fixed length, whose compiled form is kept; steps of no length fill the last one. Every
-    # array is a transposed one, as CasADi keeps its matrices: no chunk copies it in another order.
+    count, at_once = len(lengths), steps.size2_in(1)
+    missing = -count % at_once
+    # Steps of no length fill the last sequence. Every array is a transposed one, as CasADi keeps its matrices: no call
+    # copies it in another order.
     instants = np.concatenate([inputs.T, np.repeat(inputs.T[-1:], 2 * missing, axis=0)])
-    ends = [instants[first : first + 2 * (steps + missing) : 2].T for first in range(3)]
+    ends = [instants[first : first + 2 * (count + missing) : 2].T for first in range(3)]
     durations = np.concatenate([np.asarray(lengths, dtype=float), np.zeros(missing)])[None]
-    run, shared = _chunk(step), np.tile(parameters, (_CHUNK, 1)).T
+    shared = np.tile(parameters, (at_once, 1)).T
     state = np.asarray(start, dtype=float)
     states = [state[None]]
-    for first in range(0, steps, _CHUNK):
-        part = slice(first, first + _CHUNK)
-        reached = call(run, state, *[columns[:, part] for columns in ends], durations[:, part], shared)
+    for first in range(0, count, at_once):
+        part = slice(first, first + at_once)
+        reached = call(steps, state, *[columns[:, part] for columns in ends], durations[:, part], shared)
         state = reached[:, -1]
         states.append(reached.T)
-    return np.concatenate(states)[: steps + 1]
-
-
-@lru_cache(maxsize=32)
-def _chunk(step: Any) -> Any:
-    # CasADi nests groups of `base` steps: of 15 it makes 200 in a third of the time that its usual 10 take.
-    return step.mapaccum("chunk", _CHUNK, {"base": 15})
+    return np.concatenate(states)[: count + 1]
 
 
 def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integral:

@@ -15,8 +15,10 @@ def smoothness(facts: Facts) -> Iterator[PlanWarning]:
     planning = facts.scene.planning
     weights = {"path_jerk_weight": planning.path_jerk_weight, "tilt_jerk_weight": planning.tilt_jerk_weight}
     stated = [f"{key} = {value:g}" for key, value in weights.items() if value]
+    if not stated:
+        return
     use, trace = max(((float(trace.use.max()), trace) for trace in facts.judgement.traces), key=lambda pair: pair[0])
-    if stated and use < LEAST_USE_AT_A_LIMIT:
+    if use < LEAST_USE_AT_A_LIMIT:
         text = (
             f"no limit is reached ({trace.constraint} of {trace.subject} comes nearest, {100 * use:.0f} %): "
             f"{' and '.join(stated)} decide how long the motion takes; leave them out for the shortest."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -323,17 +324,21 @@ def _based(tree: UrdfTree, base: BasePose) -> UrdfTree:
     return UrdfTree(tree.name, {world: None, **tree.links}, (placed, *joints))
 
 
+@lru_cache(maxsize=32)
 def base_pose(urdf: str) -> tuple[np.ndarray, np.ndarray]:
     """Position (3,), m, and rotation (3, 3) of an arm's base in the world of path and gravity.
 
     Args:
         urdf: text as `read_arm` returns it; the world's own pose where its base was not moved.
+
+    Returns:
+        Read-only, since both are kept.
     """
     tree = read_tree(urdf)
     mounts = [joint for joint in tree.joints if joint.parent == tree.root() and joint.name.startswith(_MOUNT)]
     if not mounts:
-        return np.zeros(3), np.eye(3)
-    return np.array(mounts[0].position), rotation_of(mounts[0].rpy)
+        return read_only(np.zeros(3)), read_only(np.eye(3))
+    return read_only(mounts[0].position), read_only(rotation_of(mounts[0].rpy))
 
 
 def _free(name: str, taken: Mapping[str, object] | Sequence[str]) -> str:

@@ -109,6 +109,7 @@ typedef struct {
     int *local;               /* place of a node in the front */
     int levels, width;        /* words of a row of the front */
     uint64_t *front;          /* which nodes are neighbours, of two levels that follow each other: a row of bits each */
+    uint64_t *clique;         /* room for one more row */
 } Levels;
 
 static uint64_t *bits(const Levels *g, int node) { return g->front + (size_t)g->local[node] * g->width; }
@@ -117,6 +118,17 @@ static void join(const Levels *g, int a, int b) {
     if (a == b) return;
     bits(g, a)[g->local[b] / 64] |= UINT64_C(1) << (g->local[b] % 64);
     bits(g, b)[g->local[a] / 64] |= UINT64_C(1) << (g->local[a] % 64);
+}
+
+/* Make some nodes neighbours of each other. */
+static void join_all(const Levels *g, const int *node, int count) {
+    memset(g->clique, 0, (size_t)g->width * sizeof *g->clique);
+    for (int k = 0; k < count; k++) g->clique[g->local[node[k]] / 64] |= UINT64_C(1) << (g->local[node[k]] % 64);
+    for (int k = 0; k < count; k++) {
+        uint64_t *row = bits(g, node[k]);
+        for (int word = 0; word < g->width; word++) row[word] |= g->clique[word];
+        row[g->local[node[k]] / 64] &= ~(UINT64_C(1) << (g->local[node[k]] % 64));
+    }
 }
 
 /* Distances from the first node that is not reached yet, and so on; an inequality makes neighbours of its own. */
@@ -154,8 +166,7 @@ static void gather(const Levels *g, int level) {
                 if (g->level[j] <= level) join(g, i, j);
             } else if (g->seen[j]) {
                 g->seen[j] = 0;
-                for (int r = g->start[j]; r < g->start[j + 1]; r++)
-                    for (int s = g->start[j]; s < r; s++) join(g, g->other[r], g->other[s]);
+                join_all(g, g->other + g->start[j], g->start[j + 1] - g->start[j]);
             }
         }
     }
@@ -163,8 +174,7 @@ static void gather(const Levels *g, int level) {
 
 static int count_of(const uint64_t *row, int width) {
     int count = 0;
-    for (int k = 0; k < width; k++)
-        for (uint64_t left = row[k]; left; left &= left - 1) count++;
+    for (int k = 0; k < width; k++) count += __builtin_popcountll(row[k]);
     return count;
 }
 
@@ -180,9 +190,8 @@ static int eliminate_level(const Levels *g, int level, const int *at, int *degre
         int pivot = left[best];
         uint64_t *own = bits(g, pivot), mask = UINT64_C(1) << (g->local[pivot] % 64);
         for (int word = 0; word < g->width; word++)
-            for (int bit = 0; bit < 64; bit++) {
-                if (!(own[word] >> bit & 1)) continue;
-                int place = 64 * word + bit;
+            for (uint64_t rest = own[word]; rest; rest &= rest - 1) {
+                int bit = __builtin_ctzll(rest), place = 64 * word + bit;
                 uint64_t *row = g->front + (size_t)place * g->width;
                 for (int k = 0; k < g->width; k++) row[k] |= own[k];
                 row[word] &= ~(UINT64_C(1) << bit), row[g->local[pivot] / 64] &= ~mask;
@@ -202,7 +211,7 @@ static int order_nodes(int nodes, const int *start, const int *other, const int 
     if (!whole) return 0;
     memset(whole, 0, 7 * size * sizeof *whole);
     Levels g = {nodes, start, other, inequality, whole, whole + size, whole + 2 * size, whole + 3 * size,
-                whole + 4 * size, 0, 0, NULL};
+                whole + 4 * size, 0, 0, NULL, NULL};
     int *degree = whole + 5 * size, *at = whole + 6 * size;
     find_levels(&g, at);
     for (int i = 0; i < nodes; i++)
@@ -212,7 +221,8 @@ static int order_nodes(int nodes, const int *start, const int *other, const int 
     for (int l = 0; l < g.levels; l++)
         for (int k = g.first[l]; k < g.first[l + 1]; k++) g.local[g.member[k]] = k - g.first[l] + (l % 2 ? most[0] : 0);
     g.width = (most[0] + most[1] + 63) / 64;
-    g.front = calloc((size_t)(most[0] + most[1]) * (size_t)g.width + 1, sizeof *g.front);
+    g.front = calloc((size_t)(most[0] + most[1] + 1) * (size_t)g.width + 1, sizeof *g.front);
+    g.clique = g.front + (size_t)(most[0] + most[1]) * (size_t)g.width;
     for (int l = g.levels - 1; g.front && l >= 0; l--) {
         for (int below = l; below >= 0 && below >= l - 1; below--)
             for (int k = g.first[below]; k < g.first[below + 1]; k++) at[g.local[g.member[k]]] = g.member[k];
