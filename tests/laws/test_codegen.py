@@ -325,6 +325,55 @@ def test_compilation_in_the_background_outlives_the_process(tmp_path: Path) -> N
     assert run(tmp_path, NOSPILL_COMPILE="background", CC="/nonexistent/cc") == served(True)
 
 
+@needs_compiler
+def test_no_compiler_runs_beside_a_plan(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "background")
+
+    def build() -> tuple[compiled.Functions, None]:
+        x = ca.SX.sym("x")
+        return {"twice": ca.Function("twice", [x], [2 * x])}, None
+
+    @compiled.compiles_afterwards
+    def planned(error: Exception | None) -> None:
+        before = sorted(tmp_path.iterdir())
+        assert not compiled.functions("test", str(error), build)[2]
+        assert sorted(tmp_path.iterdir()) == before
+        if error is not None:
+            raise error
+
+    planned(None)
+    assert there(tmp_path, 1)
+    with pytest.raises(ValueError, match="no motion"):
+        planned(ValueError("no motion"))
+    assert there(tmp_path, 2)
+    assert compiled.functions("test", "None", build)[2]
+
+
+@needs_compiler
+def test_a_small_file_is_compiled_meanwhile_unless_it_is_waited_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "background")
+    source = tmp_path / "one.c"
+    source.write_text("int one(void) { return 1; }\n", encoding="utf-8")
+    assert compiled.compiled_library("small", [source], wait=False) is None
+    assert there(tmp_path, 1)
+    assert compiled.compiled_library("small", [source], wait=False) is not None
+    source.write_text("int one(void) { return 11; }\n", encoding="utf-8")
+    assert compiled.compiled_library("small", [source], wait=True) is not None
+
+
+def there(folder: Path, count: int) -> bool:
+    """Whether so many libraries are there before a minute is over, and no compiler is at work any more."""
+    for _ in range(600):
+        if len(list(folder.glob("*.so"))) == count and not list(folder.glob("*.lock")):
+            return True
+        time.sleep(0.1)
+    return False
+
+
 def test_the_folder_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "own"))
     assert compiled.cache_folder() == tmp_path / "own"

@@ -10,34 +10,36 @@ A library is executed as it is, and its hash is no seal: who can write the one c
 belongs to another user, or to which group or others may write, is therefore neither read nor written; a warning says
 so, and the virtual machine serves.
 
-NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder.
+NOSPILL_COMPILE = background (default) | wait | off; NOSPILL_CACHE = folder, else the user's cache folder. In the
+background functions are compiled when a plan is there (`compiles_afterwards`) or the process ends: beside a plan the
+compilers made its virtual machine twice as slow.
 """
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import json
 import os
-import shutil
 import stat
-import subprocess
-import sys
 import tempfile
-import time
 import warnings
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
 
-from nospill.laws import compile_worker
-from nospill.laws.compile_worker import LONGEST_COMPILATION
+from nospill.laws.compilers import Places, compile_libraries, compiler_path, take
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
+
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
 
 _SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion")
 """Packages whose source is part of the key: those of which compiled functions are made."""
@@ -52,8 +54,8 @@ def functions(
 ) -> tuple[Functions, Any, bool]:
     """The functions of a kind and structure, compiled if they are on the disk.
 
-    Otherwise they are built for CasADi's virtual machine, and a compiler, where there is one, is started in the
-    background for the next time (or waited for, if NOSPILL_COMPILE=wait).
+    Otherwise they are built for CasADi's virtual machine and, where there is a compiler, compiled later for the next
+    time (or at once, if NOSPILL_COMPILE=wait).
 
     Args:
         kind: what the functions are for; part of the key, and the beginning of the names of the files.
@@ -66,22 +68,27 @@ def functions(
     ready = _load(kind, structure)
     if ready is None:
         made, data = build()
-        _start(kind, structure, made, data)
-        ready = _load(kind, structure) if _mode() == "wait" else None
+        compiler = compiler_path()
+        if _mode() != "off" and compiler is not None:
+            _waiting.append(_Entry(*_places(kind, structure), compiler, made, data))
+        if _mode() == "wait":
+            _compile_waiting(wait=True)
+            ready = _load(kind, structure)
         if ready is None:
             return made, data, False
     return *ready, True
 
 
-def compiled_library(kind: str, sources: Sequence[Path]) -> Path | None:
+def compiled_library(kind: str, sources: Sequence[Path], *, wait: bool) -> Path | None:
     """C files of the package as a shared library, compiled at once where it is not on the disk; for small files.
 
     Args:
         kind: what it is for, first part of its name.
         sources: the files, compiled as one.
+        wait: until it is there, as with NOSPILL_COMPILE=wait; otherwise it is compiled in the background.
 
     Returns:
-        The library, or None where it cannot be had.
+        The library, or None where it cannot be had, or not yet.
     """
     if _mode() == "off":
         return None
@@ -95,10 +102,10 @@ def compiled_library(kind: str, sources: Sequence[Path]) -> Path | None:
         if _is_whole(library):
             return library
         lock, compiler = library.with_suffix(".lock"), compiler_path()
-        if compiler is not None and _take(lock):
+        if compiler is not None and take(lock):
             folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
             (folder / "made.c").write_bytes(text)
-            compile_worker.compile_library(library, lock, folder, (compiler, *_FLAGS_OF_SOURCES))
+            compile_libraries([(library, lock, folder)], (compiler, *_FLAGS_OF_SOURCES), wait=wait or _mode() == "wait")
             if _is_whole(library):
                 return library
     return None
@@ -133,33 +140,62 @@ def _load(kind: str, structure: Hashable) -> tuple[Functions, Any] | None:
         return None
 
 
-def _start(kind: str, structure: Hashable, made: Functions, data: Any) -> None:
-    mode, compiler = _mode(), compiler_path()
-    if mode == "off" or compiler is None:
-        return
-    library, table_file = _places(kind, structure)
-    with suppress(OSError):
-        library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        lock = library.with_suffix(".lock")
-        if not is_private(library.parent) or not _take(lock):
-            return
-        source = tempfile.mkdtemp(dir=library.parent, prefix="build-")
-        table = {"key": library.stem, "source": source_digest(), "functions": list(made), "data": data}
-        _write_table(table, table_file)
-        _generate(made, source)
-        subprocess.run(
-            [sys.executable, "-I", compile_worker.__file__, mode, library, lock, source, compiler, *_FLAGS],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-            check=False,
-        )
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """Functions that wait to be compiled.
+
+    Attributes:
+        library: where they will be.
+        table_file: where the data is.
+        compiler: that makes them.
+        functions: for the virtual machine.
+        data: plain data that is kept with them.
+    """
+
+    library: Path
+    table_file: Path
+    compiler: str
+    functions: Functions
+    data: Any
 
 
-def compiler_path() -> str | None:
-    """The C compiler, None where there is none."""
-    return shutil.which(os.environ.get("CC", "cc"))
+_waiting: list[_Entry] = []
+
+
+def compiles_afterwards(function: Callable[_P, _T]) -> Callable[_P, _T]:
+    """The function, after which compilers are started for what it has used, however it ends."""
+
+    @wraps(function)
+    def called(*arguments: _P.args, **options: _P.kwargs) -> _T:
+        try:
+            return function(*arguments, **options)
+        finally:
+            start_compilers()
+
+    return called
+
+
+@atexit.register
+def start_compilers() -> None:
+    """Have compiled in the background what waits for it."""
+    _compile_waiting(wait=False)
+
+
+def _compile_waiting(*, wait: bool) -> None:
+    by_compiler: dict[str, list[Places]] = {}
+    while _waiting:
+        entry = _waiting.pop()
+        with suppress(OSError):
+            entry.library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            lock = entry.library.with_suffix(".lock")
+            if is_private(entry.library.parent) and not entry.library.is_file() and take(lock):
+                folder = tempfile.mkdtemp(dir=entry.library.parent, prefix="build-")
+                table = {"key": entry.library.stem, "source": source_digest(), "functions": list(entry.functions)}
+                _write_table(table | {"data": entry.data}, entry.table_file)
+                _generate(entry.functions, folder)
+                by_compiler.setdefault(entry.compiler, []).append((entry.library, lock, Path(folder)))
+    for compiler, places in by_compiler.items():
+        compile_libraries(places, (compiler, *_FLAGS), wait=wait)
 
 
 def cache_folder() -> Path:
@@ -215,17 +251,6 @@ def source_digest() -> str:
         digest.update(file.relative_to(package).as_posix().encode())
         digest.update(file.read_bytes())
     return digest.hexdigest()
-
-
-def _take(lock: Path) -> bool:
-    """Whether this process may compile this entry: one at a time, unless the last one died long ago."""
-    try:
-        lock.touch(exist_ok=False)
-    except FileExistsError:
-        if time.time() - lock.stat().st_mtime < LONGEST_COMPILATION:
-            return False
-        lock.touch()
-    return True
 
 
 def _generate(made: Functions, folder: str) -> None:

@@ -1,11 +1,11 @@
-"""Compile generated C code and put the library in its place: a program of its own, which may outlive its parent.
+"""Compile generated C code and put the libraries in their places: a program of its own, which outlives its parent.
 
 It is run by its file name in an isolated interpreter (see `codegen`), so it imports nothing but the standard library:
 
-    python -I compile_worker.py background|wait LIBRARY LOCK FOLDER COMPILER FLAG...
+    python -I compile_worker.py AT_ONCE COUNT [LIBRARY LOCK FOLDER]... COMPILER FLAG...
 
-FOLDER holds made.c and is removed at the end, as LOCK is. The library comes last, after its hash beside it: whoever
-finds a library finds all that belongs to it.
+of COUNT libraries, AT_ONCE at a time. FOLDER holds made.c and is removed at the end, as LOCK is. A library comes last,
+after its hash beside it: whoever finds a library finds all that belongs to it.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
 LONGEST_COMPILATION = 600.0
 """s; a compiler that takes longer is stopped."""
 
-_NICENESS = 10
+_NICENESS = 19
 
 
 def compile_library(library: Path, lock: Path, folder: Path, command: Sequence[str]) -> None:
@@ -46,11 +47,15 @@ def compile_library(library: Path, lock: Path, folder: Path, command: Sequence[s
         lock.unlink(missing_ok=True)
 
 
-def _main(mode: str, library: str, lock: str, folder: str, *command: str) -> None:
-    if mode == "background" and os.fork():
+def _main(at_once: str, count: str, *words: str) -> None:
+    if os.fork():
         return  # the parent goes on at once; the copy belongs to nobody and ends when it is done
     os.nice(_NICENESS)
-    compile_library(Path(library), Path(lock), Path(folder), command)
+    behind = 3 * int(count)
+    libraries, locks, folders = ([Path(word) for word in words[first:behind:3]] for first in range(3))
+    with ThreadPoolExecutor(int(at_once)) as pool:
+        for library, lock, folder in zip(libraries, locks, folders, strict=True):
+            pool.submit(compile_library, library, lock, folder, words[behind:])
 
 
 if __name__ == "__main__":

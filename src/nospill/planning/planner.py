@@ -11,6 +11,7 @@ from nospill import diagnosis
 from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
+from nospill.laws.codegen import compiles_afterwards
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement
@@ -61,6 +62,7 @@ def plan(
     return _planned(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
 
 
+@compiles_afterwards
 def _planned(
     scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: OnProgress | None
 ) -> tuple[Plan, Candidate]:

@@ -7,8 +7,9 @@ from collections.abc import Callable
 
 from nospill.core.batches import thread_count
 from nospill.errors import ScenarioError
-from nospill.laws.codegen import cache_folder, compiler_path, compiles, is_private
+from nospill.laws.codegen import cache_folder, compiles, is_private, start_compilers
 from nospill.laws.compiled_entries import compiling
+from nospill.laws.compilers import compiler_path
 from nospill.warmup.usual import Part, usual_parts
 
 _LOOK = 0.05
@@ -34,6 +35,7 @@ def warm_cache(parts: tuple[Part, ...] | None = None, *, progress: Callable[[str
         while compiling() >= thread_count():
             time.sleep(_LOOK)
         part.make()
+        start_compilers()
     while compiling():
         progress(f"{len(chosen)} of {len(chosen)}", "waiting for the compilers")
         time.sleep(_LOOK)

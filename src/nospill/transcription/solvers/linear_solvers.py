@@ -1,8 +1,9 @@
 """Linear solvers of IPOPT's steps: LDL^T with pivots fixed beforehand, and MUMPS.
 
-`ldl` is the C files beside this one, compiled as one at its first use and kept with the compiled functions; IPOPT
-loads it as MA27. `auto` is `ldl` where that can be had, and `mumps` elsewhere (no compiler, NOSPILL_COMPILE=off); a
-solve that ends with linear systems which `ldl` could not solve is made again with `mumps`.
+`ldl` is the C files beside this one, compiled as one in the background at its first use and kept with the compiled
+functions; IPOPT loads it as MA27. `auto` is `ldl` where that is there, and `mumps` until it is and where it cannot be
+had (no compiler, NOSPILL_COMPILE=off); a solve that ends with linear systems which `ldl` could not solve is made again
+with `mumps`.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ UNSOLVED = (
 """IPOPT's words for an end to which linear systems that were not solved, or not well enough, may have led."""
 
 
-def _ldl() -> Settings | None:
-    library = ldl_library()
+def _ldl(wait: bool) -> Settings | None:
+    library = ldl_library(wait=wait)
     if library is None:
         return None
     return {
@@ -48,7 +49,7 @@ def _ldl() -> Settings | None:
     }
 
 
-def _mumps() -> Settings:
+def _mumps(_: bool) -> Settings:
     return {
         "ipopt.linear_solver": "mumps",
         # Quasi-dense minimum degree: of the orderings in MUMPS the quickest on these chains, most so with many cups.
@@ -59,8 +60,8 @@ def _mumps() -> Settings:
     }
 
 
-LINEAR_SOLVERS: dict[str, Callable[[], Settings | None]] = {"ldl": _ldl, "mumps": _mumps}
-"""Settings by name, None where a solver cannot be had; `auto` takes them in this order."""
+LINEAR_SOLVERS: dict[str, Callable[[bool], Settings | None]] = {"ldl": _ldl, "mumps": _mumps}
+"""Settings by name, None where a solver cannot be had; `auto` takes them in this order, and waits for none."""
 
 
 def candidates(name: str) -> list[tuple[str, Settings]]:
@@ -76,7 +77,7 @@ def candidates(name: str) -> list[tuple[str, Settings]]:
         known = ", ".join(["auto", *LINEAR_SOLVERS])
         raise ScenarioError(f'planning.linear_solver "{name}" is not known; allowed: {known}')
     wanted = list(LINEAR_SOLVERS) if name == "auto" else [name]
-    settings = ((item, LINEAR_SOLVERS[item]()) for item in wanted)
+    settings = ((item, LINEAR_SOLVERS[item](name == item)) for item in wanted)
     found = [(item, own) for item, own in settings if own is not None]
     if not found:
         raise ScenarioError(
@@ -86,9 +87,9 @@ def candidates(name: str) -> list[tuple[str, Settings]]:
     return found
 
 
-def ldl_library() -> Path | None:
-    """The compiled `ldl`, checked to load; None where it cannot be had."""
-    library = compiled_library("ldl", SOURCES)
+def ldl_library(*, wait: bool = True) -> Path | None:
+    """The compiled `ldl`, checked to load; None where it cannot be had, or not yet and is not waited for."""
+    library = compiled_library("ldl", SOURCES, wait=wait)
     if library is not None:
         with suppress(OSError):  # a symbol is missing; found by IPOPT it would end the process
             ctypes.CDLL(str(library))
