@@ -60,7 +60,9 @@ def section(lines: list[Line]) -> Iterator[str]:
         yield "No case has been run yet."
         return
     commits = ", ".join(dict.fromkeys(line.get("commit") or "unknown" for line in cases))
-    yield f"{len(cases)} scenarios, commit {commits}; one thread, no compiled functions, times of the processor."
+    compiled = {line.get("compiled", False) for line in cases}
+    how = "functions compiled in part" if len(compiled) > 1 else "compiled functions" if True in compiled else ""
+    yield f"{len(cases)} scenarios, commit {commits}; one thread, {how or 'no compiled functions'}, processor time."
     yield ""
     yield from _rates(cases)
     yield ""

@@ -54,7 +54,8 @@ def main(words: list[str] | None = None) -> None:
         with package(live=arguments.live) as folder:
             starts = _STARTS if arguments.starts_check else 0
             limit = arguments.limit * max(1, starts)
-            job = Job(arguments.only, limit, str(folder), starts=starts, table=kept.get("scenario"))
+            table = kept.get("scenario")
+            job = Job(arguments.only, limit, str(folder), starts=starts, table=table, compiled=arguments.compiled)
             print(json.dumps(run_job(job), indent=1))
         return
     with Lines.writer(arguments.out) as lines, package(live=arguments.live) as folder:
@@ -64,7 +65,7 @@ def main(words: list[str] | None = None) -> None:
         began, commit = time.perf_counter(), _commit()
         print(f"{len(jobs)} to do, {len(lines.cases)} cases there", file=sys.stderr, flush=True)
         for number, line in enumerate(run(jobs), start=1):
-            lines.append(line | {"commit": commit})
+            lines.append(line | {"commit": commit, "compiled": arguments.compiled})
             said = line.get("reason") or line.get("duration_s") or len(line.get("starts_from", ()))
             spent = time.perf_counter() - began
             print(f"{number} of {len(jobs)}, {spent:.0f} s: {line['seed']}: {line['kind']}: {said}", flush=True)
@@ -82,6 +83,9 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--starts-check", type=int, default=0, metavar="COUNT", help="cases to start again at random")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster whose workers have nospill installed")
     parser.add_argument("--only", type=int, metavar="SEED", help="run one case alone and print its line")
+    parser.add_argument(
+        "--compiled", action="store_true", help="use compiled functions: fill the cache by `nospill cache --warm` first"
+    )
     parser.add_argument("--live", action="store_true", help="the package as it stands and not as committed")
     parser.add_argument("--of", type=Path, metavar="FILE", help="cases to start again, where they are not in --out")
     parser.add_argument("--report", type=Path, nargs="+", metavar="FILE", help=f"write the tables into {PAGE.name}")
@@ -95,11 +99,15 @@ def _wanted(lines: Lines, arguments: argparse.Namespace, folder: str | None) -> 
     """What is not in the file yet: cases, or the further starts of cases that are there."""
     limit = arguments.limit
     if not arguments.starts_check:
-        return [Job(seed, limit, folder) for seed in range(arguments.first, arguments.cases) if seed not in lines.cases]
+        wanted = (seed for seed in range(arguments.first, arguments.cases) if seed not in lines.cases)
+        return [Job(seed, limit, folder, compiled=arguments.compiled) for seed in wanted]
     cases = lines.cases if arguments.of is None else {line["seed"]: line for line in Lines.read(arguments.of)}
     chosen = starts_seeds(cases, arguments.starts_check)
     tables = {seed: cases[seed]["scenario"] for seed in chosen if seed not in lines.starts}
-    return [Job(seed, _STARTS * limit, folder, starts=_STARTS, table=table) for seed, table in tables.items()]
+    return [
+        Job(seed, _STARTS * limit, folder, starts=_STARTS, table=table, compiled=arguments.compiled)
+        for seed, table in tables.items()
+    ]
 
 
 def starts_seeds(cases: dict[int, dict[str, Any]], count: int) -> list[int]:
