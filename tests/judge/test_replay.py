@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -10,9 +10,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 
 from nospill.errors import ModelError
-from nospill.judge.replay import MINIMUM_RATE, replay
+from nospill.judge.replay import MINIMUM_RATE, arm_motion, replay, tray_from_joints
+from nospill.laws.kinds import arm_kind
+from nospill.laws.scene_parameters import structure_of
 from nospill.motion.interpolation import QUINTIC_HERMITE, planned_motion, resampled
 from nospill.motion.trajectory import Trajectory
+from nospill.robots.description.catalog import moved_robot
+from nospill.robots.description.urdf import BasePose
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -46,6 +50,19 @@ def cup_acceleration(mode, motion, q: np.ndarray, qd: np.ndarray, *, spin_free: 
 
 def about_z(angle: float) -> np.ndarray:
     return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
+
+
+def test_the_tray_moves_as_the_mounted_arm_carries_it() -> None:
+    scene = read_scenario("pp-two-cups")
+    base = BasePose((0.3, -0.4, 0.5), (0.1, -0.2, 0.7))
+    scene = replace(scene, robot=moved_robot(scene.robot, base=base))
+    random = np.random.default_rng(1)
+    joints = [random.uniform(-1.0, 1.0, size=(5, 6)) for _ in range(3)]
+    expected = kinematics(scene.robot).motions(*joints, tool=scene.tray.tool)
+    for function in (None, arm_motion(arm_kind(structure_of(scene)))):
+        found, _ = tray_from_joints(scene, joints, function)
+        for field in fields(found):
+            np.testing.assert_allclose(getattr(found, field.name), getattr(expected, field.name), atol=1e-12)
 
 
 def integrated(scene: Scene, trajectory: Trajectory, index: int, t: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
@@ -20,6 +21,7 @@ from nospill.laws.kinds import (
 )
 from nospill.laws.parameters import blank_numbers, flatten, places
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.scene.scene import Scene
 from tests.builders import one_mode
 
 MIXED = structure_of(one_mode("mixed-tray"))
@@ -34,6 +36,16 @@ def test_what_a_part_does_not_read_makes_no_other_kind() -> None:
     for item in MIXED.objects:
         assert object_kind(MIXED, item) == object_kind(dataclasses.replace(robot, tilt_free=False, end="still"), item)
     assert object_kind(MIXED, MIXED.objects[0]) == object_kind(MIXED, MIXED.objects[1])
+
+
+def test_where_the_arm_stands_makes_no_other_kind(changed_scene: Callable[..., Scene]) -> None:
+    here, there = (
+        changed_scene("matrix-liquid", {"robot.base_position": place, "robot.base_yaw": yaw})
+        for place, yaw in ((["0 m", "0 m", "0 m"], "0 deg"), (["10 mm", "-20 mm", "30 mm"], "1 deg"))
+    )
+    assert tray_kind(structure_of(here)) == tray_kind(structure_of(there))
+    assert arm_kind(structure_of(here)) == arm_kind(structure_of(there))
+    np.testing.assert_allclose(numbers_of(there).base, (0.01, -0.02, 0.03, np.radians(1.0)))
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.plans.loading import load_plan
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
+from nospill.robots.description.urdf_tree import rotation_of
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import build_problem
@@ -265,3 +266,22 @@ def test_where_refinement_certifies_nothing_the_next_starts_are_refined(
 def test_an_ignored_constraint_asks_for_no_other_start(changed_scene: Changed) -> None:
     found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}), ignore="slip")
     assert not found.certificate.ok and len(found.report.starts.durations) == 1
+
+
+@pytest.mark.slow
+def test_a_world_that_is_shifted_and_turned_has_the_same_motion(changed_scene: Callable[..., Scene]) -> None:
+    shift, angle = np.array([0.5, -0.3, 0.2]), 0.7
+    ends = np.array([[0.8, -0.3, 1.2], [0.8, 0.3, 1.1]])
+    found = []
+    for moved in (False, True):
+        turn, place, yaw = (rotation_of((0.0, 0.0, angle)), shift, angle) if moved else (np.eye(3), np.zeros(3), 0.0)
+        start, end = (ends @ turn.T + place).tolist()
+        path = {"type": "line", "start": start, "end": end, "yaw": [yaw, yaw + 0.5]}
+        robot = {"robot.base_position": place.tolist(), "robot.base_yaw": yaw}
+        found.append(plan(changed_scene("matrix-rigid", {"path": path} | robot)))
+    here, there = found
+    assert here.certificate.ok and there.certificate.ok
+    assert there.duration == pytest.approx(here.duration, rel=1e-6)
+    np.testing.assert_allclose(
+        there.trajectory.joint_position[[0, -1]], here.trajectory.joint_position[[0, -1]], atol=1e-5
+    )

@@ -127,16 +127,13 @@ def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = Non
     Args:
         scene: with the robot, and the tray on its flange.
         joints: positions, speeds and accelerations of the joints, (m, n) each, rad, rad/s, rad/s^2.
-        function: the arm's `motion_function` where it is at hand compiled.
+        function: the arm's `motion_function`, its base in the origin, where it is at hand compiled.
 
     Returns:
         The motion in base axes; and (9, m) angular velocity, angular acceleration and specific force in tray axes.
     """
-    motions = kinematics(scene.robot).motions(
-        *joints,
-        tool=scene.tray.tool,
-        function=function,
-    )
+    found = kinematics(structure_of(scene)).motions(*joints, tool=scene.tray.tool, function=function)
+    motions = found.seen_from(numbers_of(scene).base)
     back = np.swapaxes(motions.rotation, 1, 2)
     lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
     vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]

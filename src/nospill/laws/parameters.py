@@ -154,12 +154,14 @@ class SceneNumbers:
     the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2
     about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a
     seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
+    base (4,): x, y, z in m and yaw in rad of the arm's base in the world of path and gravity.
     """
 
     gravity: Number
     path_breaks: Number
     path_coefficients: Number
     tool: Number
+    base: Number
     joint_lower: Number
     joint_upper: Number
     max_speed: Number
@@ -408,6 +410,7 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
         path_breaks=np.zeros(spans + 1),
         path_coefficients=np.zeros((structure.degree + 1, spans, 4)),
         tool=np.zeros(4),
+        base=np.zeros(4),
         joint_lower=joints,
         joint_upper=joints,
         max_speed=joints,

@@ -20,6 +20,7 @@ from nospill.laws.parameters import (
     ViaNumbers,
     flatten,
 )
+from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
 from nospill.robots.robot import Robot
@@ -38,7 +39,7 @@ def structure_of(scene: Scene) -> Structure:
         end=scene.motion.end,
         spans=scene.path.coefficients.shape[1],
         degree=scene.path.coefficients.shape[0] - 1,
-        urdf=scene.robot.urdf,
+        urdf=without_place(scene.robot.urdf)[0],
         joints=scene.robot.joints,
         tip=scene.robot.tip,
         objects=tuple(object_structure(cargo) for cargo in scene.cargo),
@@ -123,6 +124,7 @@ def _numbers(scene: Scene) -> SceneNumbers:
         path_breaks=scene.path.breaks,
         path_coefficients=scene.path.coefficients,
         tool=scene.tray.tool.row,
+        base=without_place(scene.robot.urdf)[1],
         joint_lower=scene.robot.lower,
         joint_upper=scene.robot.upper,
         max_speed=scene.robot.max_speed,

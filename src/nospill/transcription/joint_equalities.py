@@ -15,6 +15,7 @@ import casadi as ca
 
 from nospill.core.frames import SX
 from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.robots.kinematics.chain import about_z
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression
 from nospill.transcription.layout import IntegratorChain, Layout
@@ -39,25 +40,23 @@ def joint_equalities(
     attitudes agree (or differ by half a turn).
     """
     joints = [stage[layout.joint_derivative(order)] for order in range(layout.orders + 1)]
-    arm = kinematics(structure)
+    arm, place, yaw = kinematics(structure), numbers.base[:3], about_z(numbers.base[3])
     position, rotation = arm.pose(joints[0], tool=numbers.tool)
     velocity, omega = arm.twist(joints[0], joints[1], tool=numbers.tool)
-    turn = tray.rotation.T @ rotation
+    turn = tray.rotation.T @ yaw @ rotation
     equations = [
-        position - tray.position,
+        place + yaw @ position - tray.position,
         ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2,
-        velocity - tray.velocity,
-        tray.rotation.T @ omega - tray.motion.angular_velocity,
+        yaw @ velocity - tray.velocity,
+        tray.rotation.T @ yaw @ omega - tray.motion.angular_velocity,
     ]
     if layout.orders > 1:
-        equations.append(
-            _twist_change(structure)(*joints[:3], numbers.tool) - ca.vertcat(*tray.acceleration(numbers.gravity))
-        )
+        change = _twist_change(structure)(*joints[:3], numbers.tool)
+        equations.append(_turned(yaw, change) - ca.vertcat(*tray.acceleration(numbers.gravity)))
     if layout.orders > 2:
-        jerks = stage[layout.jerks]
-        equations.append(
-            _twist_jerk(structure)(*joints, numbers.tool) - _tray_jerk(structure, numbers, layout, chains, piece, jerks)
-        )
+        jerk = _twist_jerk(structure)(*joints, numbers.tool)
+        of_chains = _tray_jerk(structure, numbers, layout, chains, piece, stage[layout.jerks])
+        equations.append(_turned(yaw, jerk) - of_chains)
     if layout.redundant:
         own = (*chains[-1], stage[layout.jerks][-1])
         equations += [ca.dot(numbers.self_motion, joints[order]) - own[order] for order in range(layout.orders + 1)]
@@ -66,9 +65,14 @@ def joint_equalities(
     return ca.vertcat(*equations)
 
 
+def _turned(rotation: SX, twist: SX) -> SX:
+    """Linear and angular half (6, 1) in other axes."""
+    return ca.vertcat(rotation @ twist[:3], rotation @ twist[3:])
+
+
 @lru_cache(maxsize=16)
 def _twist_change(structure: Structure) -> Any:
-    """(q, qd, qdd, tool) -> time derivative (6, 1) of the tray's twist in base axes."""
+    """(q, qd, qdd, tool) -> time derivative (6, 1) of the tray's twist in axes of the arm."""
     arm = kinematics(structure)
     symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd")]
     tool = SX.sym("tool", 4)
@@ -78,7 +82,7 @@ def _twist_change(structure: Structure) -> Any:
 
 @lru_cache(maxsize=16)
 def _twist_jerk(structure: Structure) -> Any:
-    """(q, qd, qdd, qddd, tool) -> second time derivative (6, 1) of the tray's twist in base axes."""
+    """(q, qd, qdd, qddd, tool) -> second time derivative (6, 1) of the tray's twist in axes of the arm."""
     arm = kinematics(structure)
     symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd", "qddd")]
     tool = SX.sym("tool", 4)

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.robots.description.urdf import BasePose, read_arm, standalone_urdf
+from nospill.robots.description.catalog import ROBOTS, load_robot, moved_robot
+from nospill.robots.description.urdf import BasePose, read_arm, standalone_urdf, without_place
 from nospill.robots.description.urdf_tree import about_axis, read_tree, rotation_of, rpy_of, write_tree
 from nospill.robots.kinematics.bodies import inertia_fault, z_to
 from nospill.robots.kinematics.dynamics import NO_LOAD, STANDARD_GRAVITY, Dynamics
@@ -226,6 +227,31 @@ def test_base_and_lock_are_built_in(data: st.DataObject) -> None:
     world = rotation_of(base.rpy)
     np.testing.assert_allclose(moved[0], np.array(base.position) + world @ position[0], atol=1e-12)
     np.testing.assert_allclose(turned[0], world @ rotation[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("lean", [(0.0, 0.0), (math.pi, 0.0), (0.2, -0.3)], ids=["upright", "hanging", "leaning"])
+def test_arms_in_other_places_are_the_same_arm(lean: tuple[float, float]) -> None:
+    q = np.linspace(-1.0, 1.5, 6)[None]
+    texts = set()
+    for place in ((0.0, 0.0, 0.0), (1.0, -2.0, 0.5)):
+        for yaw in (0.0, 2.0):
+            arm = read_arm(arm_text(), base=BasePose(place, (*lean, yaw)))
+            text, found = without_place(arm.urdf)
+            texts.add(text)
+            np.testing.assert_allclose(found, (*place, yaw), atol=1e-15)
+            stood = Kinematics(text, arm.joints, arm.tip).poses(q)
+            position, rotation = pose(arm, q)
+            turn = rotation_of((0.0, 0.0, yaw))
+            np.testing.assert_allclose(position, place + stood[0] @ turn.T, atol=1e-12)
+            np.testing.assert_allclose(rotation, turn @ stood[1], atol=1e-12)
+    assert len(texts) == 1
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_an_arm_of_the_catalogue_is_the_same_arm_in_its_cell(name: str) -> None:
+    arm = load_robot(name)
+    moved = moved_robot(arm, base=BasePose((0.1, 0.2, 0.3), (0.0, 0.0, 0.5)))
+    assert without_place(moved.urdf)[0] == without_place(arm.urdf)[0]
 
 
 def test_sliding_joint_can_be_locked() -> None:

@@ -335,10 +335,41 @@ def base_pose(urdf: str) -> tuple[np.ndarray, np.ndarray]:
         Read-only, since both are kept.
     """
     tree = read_tree(urdf)
-    mounts = [joint for joint in tree.joints if joint.parent == tree.root() and joint.name.startswith(_MOUNT)]
-    if not mounts:
+    mount = next((joint for joint in tree.joints if _is_mount(tree, joint)), None)
+    if mount is None:
         return read_only(np.zeros(3)), read_only(np.eye(3))
-    return read_only(mounts[0].position), read_only(rotation_of(mounts[0].rpy))
+    return read_only(mount.position), read_only(rotation_of(mount.rpy))
+
+
+@lru_cache(maxsize=32)
+def without_place(urdf: str) -> tuple[str, np.ndarray]:
+    """An arm whose base stands in the origin with yaw 0, and where it does stand.
+
+    Gravity and the equations of the arm are the same there: arms that differ in the place differ in numbers alone.
+
+    Args:
+        urdf: text as `read_arm` returns it.
+
+    Returns:
+        Text, the same for all places; (4,) x, y, z in m and yaw in rad of the base in the world of path and gravity,
+        read-only.
+    """
+    tree = read_tree(urdf)
+    mount = next((joint for joint in tree.joints if _is_mount(tree, joint)), None)
+    if mount is None:
+        return write_tree(tree), read_only(np.zeros(4))
+    roll, pitch, yaw = mount.rpy
+    others = tuple(joint for joint in tree.joints if joint is not mount)
+    if roll == pitch == 0.0:
+        links = {name: own for name, own in tree.links.items() if name != mount.parent}
+        stood = UrdfTree(tree.name, links, others)
+    else:
+        stood = replace(tree, joints=(replace(mount, position=(0.0, 0.0, 0.0), rpy=(roll, pitch, 0.0)), *others))
+    return write_tree(stood), read_only((*mount.position, yaw))
+
+
+def _is_mount(tree: UrdfTree, joint: UrdfJoint) -> bool:
+    return joint.parent == tree.root() and joint.name.startswith(_MOUNT)
 
 
 def _free(name: str, taken: Mapping[str, object] | Sequence[str]) -> str:

@@ -54,11 +54,11 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
         origins.append(position)
         alpha = alpha + axis * qdd[index] + ca.cross(omega, axis * qd[index])
         omega = omega + axis * qd[index]
-        rotation = rotation @ _about_z(q[index])
+        rotation = rotation @ about_z(q[index])
     flange = rotation @ _constant(_squared(chain.flange_rotation))
     position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool[:3])
     columns = [ca.vertcat(ca.cross(axis, position - origin), axis) for axis, origin in zip(axes, origins, strict=True)]
-    turned = flange @ _about_z(tool[3])
+    turned = flange @ about_z(tool[3])
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
 
 
@@ -73,7 +73,7 @@ def frame_in_frame(chain: BodyChain, inner: int, q: SX) -> tuple[SX, SX]:
     position, rotation = SX.zeros(3), SX.eye(3)
     for index, body in enumerate(chain.bodies[inner : inner + q.numel()]):
         position = position + rotation @ _constant(body.position)
-        rotation = rotation @ _constant(_squared(body.rotation)) @ _about_z(q[index])
+        rotation = rotation @ _constant(_squared(body.rotation)) @ about_z(q[index])
     return position, rotation
 
 
@@ -88,6 +88,7 @@ def _constant(values: np.ndarray) -> SX:
     return ca.sparsify(SX(ca.DM(values)))
 
 
-def _about_z(angle: SX) -> SX:
+def about_z(angle: SX) -> SX:
+    """Rotation (3, 3) by an angle, rad, about z."""
     c, s = ca.cos(angle), ca.sin(angle)
     return ca.sparsify(ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1)))

@@ -24,6 +24,7 @@ from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import Body, chain_bodies, inertia_fault
+from nospill.robots.kinematics.chain import about_z
 from nospill.robots.kinematics.forward import ArmChain
 from nospill.robots.robot import Robot
 
@@ -146,7 +147,7 @@ class Dynamics:
         carried = self._at_last_joint(load)
         rotations, forces, moments = [], [], []
         for joint, body in enumerate(self._chain.bodies):
-            rotation = _constant(body.rotation) @ _about_z(q[joint])
+            rotation = _constant(body.rotation) @ about_z(q[joint])
             push = rotation.T @ (push + _swing(turn_up, spin, _constant(body.position)))
             spin, turn_up = rotation.T @ spin, rotation.T @ turn_up
             rate = ca.vertcat(0, 0, qd[joint])
@@ -282,8 +283,3 @@ def _wrench(body: Load, spin: ca.SX, turn_up: ca.SX, push: ca.SX) -> tuple[ca.SX
 def _constant(values: np.ndarray) -> ca.SX:
     # sparse, so that zeros make no nodes
     return ca.sparsify(ca.SX(values))
-
-
-def _about_z(angle: ca.SX) -> ca.SX:
-    c, s = ca.cos(angle), ca.sin(angle)
-    return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))

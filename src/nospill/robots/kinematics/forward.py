@@ -15,7 +15,7 @@ import numpy as np
 
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
-from nospill.robots.description.urdf_tree import read_tree
+from nospill.robots.description.urdf_tree import read_tree, rotation_of
 from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
 from nospill.robots.kinematics.chain import chain_expressions
 from nospill.robots.tool import FLANGE, Tool
@@ -39,6 +39,20 @@ class ToolMotions:
     acceleration: np.ndarray
     angular_velocity: np.ndarray
     angular_acceleration: np.ndarray
+
+    def seen_from(self, place: np.ndarray) -> ToolMotions:
+        """The same motion in axes in which the base stands at a place: (4,) x, y, z in m and yaw in rad."""
+        if not np.any(place):
+            return self
+        turn = rotation_of((0.0, 0.0, float(place[3])))
+        return ToolMotions(
+            position=self.position @ turn.T + place[:3],
+            rotation=turn @ self.rotation,
+            velocity=self.velocity @ turn.T,
+            acceleration=self.acceleration @ turn.T,
+            angular_velocity=self.angular_velocity @ turn.T,
+            angular_acceleration=self.angular_acceleration @ turn.T,
+        )
 
 
 class Kinematics:
