@@ -17,6 +17,8 @@ from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.core.paths import Path
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_row
+from nospill.robots.description.catalog import moved_robot
+from nospill.robots.description.urdf import WORLD, BasePose
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -43,12 +45,13 @@ INTERVALS = 4
 
 
 @cache
-def scene() -> Scene:
-    return read_scenario("cups-around-a-column")
+def scene(base: BasePose = WORLD) -> Scene:
+    found = read_scenario("cups-around-a-column")
+    return replace(found, robot=moved_robot(found.robot, base=base))
 
 
-def pairs_of(subject: str) -> list[Pair]:
-    return [pair for pair in scene_pairs(scene()) if pair.subject == subject]
+def pairs_of(subject: str, base: BasePose = WORLD) -> list[Pair]:
+    return [pair for pair in scene_pairs(scene(base)) if pair.subject == subject]
 
 
 def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tuple[float, float]]:
@@ -70,21 +73,22 @@ def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tupl
     return {number: (fixed, other) for number, (fixed, other) in least.items()}
 
 
-def found_everywhere(rows: list[RowId], q: np.ndarray) -> Planes:
-    return separating(scene(), rows, q, everywhere=frozenset(rows))
+def found_everywhere(rows: list[RowId], q: np.ndarray, base: BasePose = WORLD) -> Planes:
+    return separating(scene(base), rows, q, everywhere=frozenset(rows))
 
 
+@pytest.mark.parametrize("base", [WORLD, BasePose((0.05, -0.1, 0.02), (0.05, -0.1, 0.7))], ids=["here", "there"])
 @pytest.mark.parametrize("subject", SUBJECTS)
-def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str) -> None:
+def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str, base: BasePose) -> None:
     random = np.random.default_rng(1)
     compared = 0
     for _ in range(12):
         q = POSE + random.uniform(-0.7, 0.7, 6)
-        frames = joint_frames(arm_chain(scene().robot), q[None])
-        found = found_everywhere([RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)))
+        frames = joint_frames(arm_chain(scene(base).robot), q[None])
+        found = found_everywhere([RowId(Clearance.name, subject)], np.tile(q, (INTERVALS, 1)), base)
         plain, turned = (rows_of(found, q, z) for z in (np.zeros(PLANE), random.uniform(-0.4, 0.4, PLANE)))
         room: list[float] = []
-        for number, pair in enumerate(pairs_of(subject)):
+        for number, pair in enumerate(pairs_of(subject, base)):
             here = np.zeros(1, dtype=int)
             of_coal, direction = Distances(pair.first, pair.second).at(frames, here)
             # of a cup coal has a polyhedron about it

@@ -25,6 +25,8 @@ from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import planes, reaching
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
+from nospill.robots.description.urdf import without_place
+from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.frames import JointFrames, arm_chain, joint_frames
 from nospill.scene.scene import MotionRules, Scene
 from nospill.transcription.clearance_block import (
@@ -171,6 +173,7 @@ def separating(
     if not subjects:
         return NO_PLANES
     robot, taking_part = scene.robot, [pair for pair in scene_pairs(scene) if pair.subject in subjects]
+    arm, place = without_place(robot.urdf)
     # the end of the last interval is no variable: its plane is found at its start
     frames = joint_frames(arm_chain(robot), np.concatenate([(q[:-1] + q[1:]) / 2, q[-1:]]))
     found: dict[Between, list[_Beside]] = {}
@@ -179,11 +182,12 @@ def separating(
         row = RowId(Clearance.name, pair.subject)
         plane = _near_planes(pair, frames, np.inf if row in everywhere else NEAR)
         still, moving = (
-            found.setdefault(Between(robot.urdf, robot.joints, robot.tip, inner, outer), [])
+            found.setdefault(Between(arm, robot.joints, robot.tip, inner, outer), [])
             for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))
         )
+        seen_from = np.zeros(4) if pair.second.joint else place
         if pair.second.shape.kind == "halfspace":
-            moving.append(_of_half_space(pair, row, plane, moved, scene.motion))
+            moving.append(_of_half_space(pair, row, plane, moved, scene.motion).seen_from(seen_from))
             continue
         number, moved = moved + np.arange(len(plane.interval)), moved + len(plane.interval)
         none = np.zeros_like(number)
@@ -191,7 +195,9 @@ def separating(
         for node in (plane.interval + 1, plane.interval):
             inside = (node > 0) & (node < len(q))
             own, ball = plane.numbers[inside], -pair.first.shape.ball
-            moving.append(_beside(pair.first, row, node[inside], number[inside], own, ball, pair.limit))
+            moving.append(
+                _beside(pair.first, row, node[inside], number[inside], own, ball, pair.limit).seen_from(seen_from)
+            )
     parts = {between: own for between, own in found.items() if any(len(item.node) for item in own)}
     groups = tuple(Group(between, tuple(chain(*[item.places() for item in own]))) for between, own in parts.items())
     return Planes(
@@ -229,6 +235,14 @@ class _Beside:
     def rows(self) -> list[RowId]:
         """What each row belongs to."""
         return [self.row] * (len(self.node) * len(self.points))
+
+    def seen_from(self, place: np.ndarray) -> _Beside:
+        """The same in axes of a base that stands at a place: (4,) x, y, z in m and yaw in rad."""
+        numbers, turn = self.numbers.copy(), rotation_of((0.0, 0.0, float(place[3])))
+        numbers[:, OFFSET] -= numbers[:, NORMAL] @ place[:3]
+        numbers[:, NORMAL] = numbers[:, NORMAL] @ turn
+        numbers[:, ACROSS] = (numbers[:, ACROSS].reshape(-1, 2, 3) @ turn).reshape(-1, 6)
+        return replace(self, numbers=numbers)
 
 
 @dataclass(frozen=True, slots=True)
