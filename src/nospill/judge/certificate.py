@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from nospill.judge.between_instants import contact_peaks
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
@@ -16,7 +17,7 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
-from nospill.motion.interpolation import JointMotion
+from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -154,8 +155,10 @@ def _judged(
     points: Collection[EvaluationPoint],
 ) -> Judgement:
     """The rows of the constraints, with their evidence."""
+    motion = motion or planned_motion(held)
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
+    peaks = contact_peaks(scene, played, traces, motion)
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
     for trace, variant in corner_traces(held, scene, motion=motion, rate=rate, played=played):
@@ -166,7 +169,7 @@ def _judged(
             corner_use[own] = np.maximum(corner_use.get(own, use), use)
     joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
     distances = clearance_rows(scene, played.t, *joints)
-    rows = [*condensed([*map(worst_row, traces), *corners]), *distances]
+    rows = [*condensed([*map(worst_row, (*traces, *peaks)), *corners]), *distances]
     traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, distances))
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published, scene.fewer_modes)

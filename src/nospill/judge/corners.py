@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from nospill.judge.between_instants import contact_peaks
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
@@ -17,7 +18,7 @@ from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
 from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.like_objects import outer_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
-from nospill.motion.interpolation import JointMotion
+from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import Corner, corner_scenes, is_uncertain
@@ -87,8 +88,10 @@ def _played(
     """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
+        motion = motion or planned_motion(trajectory)
         own = replay(trajectory, scene, motion=motion, rate=rate)
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
+        traces = (*traces, *contact_peaks(scene, own, traces, motion))
     else:
         scene = replace(scene, cargo=outer_objects(scene))
         slow, own = _slowed(trajectory, scene, speed, motion, rate)
