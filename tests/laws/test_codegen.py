@@ -363,6 +363,9 @@ def test_a_small_file_is_compiled_meanwhile_unless_it_is_waited_for(
     assert compiled.compiled_library("small", [source], wait=False) is not None
     source.write_text("int one(void) { return 11; }\n", encoding="utf-8")
     assert compiled.compiled_library("small", [source], wait=True) is not None
+    source.write_text("int one(void) { return 111; }\n", encoding="utf-8")
+    assert compiled.compiled_library("small", [source], wait=False) is None
+    assert compiled.compiled_library("small", [source], wait=True) is not None  # which is being compiled
 
 
 def there(folder: Path, count: int) -> bool:

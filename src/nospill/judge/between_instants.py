@@ -10,9 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from nospill.core.hermite import cubic_hermite
 from nospill.judge.replay import Replay, arm_motion, tray_from_joints
-from nospill.judge.traces import evaluated_traces
+from nospill.judge.traces import evaluated_traces, states_at
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role
@@ -46,15 +45,10 @@ def contact_peaks(scene: Scene, played: Replay, traces: Iterable[Trace], motion:
     intervals = _beside_peaks(played, traces)
     if not len(intervals):
         return ()
-    width, u = 1.0 / played.rate, np.tile(np.arange(1, _PARTS) / _PARTS, len(intervals))
-    left = np.repeat(intervals, _PARTS - 1)
-    t = played.t[left] + u * width
-    q, qd = (np.stack([of[left], of[left + 1]]) for of in (played.slosh_displacement, played.slosh_velocity))
-    displacement = cubic_hermite(u[:, None], width, q, qd)
-    velocity = (1.0 - u[:, None]) * qd[0] + u[:, None] * qd[1]
+    t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
     joints = [motion(t, order) for order in range(3)]
     _, body = tray_from_joints(scene, joints, arm_motion(arm_kind(structure_of(scene))))
-    inputs = {EvaluationPoint.OBJECT: (t, [body, displacement.T, velocity.T])}
+    inputs = {EvaluationPoint.OBJECT: (t, [body, *states_at(played, t)])}
     return tuple(_worst_instant(trace) for trace in evaluated_traces(scene, inputs, constraints=_CONTACTS))
 
 

@@ -75,7 +75,7 @@ def constraint_traces(
         ),
         EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
         EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
-        EvaluationPoint.END: (np.array([end]), list(_state_at(played, end))),
+        EvaluationPoint.END: (np.array([end]), list(states_at(played, np.array([end])))),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
@@ -195,13 +195,13 @@ def third_differences(values: np.ndarray) -> np.ndarray:
     return np.diff(padded, n=3, axis=0)
 
 
-def _state_at(played: Replay, t: float) -> tuple[np.ndarray, np.ndarray]:
-    """Slosh displacement and velocity (k, 1) at a time between grid points, by the cubic through both ends."""
-    left = int(np.clip(np.searchsorted(played.t, t, side="right") - 1, 0, len(played.t) - 2))
-    width = float(played.t[left + 1] - played.t[left])
-    u = (t - played.t[left]) / width
-    q, qd = (values[left : left + 2] for values in (played.slosh_displacement, played.slosh_velocity))
-    return cubic_hermite(u, width, q, qd)[:, None], ((1 - u) * qd[0] + u * qd[1])[:, None]
+def states_at(played: Replay, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slosh displacements and velocities (k, m) at times (m,) between grid points, by the cubics through both ends."""
+    left = np.clip(np.searchsorted(played.t, t, side="right") - 1, 0, len(played.t) - 2)
+    width = (played.t[left + 1] - played.t[left])[:, None]
+    u = (t - played.t[left])[:, None] / width
+    q, qd = (np.stack([of[left], of[left + 1]]) for of in (played.slosh_displacement, played.slosh_velocity))
+    return cubic_hermite(u, width, q, qd).T, ((1.0 - u) * qd[0] + u * qd[1]).T
 
 
 @lru_cache(maxsize=64)

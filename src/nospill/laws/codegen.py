@@ -33,7 +33,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
 
-from nospill.laws.compilers import Places, compile_libraries, compiler_path, take
+from nospill.laws.compilers import Places, await_release, compile_libraries, compiler_path, take
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
@@ -106,8 +106,10 @@ def compiled_library(kind: str, sources: Sequence[Path], *, wait: bool) -> Path 
             folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
             (folder / "made.c").write_bytes(text)
             compile_libraries([(library, lock, folder)], (compiler, *_FLAGS_OF_SOURCES), wait=wait or _mode() == "wait")
-            if _is_whole(library):
-                return library
+        elif compiler is not None and wait:
+            await_release(lock)
+        if _is_whole(library):
+            return library
     return None
 
 

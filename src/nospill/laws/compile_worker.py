@@ -16,7 +16,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
@@ -50,6 +49,8 @@ def compile_library(library: Path, lock: Path, folder: Path, command: Sequence[s
 def _main(at_once: str, count: str, *words: str) -> None:
     if os.fork():
         return  # the parent goes on at once; the copy belongs to nobody and ends when it is done
+    from concurrent.futures import ThreadPoolExecutor  # which no planning process needs
+
     os.nice(_NICENESS)
     behind = 3 * int(count)
     libraries, locks, folders = ([Path(word) for word in words[first:behind:3]] for first in range(3))

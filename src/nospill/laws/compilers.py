@@ -17,6 +17,8 @@ from nospill.laws.compile_worker import LONGEST_COMPILATION, compile_library
 
 Places = tuple[Path, Path, Path]
 """Of a library, its lock and the folder with its source."""
+_PATIENCE = 60.0
+"""s"""
 
 
 def compiler_path() -> str | None:
@@ -33,6 +35,13 @@ def take(lock: Path) -> bool:
             return False
         lock.touch()
     return True
+
+
+def await_release(lock: Path) -> None:
+    """Return when another process has compiled a small entry, or a minute is over: it may have died."""
+    began = time.monotonic()
+    while lock.exists() and time.monotonic() - began < _PATIENCE:
+        time.sleep(0.05)
 
 
 def compile_libraries(libraries: Sequence[Places], command: Sequence[str], *, wait: bool) -> None:
