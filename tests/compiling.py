@@ -6,6 +6,10 @@ import os
 import shutil
 from pathlib import Path
 
+import casadi as ca
+import numpy as np
+
+from nospill.core.batches import columns_at_once
 from nospill.judge import replay, traces
 from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
 
@@ -35,6 +39,25 @@ def forget() -> None:
     """Let the process make its functions anew, as the settings then say."""
     for kept in _KEPT:
         kept.cache_clear()
+
+
+def assert_same(ours: ca.Function, theirs: ca.Function, *, tolerance: float = 1e-12) -> None:
+    """Machine code of one or of a few columns at once, against a function of one column, each column another one."""
+    random, starts = np.random.default_rng(3), range(theirs.n_in())
+    at_once = columns_at_once(ours, [])
+    for _ in range(5):
+        columns = [
+            random.uniform(0.2, 1.2, (theirs.size1_in(index), ours.size2_in(index) // theirs.size2_in(index)))
+            for index in starts
+        ]
+        found = [part.full() for part in ours.call(columns)]
+        wanted = [
+            theirs.call([column[:, min(index, column.shape[1] - 1)] for column in columns]) for index in range(at_once)
+        ]
+        for place, one in enumerate(found):
+            other = np.concatenate([part[place].full() for part in wanted], axis=1)
+            largest = np.abs(other[np.isfinite(other)]).max(initial=1.0)
+            np.testing.assert_allclose(one, other, rtol=tolerance, atol=tolerance * largest)
 
 
 def hasty_compiler(folder: Path) -> Path | None:

@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import casadi as ca
-import numpy as np
 import pytest
 
 from nospill.judge import replay, traces
@@ -28,7 +27,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
-from tests.compiling import COMPILER, forget
+from tests.compiling import COMPILER, assert_same, forget
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
@@ -125,7 +124,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     fast = _functions(structure)
     assert fast.keys() == plain.keys() and len(fast) == 17
     for name, theirs in plain.items():
-        _same(fast[name], theirs)
+        assert_same(fast[name], theirs)
     again = plan(small)
     assert again.certificate.ok and slow.certificate.ok
     assert again.duration == pytest.approx(slow.duration, rel=1e-6)
@@ -148,16 +147,6 @@ def _functions(structure: Structure) -> dict[str, ca.Function]:
         found[point.value] = traces.tray_figures_function(tray_kind(structure), point)[0]
     found["contact"] = traces.object_figures_function(kind, EvaluationPoint.OBJECT)[0]
     return found | {"arm": replay.arm_motion(arm_kind(structure))}
-
-
-def _same(ours: ca.Function, theirs: ca.Function) -> None:
-    random = np.random.default_rng(3)
-    for _ in range(5):
-        inputs = [random.uniform(0.2, 1.2, theirs.size_in(index)) for index in range(theirs.n_in())]
-        for one, other in zip(ours.call(inputs), theirs.call(inputs), strict=True):
-            wanted = other.full()
-            finite = np.abs(wanted[np.isfinite(wanted)])
-            np.testing.assert_allclose(one.full(), wanted, rtol=1e-12, atol=1e-12 * max(1.0, finite.max(initial=0.0)))
 
 
 @needs_compiler

@@ -32,6 +32,7 @@ from nospill.transcription.stage_functions import stage_functions
 from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
 from tests.builders import one_mode
+from tests.compiling import assert_same
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
@@ -264,7 +265,6 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     fast = stage_functions(structure)
     assert fast.compiled
     made = sorted(tmp_path.iterdir())
-    random = np.random.default_rng(1)
     for ours, theirs in (
         (fast.tray.block, plain.tray.block),
         (fast.objects[0].block, plain.objects[0].block),
@@ -272,9 +272,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     ):
         assert functions(ours).keys() == functions(theirs).keys()
         for name, function in functions(theirs).items():
-            inputs = [0.5 + 0.1 * random.random(function.size1_in(index)) for index in range(function.n_in())]
-            for one, other in zip(functions(ours)[name].call(inputs), function.call(inputs), strict=True):
-                np.testing.assert_allclose(one.full(), other.full(), rtol=1e-10, atol=1e-10)
+            assert_same(functions(ours)[name], function, tolerance=1e-10)
         for name, value in vars(theirs).items():
             if isinstance(value, tuple):
                 assert all(np.array_equal(a, b) for a, b in zip(value, vars(ours)[name], strict=True))

@@ -34,7 +34,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Entry]]:
     """What is asked of the cache, which builds nothing."""
     entries: list[Entry] = []
 
-    def functions(kind: str, structure: Structure, build: object) -> object:
+    def functions(kind: str, structure: Structure, build: object, **columns: object) -> object:
         entries.append((kind, structure))
         raise AskedError
 

@@ -10,7 +10,7 @@ are the same to the last bit.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import lru_cache
 from typing import Any
 
@@ -30,12 +30,12 @@ def thread_count() -> int:
 
 
 def over_columns(function: Any, count: int, shared: list[int], *, threads: int = 1) -> Callable[..., Any]:
-    """A function of one column as one of `count` columns, which threads share out among themselves.
+    """A function of one column, or of a few at once, as one of `count` columns, which threads share out.
 
     A thread takes some 30 us to start: worth it for CasADi's virtual machine, not for machine code.
 
     Args:
-        function: its inputs and outputs are columns.
+        function: its inputs and outputs are columns, or as many of them as it takes at once.
         count: number of columns.
         shared: places of the inputs that are the same for all of them.
         threads: how many work on it.
@@ -43,14 +43,15 @@ def over_columns(function: Any, count: int, shared: list[int], *, threads: int =
     Returns:
         Takes and gives what `function.map` does, whatever the count.
     """
-    # One thread for each share: CasADi would start one for every column. Shares are alike in length.
-    share = -(-count // threads)
-    threads = -(-count // share)
-    if threads == 1:
-        return function.map(f"{function.name()}_map", "serial", count, shared, [])  # type: ignore[no-any-return]
-    part = function.map(f"{function.name()}_part", "serial", share, shared, [])
-    whole = part.map(f"{function.name()}_map", "thread", threads, shared, [])
-    missing = share * threads - count
+    at_once = columns_at_once(function, shared)
+    calls = -(-count // at_once)
+    # One thread for each share: CasADi would start one for every call. Shares are alike in length.
+    share = -(-calls // threads)
+    threads = -(-calls // share)
+    whole = function.map(f"{function.name()}_map", "serial", share, shared, [])
+    if threads > 1:
+        whole = whole.map(f"{function.name()}_map", "thread", threads, shared, [])
+    missing = share * threads * at_once - count
     if not missing:
         return whole  # type: ignore[no-any-return]
 
@@ -63,6 +64,11 @@ def over_columns(function: Any, count: int, shared: list[int], *, threads: int =
         return tuple(output[:, :count] for output in found) if isinstance(found, tuple) else found[:, :count]
 
     return call
+
+
+def columns_at_once(function: Any, shared: Collection[int]) -> int:
+    """How many columns a function takes at once; `shared` are the inputs that are the same for all."""
+    return max((function.size2_in(index) for index in range(function.n_in()) if index not in shared), default=1)
 
 
 def call(function: Any, *arguments: np.ndarray) -> np.ndarray:
@@ -106,7 +112,7 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
     """Evaluate a CasADi function of one dense output on samples, in chunks whose mapped form is built once and kept.
 
     Args:
-        function: its last input is the same for all samples, the others change.
+        function: its last input is the same for all samples, the others change; of one column, or a few at once.
         columns: for each changing input, (rows, m), one sample a column.
         shared: (p,) the last input.
 
@@ -114,7 +120,8 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
         (outputs, m).
     """
     count = columns[0].shape[1]
-    chunk = min(_CHUNK, count)
+    at_once = columns_at_once(function, [len(columns)])
+    chunk = min(_CHUNK, -(-count // at_once) * at_once)
     mapped = _mapped(function, chunk)
     results = []
     for first in range(0, count, chunk):

@@ -87,4 +87,4 @@ def _bound(item: ObjectStructure) -> Any:
         height = height_bound(item, symbolic_object_numbers(item, p[:size]), states, p[size])
         return {"bound": ca.Function("bound", [q, qd, p], [height], {"cse": True})}, None
 
-    return codegen.functions("bound", item, build)[0]["bound"]
+    return codegen.functions("bound", item, build, of_columns={"bound": codegen.LAST})[0]["bound"]

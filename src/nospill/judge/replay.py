@@ -152,7 +152,7 @@ def arm_motion(kind: Structure) -> Any:
     def build() -> tuple[codegen.Functions, None]:
         return {"flat_motion": kinematics(kind).motion_function}, None
 
-    return codegen.functions("arm", kind, build)[0]["flat_motion"]
+    return codegen.functions("arm", kind, build, of_columns={"flat_motion": codegen.LAST})[0]["flat_motion"]
 
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:

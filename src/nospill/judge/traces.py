@@ -220,7 +220,7 @@ def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[An
         objects = sample_objects(kind, numbers, tray, split_states(kind, q, qd, accelerations))
         return _figures(Sample(kind, numbers, objects=objects), point, [*inputs, parameters])
 
-    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build)
+    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
     return made["figures"], names
 
 
@@ -251,7 +251,7 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
             sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
         return _figures(sample, point, [*inputs, parameters])
 
-    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build)
+    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
     return made["figures"], names
 
 

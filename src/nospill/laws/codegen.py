@@ -24,19 +24,25 @@ import os
 import stat
 import tempfile
 import warnings
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, wraps
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
 
+from nospill.laws import simd_source
 from nospill.laws.compilers import Places, await_release, compile_libraries, compiler_path, take
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
+Shared = Mapping[str, Collection[int]]
+"""By the name of a function the places of its inputs that are the same for all columns; -1 is the last."""
+LAST = (-1,)
+"""As functions for `batches.evaluate` have it."""
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
@@ -44,13 +50,17 @@ _T = TypeVar("_T")
 _SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion")
 """Packages whose source is part of the key: those of which compiled functions are made."""
 
-_FORMAT = "4"
-_FLAGS = ("-O1", "-shared", "-fPIC")
+_FORMAT = "5"
+_FLAGS = ("-O1", "-ffp-contract=off", "-shared", "-fPIC")
 _FLAGS_OF_SOURCES = ("-O3", "-std=c99", "-shared", "-fPIC")
 
 
 def functions(
-    kind: str, structure: Hashable, build: Callable[[], tuple[Functions, Any]]
+    kind: str,
+    structure: Hashable,
+    build: Callable[[], tuple[Functions, Any]],
+    *,
+    of_columns: Shared = MappingProxyType({}),
 ) -> tuple[Functions, Any, bool]:
     """The functions of a kind and structure, compiled if they are on the disk.
 
@@ -61,16 +71,18 @@ def functions(
         kind: what the functions are for; part of the key, and the beginning of the names of the files.
         structure: what they were built from, a kind (see `kinds`); part of the key.
         build: makes the functions and the plain data (anything json can hold) that is kept with them.
+        of_columns: those that are evaluated on many columns (`batches.over_columns`).
 
     Returns:
-        Functions, data, and whether they are machine code.
+        Functions, data, and whether they are machine code. Machine code of those in `of_columns` takes four columns at
+        once (`simd_source`).
     """
     ready = _load(kind, structure)
     if ready is None:
         made, data = build()
         compiler = compiler_path()
         if _mode() != "off" and compiler is not None:
-            _waiting.append(_Entry(*_places(kind, structure), compiler, made, data))
+            _waiting.append(_Entry(*_places(kind, structure), compiler, made, data, of_columns))
         if _mode() == "wait":
             _compile_waiting(wait=True)
             ready = _load(kind, structure)
@@ -152,6 +164,7 @@ class _Entry:
         compiler: that makes them.
         functions: for the virtual machine.
         data: plain data that is kept with them.
+        of_columns: those that are evaluated on many columns.
     """
 
     library: Path
@@ -159,6 +172,7 @@ class _Entry:
     compiler: str
     functions: Functions
     data: Any
+    of_columns: Shared
 
 
 _waiting: list[_Entry] = []
@@ -194,10 +208,10 @@ def _compile_waiting(*, wait: bool) -> None:
                 folder = tempfile.mkdtemp(dir=entry.library.parent, prefix="build-")
                 table = {"key": entry.library.stem, "source": source_digest(), "functions": list(entry.functions)}
                 _write_table(table | {"data": entry.data}, entry.table_file)
-                _generate(entry.functions, folder)
+                _generate(entry.functions, entry.of_columns, Path(folder) / "made.c")
                 by_compiler.setdefault(entry.compiler, []).append((entry.library, lock, Path(folder)))
     for compiler, places in by_compiler.items():
-        compile_libraries(places, (compiler, *_FLAGS), wait=wait)
+        compile_libraries(places, (compiler, *_flags()), wait=wait)
 
 
 def cache_folder() -> Path:
@@ -237,7 +251,7 @@ def _mode() -> str:
 
 def _places(kind: str, structure: Hashable) -> tuple[Path, Path]:
     digest = hashlib.sha256()
-    for part in (_FORMAT, kind, source_digest(), ca.CasadiMeta.version(), " ".join(_FLAGS), repr(structure)):
+    for part in (_FORMAT, kind, source_digest(), ca.CasadiMeta.version(), " ".join(_flags()), repr(structure)):
         digest.update(part.encode())
         digest.update(b"\0")
     stem = cache_folder() / f"{kind}-{digest.hexdigest()[:32]}"
@@ -255,11 +269,20 @@ def source_digest() -> str:
     return digest.hexdigest()
 
 
-def _generate(made: Functions, folder: str) -> None:
-    generator = ca.CodeGenerator("made.c", {"with_header": False, "main": False})
-    for function in made.values():
-        generator.add(function)
-    generator.generate(f"{folder}/")
+def _flags() -> tuple[str, ...]:
+    return (*_FLAGS, *simd_source.flags())
+
+
+def _generate(made: Functions, of_columns: Shared, place: Path) -> None:
+    generator = ca.CodeGenerator(place.name, {"with_header": False, "main": False})
+    of_four = [simd_source.HEADER]
+    for name, function in made.items():
+        if name in of_columns and simd_source.is_possible(function):
+            shared = {place % function.n_in() for place in of_columns[name]}
+            of_four.append(simd_source.source(function, shared))
+        else:
+            generator.add(function)
+    place.write_text(generator.dump() + "\n".join(of_four), encoding="utf-8")
 
 
 def _write_table(table: dict[str, Any], path: Path) -> None:

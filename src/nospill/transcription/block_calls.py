@@ -14,8 +14,10 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
+from nospill.transcription.object_block import SHARED_OF_OBJECT
 from nospill.transcription.placing import PlacedObject
 from nospill.transcription.stage_functions import StageFunctions
+from nospill.transcription.tray_block import SHARED_OF_TRAY
 from nospill.transcription.tray_motion import INSTANTS
 
 MX = ca.MX
@@ -73,12 +75,12 @@ class BlockCalls:
     def cost(self) -> MX:
         """The cost."""
         tray = self._stage.tray
-        return ca.sum2(self._map(tray.block.cost, 1)(self._tray, self._parameters(tray.parameters)))
+        return ca.sum2(self._of_tray("cost")(self._tray, self._parameters(tray.parameters)))
 
     def cost_gradient(self) -> tuple[MX, MX]:
         """The cost, and its gradient."""
         tray = self._stage.tray
-        costs, gradients = self._map(tray.block.cost_gradient, 1)(self._tray, self._parameters(tray.parameters))
+        costs, gradients = self._of_tray("cost_gradient")(self._tray, self._parameters(tray.parameters))
         places = (np.arange(self._intervals)[:, None] * self._stage.layout.size + tray.variables).ravel()
         source = np.full(self.w.numel(), len(places))
         source[places] = np.arange(len(places))
@@ -87,24 +89,22 @@ class BlockCalls:
     def constraints(self) -> MX:
         """The rows of all blocks, stacked."""
         tray = self._stage.tray
-        values, motion = self._map(tray.block.constraints, 2)(
-            self._tray, self._pieces, self._parameters(tray.parameters)
-        )
+        values, motion = self._of_tray("constraints")(self._tray, self._pieces, self._parameters(tray.parameters))
         parts = [values]
         for item, own in zip(self._stage.objects, self._own, strict=True):
-            call = self._map(item.block.constraints, 3)
+            call = self._of_object(item, "constraints")
             parts.append(call(motion, own, self._lengths, self._parameters(item.parameters)))
         return self._stacked(parts, self._ends("end_constraints"))
 
     def constraint_jacobian(self) -> tuple[MX, MX]:
         """The rows of all blocks, stacked, and the nonzeros of their Jacobians."""
         tray = self._stage.tray
-        values, entries, motion, slopes = self._map(tray.block.constraint_jacobian, 2)(
+        values, entries, motion, slopes = self._of_tray("constraint_jacobian")(
             self._tray, self._pieces, self._parameters(tray.parameters)
         )
         rows, nonzeros = [values], [entries]
         for item, own in zip(self._stage.objects, self._own, strict=True):
-            call = self._map(item.block.constraint_jacobian, 4)
+            call = self._of_object(item, "constraint_jacobian")
             values, entries = call(motion, slopes, own, self._lengths, self._parameters(item.parameters))
             rows.append(values)
             nonzeros.append(entries)
@@ -117,14 +117,14 @@ class BlockCalls:
         """The nonzeros of the Hessians of all blocks, stacked; `weight` is the multiplier of the cost."""
         tray = self._stage.tray
         parameters = self._parameters(tray.parameters)
-        motion, slopes = self._map(tray.block.motion, 2)(self._tray, self._pieces, parameters)
+        motion, slopes = self._of_tray("motion")(self._tray, self._pieces, parameters)
         nonzeros, shares = [], MX.zeros(tray.block.share, self._intervals)
         for item, own, of_rows in zip(self._stage.objects, self._own, multipliers.objects, strict=True):
-            call = self._map(item.block.lagrangian_hessian, 4)
+            call = self._of_object(item, "lagrangian_hessian")
             entries, share = call(motion, slopes, own, self._lengths, self._parameters(item.parameters), of_rows)
             nonzeros.append(entries)
             shares += share
-        call = self._map(tray.block.lagrangian_hessian, 2, 3)
+        call = self._of_tray("lagrangian_hessian")
         of_tray = call(self._tray, self._pieces, parameters, weight, multipliers.tray, shares)
         return self._stacked([of_tray, *nonzeros], self._ends("end_lagrangian_hessian", multipliers.ends))
 
@@ -144,7 +144,7 @@ class BlockCalls:
     def _pieces(self) -> MX:
         """The polynomial of the path at every instant, (pieces, N): looked up for all of them at once."""
         tray = self._stage.tray
-        s = self._map(tray.block.instants, 1)(self._tray, self._parameters(tray.parameters))
+        s = self._of_tray("instants")(self._tray, self._parameters(tray.parameters))
         span = ca.low(self.p[tray.breaks.tolist()], ca.vec(s))
         own = self.p[: self._stage.sizes.parameters]  # behind them stand those of the planes between bodies
         table = ca.vertcat(own, 0)[tray.path.ravel(order="F").tolist()]
@@ -170,9 +170,14 @@ class BlockCalls:
     def _stacked(self, parts: list[MX], ends: list[MX]) -> MX:
         return ca.vertcat(*[ca.vec(part) for part in parts], *ends)
 
-    def _map(self, function: Any, *shared: int) -> Any:
-        """A function of one stage as one of all; `shared` are the places of the inputs that are the same for all."""
-        return _mapped(function, self._intervals, shared, self._threads)
+    def _of_tray(self, name: str) -> Any:
+        """A function of the tray's block on all stages."""
+        function = getattr(self._stage.tray.block, name)
+        return _mapped(function, self._intervals, SHARED_OF_TRAY[name], self._threads)
+
+    def _of_object(self, item: PlacedObject, name: str) -> Any:
+        """A function of an object's block on all stages."""
+        return _mapped(getattr(item.block, name), self._intervals, SHARED_OF_OBJECT[name], self._threads)
 
 
 def jacobian_parts(stage: StageFunctions) -> Stacked:

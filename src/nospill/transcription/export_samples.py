@@ -154,7 +154,7 @@ def tray_function(kind: Structure) -> Any:
         ]
         return {"tray": _dense("tray", [symbol, piece, gravity], parts)}, None
 
-    return codegen.functions("export", kind, build)[0]["tray"]
+    return codegen.functions("export", kind, build, of_columns={"tray": codegen.LAST})[0]["tray"]
 
 
 @lru_cache(maxsize=64)
@@ -170,7 +170,7 @@ def crest_function(kind: Structure) -> Any:
             "crest": _dense("crest", [displacement, body, parameters], [crest(found.structure, found.surface)])
         }, None
 
-    return codegen.functions("crest", kind, build)[0]["crest"]
+    return codegen.functions("crest", kind, build, of_columns={"crest": codegen.LAST})[0]["crest"]
 
 
 def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:

@@ -33,6 +33,9 @@ from nospill.transcription.tray_motion import INSTANTS, motion_pattern, with_int
 _NODE, _COLLOCATION, _MIDDLE = 0, (1, 2), 3
 """Places among `INSTANTS`."""
 
+SHARED_OF_OBJECT = {"constraints": (3,), "constraint_jacobian": (4,), "lagrangian_hessian": (4,)}
+"""By the name of a function of the block the inputs that are the same at all stages."""
+
 
 @dataclass(frozen=True, eq=False)
 class ObjectBlock:
@@ -117,7 +120,7 @@ def end_block(structure: Structure, item: ObjectStructure) -> EndBlock:
 
 @lru_cache(maxsize=64)
 def _object_block(kind: Structure) -> ObjectBlock:
-    made, data, compiled = codegen.functions("object", kind, lambda: _build(kind))
+    made, data, compiled = codegen.functions("object", kind, lambda: _build(kind), of_columns=SHARED_OF_OBJECT)
     names = ("tray_jacobian", "own_jacobian", "cross_hessian", "own_hessian")
     triplets = {name: _triplets(data[name]) for name in names}
     return ObjectBlock(kind.objects[0].coordinates, Rows.of(data["rows"]), **triplets, **made, compiled=compiled)

@@ -37,6 +37,17 @@ Triplets = tuple[np.ndarray, np.ndarray]
 
 _POINTS = (EvaluationPoint.JOINT, EvaluationPoint.TRAY, EvaluationPoint.CONTROL, EvaluationPoint.PASSING)
 
+SHARED_OF_TRAY = {
+    "instants": (1,),
+    "cost": (1,),
+    "cost_gradient": (1,),
+    "constraints": (2,),
+    "constraint_jacobian": (2,),
+    "motion": (2,),
+    "lagrangian_hessian": (2, 3),
+}
+"""By the name of a function of the block the inputs that are the same at all stages."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrayBlock:
@@ -94,7 +105,7 @@ def tray_block(structure: Structure) -> TrayBlock:
 
 @lru_cache(maxsize=16)
 def _block(kind: Structure) -> TrayBlock:
-    made, data, compiled = codegen.functions("tray", kind, lambda: _build(kind))
+    made, data, compiled = codegen.functions("tray", kind, lambda: _build(kind), of_columns=SHARED_OF_TRAY)
     jacobian, hessian = (tuple(np.array(part, dtype=int) for part in data[name]) for name in ("jacobian", "hessian"))
     return TrayBlock(
         layout_of(kind),

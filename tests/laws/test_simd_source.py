@@ -1,0 +1,178 @@
+"""Functions of four columns at once: what the function itself gives for each column, to the last bit."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from nospill.core.batches import columns_at_once, evaluate, over_columns
+from nospill.laws import codegen, simd_source
+from tests.compiling import COMPILER
+
+SX = ca.SX
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler"),
+]
+
+
+@pytest.fixture
+def compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., ca.Function]:
+    """Machine code of a function, as the cache has it."""
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+
+    def made(function: ca.Function, *shared: int) -> ca.Function:
+        name = function.name()
+        found, _, is_compiled = codegen.functions(
+            "test", str(function), lambda: ({name: function}, None), of_columns={name: shared}
+        )
+        assert is_compiled
+        return found[name]
+
+    return made
+
+
+def of_two(name: str, expression: Callable[[SX, SX], SX]) -> ca.Function:
+    x, y, p = SX.sym("x", 2), SX.sym("y"), SX.sym("p")
+    return ca.Function(name, [x, y, p], [ca.vertcat(expression(x[0], y), p * expression(x[1], y)), expression(y, p)])
+
+
+OPERATIONS: dict[str, Callable[[SX, SX], SX]] = {
+    "assign": lambda x, y: x,
+    "sum": lambda x, y: x + y,
+    "difference": lambda x, y: x - y,
+    "product": lambda x, y: x * y,
+    "quotient": lambda x, y: x / y,
+    "negative": lambda x, y: -x,
+    "square": lambda x, y: x**2,
+    "twice": lambda x, y: 2 * x,
+    "inverse": lambda x, y: 1 / x,
+    "root": lambda x, y: ca.sqrt(x),
+    "sine": lambda x, y: ca.sin(x),
+    "cosine": lambda x, y: ca.cos(x),
+    "tangent": lambda x, y: ca.tan(x),
+    "arcs": lambda x, y: ca.asin(x / 9) + ca.acos(y / 9) * ca.atan(x),
+    "angle": lambda x, y: ca.atan2(x, y),
+    "exponential": lambda x, y: ca.exp(x),
+    "logarithm": lambda x, y: ca.log(x),
+    "power": lambda x, y: ca.fabs(x) ** y,
+    "constant power": lambda x, y: x**3.5,
+    "hyperbolic": lambda x, y: ca.sinh(x) + ca.cosh(y) * ca.tanh(x),
+    "size": lambda x, y: ca.fabs(x),
+    "least": lambda x, y: ca.fmin(x, y),
+    "largest": lambda x, y: ca.fmax(x, y),
+    "sign": lambda x, y: ca.sign(x),
+    "less": lambda x, y: x < y,
+    "at most": lambda x, y: x <= y,
+    "same": lambda x, y: x == y,
+    "other": lambda x, y: x != y,
+    "not": lambda x, y: ca.logic_not(x < y),
+    "both": lambda x, y: ca.logic_and(x < y, x < 1),
+    "either": lambda x, y: ca.logic_or(x < y, x < 1),
+    "choice": lambda x, y: ca.if_else(x < y, x, 3 * y),
+    "constants": lambda x, y: x * 0.1 + y * 1e-300 + ca.inf * ca.fmax(x, 1.0),
+}
+"""Of every operation that is known at least one."""
+
+
+def test_every_known_operation_is_tried() -> None:
+    used: set[int] = set()
+    for name, expression in OPERATIONS.items():
+        function = of_two(name.replace(" ", "_"), expression)
+        assert simd_source.is_possible(function)
+        used |= {function.instruction_id(index) for index in range(function.n_instructions())}
+    assert used >= {*simd_source._ON_VECTORS, *simd_source._ON_NUMBERS} - {ca.OP_ASSIGN}
+
+
+@pytest.mark.parametrize("name", OPERATIONS)
+def test_an_operation_gives_what_the_virtual_machine_gives(name: str, compiled: Callable[..., ca.Function]) -> None:
+    function = of_two(name.replace(" ", "_"), OPERATIONS[name])
+    four = compiled(function, 2)
+    assert (four.size_in(0), four.size_in(2), four.size_out(0)) == ((2, 4), (1, 1), (2, 4))
+    x = np.array([[-1.5, 0.0, 2.5, 1.0], [3.25, -0.0, 1.0, np.nan]])
+    y = np.array([[1.0, 0.0, -2.0, 1.0]])
+    found = [part.full() for part in four(x, y, 2.25)]
+    for column in range(4):
+        wanted = [part.full().ravel() for part in function(x[:, column], y[:, column], 2.25)]
+        for one, other in zip(found, wanted, strict=True):
+            np.testing.assert_array_equal(one[:, column], other)
+
+
+@pytest.mark.parametrize("operations", [1, 498, 499, 500, 501, 3000])
+def test_parts_hand_on_what_later_ones_read(operations: int, compiled: Callable[..., ca.Function]) -> None:
+    """A long random program, whose every operation may read any value before it."""
+    random, x = np.random.default_rng(operations), SX.sym("x", 3)
+    values = [x[0], x[1], x[2]]
+    for _ in range(operations):
+        one, other = (values[index] for index in random.integers(len(values), size=2))
+        values.append([ca.sin(one) - other, one * 0.5 + other, ca.sqrt(1 + one**2) - 0.3 * other][random.integers(3)])
+    function = ca.Function("program", [x], [ca.vertcat(*values[-5:]), values[len(values) // 2]])
+    columns = random.normal(size=(3, 4))
+    found = [part.full() for part in compiled(function)(columns)]
+    wanted = [function(columns[:, column]) for column in range(4)]
+    for place, one in enumerate(found):
+        np.testing.assert_array_equal(one, np.hstack([part[place].full() for part in wanted]))
+
+
+@pytest.mark.parametrize("count", [1, 3, 4, 5, 8, 499, 501, 1002])
+def test_any_number_of_columns(count: int, compiled: Callable[..., ca.Function]) -> None:
+    function = of_two("any", lambda x, y: x * ca.sin(y))
+    four = compiled(function, 2)
+    assert (columns_at_once(four, [2]), columns_at_once(function, [2])) == (4, 1)
+    random = np.random.default_rng(count)
+    x, y, p = random.normal(size=(2, count)), random.normal(size=(1, count)), random.normal(size=1)
+    wanted = function.map(count, [False, False, True], [False, False])(x, y, p) if count > 1 else function(x, y, p)
+    for one, other in zip(over_columns(four, count, [2])(x, y, p), wanted, strict=True):
+        np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
+    first = ca.Function("first", [a := SX.sym("a", 2), b := SX.sym("b"), c := SX.sym("c")], [function(a, b, c)[0]])
+    np.testing.assert_array_equal(evaluate(compiled(first, -1), [x, y], p), np.asarray(wanted[0]))
+
+
+def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Callable[..., ca.Function]) -> None:
+    x, m, w = SX.sym("x", 2), SX.sym("m", 2, 2), ca.MX.sym("w", 2)
+    others = [
+        ca.Function("matrix", [m], [m @ m]),
+        ca.Function("sparse", [x], [ca.vertcat(x[0], SX(1, 1))]),
+        ca.Function("unknown", [x], [ca.erf(x)]),
+        ca.Function("graph", [w], [2 * w]),
+    ]
+    for function in others:
+        assert not simd_source.is_possible(function)
+        found = compiled(function)
+        assert found.size_in(0) == function.size_in(0)
+        value = np.full(function.size_in(0), 0.3)
+        np.testing.assert_allclose(np.asarray(found(value)), np.asarray(function(value)), rtol=1e-15)
+
+
+def test_outputs_that_nobody_asks_for_and_inputs_that_are_not_given(tmp_path: Path) -> None:
+    """As CasADi calls external functions: a missing input is zero, a missing output is not written; any alignment."""
+    function = of_two("bare", lambda x, y: x + y)
+    (tmp_path / "bare.c").write_text(simd_source.HEADER + simd_source.source(function, {2}))
+    library = tmp_path / "bare.so"
+    subprocess.run(
+        [COMPILER, "-O1", "-shared", "-fPIC", *simd_source.flags(), "-o", library, tmp_path / "bare.c", "-lm"],
+        check=True,
+        capture_output=True,
+    )
+    loaded = ctypes.CDLL(str(library))
+    sizes = [ctypes.c_longlong() for _ in range(4)]
+    assert loaded.bare_work(*map(ctypes.byref, sizes)) == 0
+    assert [sizes[0].value, sizes[1].value] == [3, 2]
+    x, found = np.arange(8.0), np.full(4, np.nan)
+    for shift in range(4):
+        work = np.full(sizes[3].value + shift, 7.0)
+        place = work[shift:].ctypes.data
+        pointer = ctypes.c_void_p
+        arguments = (pointer * 3)(x.ctypes.data, None, None)
+        for results, wanted in (((None, found.ctypes.data), np.zeros(4)), ((None, None), None)):
+            assert loaded.bare(arguments, (pointer * 2)(*results), None, pointer(place), 0) == 0
+            if wanted is not None:
+                np.testing.assert_array_equal(found, wanted)
