@@ -11,6 +11,7 @@ import numpy as np
 
 from nospill.core.batches import columns_at_once
 from nospill.judge import replay, traces
+from nospill.robots.kinematics import forward
 from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
 
 AT_FIRST = ("linear solver", "ur10e")
@@ -27,7 +28,7 @@ _KEPT = (
     clearance_block.clearance_block,
     traces.object_figures_function,
     traces.tray_figures_function,
-    replay.arm_motion,
+    forward._kinematics,
     replay.liquid_steps,
     export_samples.tray_function,
     export_samples.crest_function,

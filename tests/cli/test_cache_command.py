@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nospill.laws.compiled_entries import cache_entries
+from nospill.compiled.entries import cache_entries
 from nospill.warmup import warming
 from nospill.warmup.usual import Part
 from tests.cli.stand_in import nospill

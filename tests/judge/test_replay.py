@@ -6,17 +6,19 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from casadi import SX, Function
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 
 from nospill.errors import ModelError
-from nospill.judge.replay import MINIMUM_RATE, arm_motion, replay, tray_from_joints
-from nospill.laws.kinds import arm_kind
-from nospill.laws.scene_parameters import structure_of
+from nospill.judge.replay import MINIMUM_RATE, replay, tray_from_joints
 from nospill.motion.interpolation import QUINTIC_HERMITE, planned_motion, resampled
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.description.catalog import moved_robot
 from nospill.robots.description.urdf import BasePose
+from nospill.robots.description.urdf_tree import read_tree
+from nospill.robots.kinematics.bodies import chain_bodies
+from nospill.robots.kinematics.chain import chain_expressions
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -58,11 +60,14 @@ def test_the_tray_moves_as_the_mounted_arm_carries_it() -> None:
     scene = replace(scene, robot=moved_robot(scene.robot, base=base))
     random = np.random.default_rng(1)
     joints = [random.uniform(-1.0, 1.0, size=(5, 6)) for _ in range(3)]
-    expected = kinematics(scene.robot).motions(*joints, tool=scene.tray.tool)
-    for function in (None, arm_motion(arm_kind(structure_of(scene)))):
-        found, _ = tray_from_joints(scene, joints, function)
-        for field in fields(found):
-            np.testing.assert_allclose(getattr(found, field.name), getattr(expected, field.name), atol=1e-12)
+    q, rate, change = (SX.sym(name, 6) for name in ("q", "qd", "qdd"))
+    whole = chain_bodies(read_tree(scene.robot.urdf), scene.robot.joints, scene.robot.tip)
+    expressions = chain_expressions(whole, q, rate, change, tool=SX(scene.tray.tool.row))
+    found, _ = tray_from_joints(scene, joints)
+    for field in fields(found):
+        mounted = Function("mounted", [q, rate, change], [getattr(expressions, field.name)])
+        expected = [mounted(*sample).full() for sample in zip(*joints, strict=True)]
+        np.testing.assert_allclose(getattr(found, field.name), np.squeeze(expected), atol=1e-12)
 
 
 def integrated(scene: Scene, trajectory: Trajectory, index: int, t: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from nospill.laws.kinds import (
-    arm_kind,
     motion_kind,
     numbers_of_object,
     numbers_of_tray,
@@ -30,7 +29,6 @@ OTHER_CARGO = dataclasses.replace(MIXED, objects=MIXED.objects[2:], spans=40)
 
 def test_what_a_part_does_not_read_makes_no_other_kind() -> None:
     assert tray_kind(MIXED) == tray_kind(OTHER_CARGO) == tray_kind(dataclasses.replace(MIXED, end="still"))
-    assert arm_kind(MIXED) == arm_kind(dataclasses.replace(OTHER_CARGO, joint_limits=("jerk",)))
     robot = dataclasses.replace(MIXED, urdf="another", joints=("a",), tip="b", regular=True, redundant=True)
     assert motion_kind(MIXED) == motion_kind(dataclasses.replace(robot, objects=(), spans=2))
     for item in MIXED.objects:
@@ -44,7 +42,6 @@ def test_where_the_arm_stands_makes_no_other_kind(changed_scene: Callable[..., S
         for place, yaw in ((["0 m", "0 m", "0 m"], "0 deg"), (["10 mm", "-20 mm", "30 mm"], "1 deg"))
     )
     assert tray_kind(structure_of(here)) == tray_kind(structure_of(there))
-    assert arm_kind(structure_of(here)) == arm_kind(structure_of(there))
     np.testing.assert_allclose(numbers_of(there).base, (0.01, -0.02, 0.03, np.radians(1.0)))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.laws.constraints import TrayAcceleration, TraySpeed
-from nospill.laws.kinds import arm_kind, motion_kind, object_kind
+from nospill.laws.kinds import motion_kind, object_kind
 from nospill.laws.scene_parameters import structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -50,7 +50,7 @@ def test_without_limits_no_row_and_the_kinds_of_other_scenes(changed_scene: Call
     plain, other = structure_of(bare), structure_of(scene)
     assert plain.tray_limits == () and other.tray_limits == ("speed", "acceleration")
     assert replace(other, tray_limits=()) == plain
-    assert arm_kind(plain) == arm_kind(other) and motion_kind(plain) == motion_kind(other)
+    assert motion_kind(plain) == motion_kind(other)
     assert object_kind(plain, plain.objects[0]) == object_kind(other, other.objects[0])
     problem = build_problem(replace(bare, cargo=bare.cargo[:1]), INTERVALS, nominal_duration=1.8, backoff={})
     assert not rows_of(problem) and not NAMES & {row.constraint for row in problem.rows.values()}

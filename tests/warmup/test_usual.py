@@ -8,12 +8,13 @@ from functools import partial
 
 import pytest
 
+from nospill.compiled import codegen
 from nospill.judge import replay, traces
-from nospill.laws import codegen
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.kinds import arm_kind, object_kind, tray_kind
+from nospill.laws.kinds import object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.carriers import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
@@ -93,7 +94,7 @@ def test_an_arm_with_the_limits_known_of_it_is_usual(asked: list[Entry]) -> None
     asked.clear()
     ask(
         partial(tray_block.tray_block, structure),
-        partial(replay.arm_motion, arm_kind(structure)),
+        lambda: kinematics(structure).sampled,
         partial(traces.tray_figures_function, tray_kind(structure), EvaluationPoint.JOINT),
         partial(traces.tray_figures_function, tray_kind(structure), EvaluationPoint.CONTROL),
     )

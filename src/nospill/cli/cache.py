@@ -18,7 +18,7 @@ def cache(
     clear: Annotated[bool, typer.Option("--clear", help="Remove everything.")] = False,
 ) -> int:
     """List, fill or empty the cache of compiled functions."""
-    from nospill.laws.compiled_entries import clear_cache
+    from nospill.compiled.entries import clear_cache
 
     if clear:
         print(f"{clear_cache()} files removed")
@@ -40,8 +40,8 @@ def _warm() -> int:
 
 
 def _list() -> None:
-    from nospill.laws.codegen import cache_folder
-    from nospill.laws.compiled_entries import cache_entries
+    from nospill.compiled.codegen import cache_folder
+    from nospill.compiled.entries import cache_entries
 
     entries = cache_entries()
     groups = {kind: [entry for entry in entries if entry.kind == kind] for kind in sorted({e.kind for e in entries})}

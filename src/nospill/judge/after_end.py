@@ -14,9 +14,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
-from nospill.laws import codegen
 from nospill.laws.constraints.residual_height import height_bound
 from nospill.laws.parameters import (
     ObjectNumbers,

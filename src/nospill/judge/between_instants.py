@@ -10,13 +10,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from nospill.judge.replay import Replay, arm_motion, tray_from_joints
+from nospill.judge.replay import Replay, tray_from_joints
 from nospill.judge.traces import evaluated_traces, states_at
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role
-from nospill.laws.kinds import arm_kind
-from nospill.laws.scene_parameters import structure_of
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.scene import Scene
 
@@ -47,7 +45,7 @@ def contact_peaks(scene: Scene, played: Replay, traces: Iterable[Trace], motion:
         return ()
     t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
     joints = [motion(t, order) for order in range(3)]
-    _, body = tray_from_joints(scene, joints, arm_motion(arm_kind(structure_of(scene))))
+    _, body = tray_from_joints(scene, joints)
     inputs = {EvaluationPoint.OBJECT: (t, [body, *states_at(played, t)])}
     return tuple(_worst_instant(trace) for trace in evaluated_traces(scene, inputs, constraints=_CONTACTS))
 

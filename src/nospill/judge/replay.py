@@ -14,9 +14,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.frames import SX, FrameMotion, body_motion
-from nospill.laws import codegen
-from nospill.laws.kinds import arm_kind, numbers_of_object, object_kind, symbolic_object
+from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
@@ -79,7 +79,6 @@ def replay(
     per_sample = int(np.ceil(rate / trajectory.rate / (2 if coordinate_count(structure) else 1) - 1e-9))
     spline = motion or planned_motion(trajectory)
     count = coordinate_count(structure)
-    arm = arm_motion(arm_kind(structure))
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 
     def play(refinement: int) -> np.ndarray:
@@ -90,7 +89,7 @@ def replay(
             finest = max(refinement, 2 if count else 1)
             grid = _grid(trajectory, 2 * per_sample * finest)
             joints = [spline(grid, order) for order in range(3)]
-            tray, body = tray_from_joints(scene, joints, arm)
+            tray, body = tray_from_joints(scene, joints)
         every = finest // refinement
         if not count:
             return grid[::2, None][:, :0]
@@ -121,19 +120,17 @@ def replay(
     )
 
 
-def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = None) -> tuple[ToolMotions, np.ndarray]:
+def tray_from_joints(scene: Scene, joints: list[np.ndarray]) -> tuple[ToolMotions, np.ndarray]:
     """Motion of the tray that the joints carry.
 
     Args:
         scene: with the robot, and the tray on its flange.
         joints: positions, speeds and accelerations of the joints, (m, n) each, rad, rad/s, rad/s^2.
-        function: the arm's `motion_function`, its base in the origin, where it is at hand compiled.
 
     Returns:
         The motion in base axes; and (9, m) angular velocity, angular acceleration and specific force in tray axes.
     """
-    found = kinematics(structure_of(scene)).motions(*joints, tool=scene.tray.tool, function=function)
-    motions = found.seen_from(numbers_of(scene).base)
+    motions = kinematics(scene.robot).motions(*joints, tool=scene.tray.tool)
     back = np.swapaxes(motions.rotation, 1, 2)
     lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
     vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
@@ -143,16 +140,6 @@ def tray_from_joints(scene: Scene, joints: list[np.ndarray], function: Any = Non
 def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:
     count = (len(trajectory.t) - 1) * per_sample + 1
     return np.linspace(trajectory.t[0], trajectory.t[-1], count)
-
-
-@lru_cache(maxsize=16)
-def arm_motion(kind: Structure) -> Any:
-    """The arm's `motion_function`."""
-
-    def build() -> tuple[codegen.Functions, None]:
-        return {"flat_motion": kinematics(kind).motion_function}, None
-
-    return codegen.functions("arm", kind, build, of_columns={"flat_motion": codegen.LAST})[0]["flat_motion"]
 
 
 def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: FrameMotion, q: SX, qd: SX) -> SX:

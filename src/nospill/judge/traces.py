@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.hermite import cubic_hermite
@@ -17,7 +18,6 @@ from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
 from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
-from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight

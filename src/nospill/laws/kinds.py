@@ -23,11 +23,6 @@ from nospill.laws.parameters import (
 from nospill.scene.scene import EndCondition
 
 
-def arm_kind(structure: Structure) -> Structure:
-    """The arm alone."""
-    return Structure("full", True, "residual", 1, 1, structure.urdf, structure.joints, structure.tip, ())
-
-
 def tray_kind(structure: Structure) -> Structure:
     """Tray and joints: the same for any cargo and path."""
     return replace(structure, fidelity="full", end="residual", spans=1, degree=1, objects=())

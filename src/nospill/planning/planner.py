@@ -8,10 +8,10 @@ from contextlib import nullcontext, suppress
 from dataclasses import replace
 
 from nospill import diagnosis
+from nospill.compiled.codegen import compiles_afterwards
 from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
-from nospill.laws.codegen import compiles_afterwards
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement

@@ -16,8 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.frames import SX
-from nospill.laws import codegen
 from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import chain_bodies

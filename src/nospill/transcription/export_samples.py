@@ -9,11 +9,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.attitudes import tray_quaternions
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
 from nospill.errors import ModelError
-from nospill.laws import codegen
 from nospill.laws.kinds import motion_kind, numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import Structure, flatten
 from nospill.laws.sample import coordinate_count, sample_objects, split_states

@@ -76,8 +76,7 @@ def _twist_change(structure: Structure) -> Any:
     arm = kinematics(structure)
     symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd")]
     tool = SX.sym("tool", 4)
-    change = arm.motion_function(*symbols, tool)[18:24]
-    return ca.Function("twist_change", [*symbols, tool], [change], {"cse": True})
+    return ca.Function("twist_change", [*symbols, tool], [arm.twist_change(*symbols, tool=tool)], {"cse": True})
 
 
 @lru_cache(maxsize=16)

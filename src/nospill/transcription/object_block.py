@@ -15,8 +15,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.frames import SX, FrameMotion, frame_at_rest
-from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench

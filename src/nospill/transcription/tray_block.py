@@ -17,8 +17,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.frames import SX
-from nospill.laws import codegen
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import symbolic_tray, tray_kind

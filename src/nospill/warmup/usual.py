@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, cast
 
-from nospill.judge.replay import arm_motion, liquid_steps
+from nospill.judge.replay import liquid_steps
 from nospill.judge.traces import object_figures_function, tray_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.kinds import arm_kind, motion_kind, object_kind, tray_kind
+from nospill.laws.kinds import motion_kind, object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.description.catalog import ROBOTS
+from nospill.robots.kinematics.forward import ArmChain, kinematics
 from nospill.scenario import scene_from_table
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import EndCondition, Scene
@@ -42,6 +43,10 @@ class Part:
     make: Callable[[], object]
 
 
+def _sampled(arm: ArmChain) -> object:
+    return kinematics(arm).sampled
+
+
 def usual_parts() -> Iterator[Part]:
     """The linear solver; the arms of the catalogue level and tilting, with the limits known of them; the objects."""
     solids = {"solid cylinder": _object("cylinder", liquid=False), "solid box": _object("box", liquid=False)}
@@ -49,7 +54,7 @@ def usual_parts() -> Iterator[Part]:
     yield Part("linear solver", ldl_library)
     for robot in ROBOTS:
         trays = {tray: structure_of(_scene(solids, tray, robot=robot)) for tray in _TRAYS}
-        yield Part(f"{robot}: replay", partial(arm_motion, arm_kind(trays[_TRAYS[0]])))
+        yield Part(f"{robot}: kinematics", partial(_sampled, trays[_TRAYS[0]]))
         for tray, structure in trays.items():
             yield from _tray_parts(structure, f"{robot}, {tray}")
     for tray in _TRAYS:

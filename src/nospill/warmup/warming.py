@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from nospill.compiled.codegen import cache_folder, compiles, is_private, start_compilers
+from nospill.compiled.compilers import compiler_path
+from nospill.compiled.entries import compiling
 from nospill.core.batches import thread_count
 from nospill.errors import ScenarioError
-from nospill.laws.codegen import cache_folder, compiles, is_private, start_compilers
-from nospill.laws.compiled_entries import compiling
-from nospill.laws.compilers import compiler_path
 from nospill.warmup.usual import Part, usual_parts
 
 _LOOK = 0.05

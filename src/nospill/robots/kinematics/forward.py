@@ -1,4 +1,4 @@
-"""Forward kinematics of an arm: one CasADi expression from its URDF, for laws (SX) and for samples (compiled).
+"""Forward kinematics of an arm: one CasADi expression from its URDF, for laws and for samples (compiled).
 
 The tool is the frame carried by the flange (here the tray, see `Tool`); by default it is the flange itself. All results
 are in the robot's base frame.
@@ -7,18 +7,22 @@ are in the robot's base frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
+from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import read_tree, rotation_of
 from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
-from nospill.robots.kinematics.chain import chain_expressions
+from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions
 from nospill.robots.tool import FLANGE, Tool
+
+_OF_COLUMNS = dict.fromkeys(("pose", "jacobian", "pose_and_jacobian", "motion"), codegen.LAST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +48,7 @@ class ToolMotions:
         """The same motion in axes in which the base stands at a place: (4,) x, y, z in m and yaw in rad."""
         if not np.any(place):
             return self
-        turn = rotation_of((0.0, 0.0, float(place[3])))
+        turn = about_vertical(place)
         return ToolMotions(
             position=self.position @ turn.T + place[:3],
             rotation=turn @ self.rotation,
@@ -55,16 +59,20 @@ class ToolMotions:
         )
 
 
+def about_vertical(place: np.ndarray) -> np.ndarray:
+    """The turn (3, 3) by the yaw of a place (4,) x, y, z, yaw."""
+    return rotation_of((0.0, 0.0, float(place[3])))
+
+
 class Kinematics:
     """Forward kinematics of one chain. Get it from `kinematics(robot)`, which keeps one per chain.
 
     Attributes:
         n: number of moving joints.
-        motion_function: (q, qd, qdd, tool) -> pose, twist and its derivative as one column; `motions` reads it.
     """
 
     def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
-        """Build the expressions from URDF text.
+        """Read the URDF text.
 
         Args:
             urdf: URDF text without xacro.
@@ -75,40 +83,68 @@ class Kinematics:
             ScenarioError: the text is no URDF, or a joint or the tip is not in it.
         """
         self.n = len(joints)
-        q = ca.SX.sym("q", self.n)
-        rate = ca.SX.sym("qd", self.n)
-        rate_change = ca.SX.sym("qdd", self.n)
-        tool = ca.SX.sym("tool", 4)
-        motion = chain_expressions(_chain(urdf, joints, tip), q, rate, rate_change, tool=tool)
-        position, rotation, jacobian = motion.position, motion.rotation, motion.jacobian
-        twist = ca.vertcat(motion.velocity, motion.angular_velocity)
-        twist_change = ca.vertcat(motion.acceleration, motion.angular_acceleration)
+        self._chain = urdf, joints, tip
+        _chain(*self._chain)
+        stood, self._place = without_place(urdf)
+        self._stood = stood, joints, tip
 
-        self._pose = _function("pose", [q, tool], [position, rotation])
-        self._jacobian = _function("jacobian", [q, tool], [jacobian])
-        self._twist = _function("twist", [q, rate, tool], [twist[:3], twist[3:]])
-        # flat columns, so that a call on m samples returns one column per sample
-        self._flat_pose = _function("flat_pose", [q, tool], [ca.vertcat(position, ca.vec(rotation.T))])
-        self._flat_jacobian = _function("flat_jacobian", [q, tool], [ca.vec(jacobian.T)])
-        self._flat_both = _function(
-            "flat_both", [q, tool], [ca.vertcat(position, ca.vec(rotation.T), ca.vec(jacobian.T))]
+    @cached_property
+    def _symbolic(self) -> dict[str, Any]:
+        """Functions of q and tool for expressions."""
+        (q, rate, change, tool), motion = self._motion(*self._chain)
+        velocities = [motion.velocity, motion.angular_velocity]
+        accelerations = [motion.acceleration, motion.angular_acceleration]
+        return {
+            "pose": _function("pose", [q, tool], [motion.position, motion.rotation]),
+            "jacobian": _function("jacobian", [q, tool], [motion.jacobian]),
+            "twist": _function("twist", [q, rate, tool], velocities),
+            "twist_change": _function("twist_change", [q, rate, change, tool], [ca.vertcat(*accelerations)]),
+        }
+
+    @cached_property
+    def sampled(self) -> codegen.Functions:
+        """Functions of columns, of one flat column each: a call on m samples returns one column per sample.
+
+        The base stands in the origin, so that an arm finds them compiled wherever it stands.
+        """
+        found, _, _ = codegen.functions(
+            "arm", self._stood, self._build, of_columns=dict.fromkeys(_OF_COLUMNS, codegen.LAST)
         )
-        self.motion_function = _function(
-            "flat_motion", [q, rate, rate_change, tool], [ca.vertcat(position, ca.vec(rotation.T), twist, twist_change)]
-        )
+        return found
+
+    def _build(self) -> tuple[codegen.Functions, None]:
+        (q, rate, rate_change, tool), motion = self._motion(*self._stood)
+        pose, jacobian = [motion.position, ca.vec(motion.rotation.T)], ca.vec(motion.jacobian.T)
+        rates = [motion.velocity, motion.angular_velocity, motion.acceleration, motion.angular_acceleration]
+        outputs = {
+            "pose": ([q, tool], pose),
+            "jacobian": ([q, tool], [jacobian]),
+            "pose_and_jacobian": ([q, tool], [*pose, jacobian]),
+            "motion": ([q, rate, rate_change, tool], [*pose, *rates]),
+        }
+        assert outputs.keys() == _OF_COLUMNS.keys()
+        return {name: _function(name, inputs, [ca.vertcat(*flat)]) for name, (inputs, flat) in outputs.items()}, None
+
+    def _motion(
+        self, urdf: str, joints: tuple[str, ...], tip: str
+    ) -> tuple[tuple[ca.SX, ca.SX, ca.SX, ca.SX], ChainExpressions]:
+        """Symbols of q, its two derivatives and the tool, and the expressions of them."""
+        q, rate, change = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
+        tool = ca.SX.sym("tool", 4)
+        return (q, rate, change, tool), chain_expressions(_chain(urdf, joints, tip), q, rate, change, tool=tool)
 
     def pose(self, q: ca.SX, *, tool: ca.SX | np.ndarray = FLANGE.row) -> tuple[ca.SX, ca.SX]:
         """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
-        position, rotation = self._pose(q, tool)
+        position, rotation = self._symbolic["pose"](q, tool)
         return position, rotation
 
     def jacobian(self, q: ca.SX) -> ca.SX:
         """Return the geometric Jacobian (6, n) of the flange in base axes, linear rows first, as an expression."""
-        return self._jacobian(q, FLANGE.row)
+        return self._symbolic["jacobian"](q, FLANGE.row)
 
     def twist(self, q: ca.SX, qd: ca.SX, *, tool: ca.SX | np.ndarray = FLANGE.row) -> tuple[ca.SX, ca.SX]:
         """Return velocity (3,) of the tool's origin, m/s, and angular velocity (3,), rad/s, for q, qd (n,)."""
-        velocity, angular_velocity = self._twist(q, qd, tool)
+        velocity, angular_velocity = self._symbolic["twist"](q, qd, tool)
         return velocity, angular_velocity
 
     def poses(self, q: np.ndarray, *, tool: Tool = FLANGE) -> tuple[np.ndarray, np.ndarray]:
@@ -118,8 +154,8 @@ class Kinematics:
             q: (m, n) joint positions, rad.
             tool: frame carried by the flange.
         """
-        flat = self._call(self._flat_pose, q, tool=tool.row)
-        return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
+        flat = self._call("pose", q, tool=tool.row)
+        return self._placed(flat[:, :3], flat[:, 3:].reshape(-1, 3, 3))
 
     def jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> np.ndarray:
         """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
@@ -131,13 +167,12 @@ class Kinematics:
             q: (m, n) joint positions, rad.
             tool: frame carried by the flange.
         """
-        flat = self._call(self._flat_jacobian, q, tool=tool.row)
-        return flat.reshape(-1, 6, self.n)
+        return self._turned(self._call("jacobian", q, tool=tool.row))
 
     def poses_and_jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
-        flat = self._call(self._flat_both, q, tool=tool.row)
-        return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
+        flat = self._call("pose_and_jacobian", q, tool=tool.row)
+        return *self._placed(flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3)), self._turned(flat[:, 12:])
 
     def motions(
         self,
@@ -146,7 +181,6 @@ class Kinematics:
         qdd: np.ndarray,
         *,
         tool: Tool = FLANGE,
-        function: Any = None,
     ) -> ToolMotions:
         """Return pose, velocity and acceleration of the tool at m samples.
 
@@ -155,9 +189,8 @@ class Kinematics:
             qd: (m, n) joint speeds, rad/s.
             qdd: (m, n) joint accelerations, rad/s^2.
             tool: frame carried by the flange.
-            function: a compiled copy of `motion_function` to use in its place.
         """
-        flat = self._call(function or self.motion_function, q, qd, qdd, tool=tool.row)
+        flat = self._call("motion", q, qd, qdd, tool=tool.row)
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),
@@ -165,11 +198,30 @@ class Kinematics:
             angular_velocity=flat[:, 15:18],
             acceleration=flat[:, 18:21],
             angular_acceleration=flat[:, 21:24],
-        )
+        ).seen_from(self._place)
 
-    def _call(self, function: Any, *samples: np.ndarray, tool: np.ndarray) -> np.ndarray:
+    def twist_change(self, q: ca.SX, qd: ca.SX, qdd: ca.SX, *, tool: ca.SX) -> ca.SX:
+        """Return acceleration of the tool's origin, m/s^2, and angular acceleration, rad/s^2, (6, 1) for (n,) each."""
+        change: ca.SX = self._symbolic["twist_change"](q, qd, qdd, tool)
+        return change
+
+    def _placed(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (m, 3) and rotations (m, 3, 3) where the base stands."""
+        if not np.any(self._place):
+            return position, rotation
+        turn = about_vertical(self._place)
+        return position @ turn.T + self._place[:3], turn @ rotation
+
+    def _turned(self, flat: np.ndarray) -> np.ndarray:
+        """Jacobians (m, 6, n), from rows (m, 6 n), where the base stands."""
+        jacobians = flat.reshape(-1, 6, self.n)
+        if not self._place[3]:
+            return jacobians
+        return (about_vertical(self._place) @ jacobians.reshape(-1, 2, 3, self.n)).reshape(-1, 6, self.n)
+
+    def _call(self, name: str, *samples: np.ndarray, tool: np.ndarray) -> np.ndarray:
         """Evaluate on (m, n) arrays, one sample per row; the tool (x, y, z, yaw) is the same for all."""
-        count = len(samples[0])
+        count, function = len(samples[0]), self.sampled[name]
         for array in samples:
             if np.shape(array) != (count, self.n):
                 raise ValueError(f"joint samples have shape {np.shape(array)}, expected ({count}, {self.n})")

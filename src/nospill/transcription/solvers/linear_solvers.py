@@ -14,8 +14,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from nospill.compiled.codegen import compiled_library
 from nospill.errors import ScenarioError
-from nospill.laws.codegen import compiled_library
 
 Settings = dict[str, Any]
 """Of IPOPT, as `casadi.nlpsol` takes them."""

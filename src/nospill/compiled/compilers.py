@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from nospill.compiled import compile_worker
+from nospill.compiled.compile_worker import LONGEST_COMPILATION, compile_library
 from nospill.core.batches import thread_count
-from nospill.laws import compile_worker
-from nospill.laws.compile_worker import LONGEST_COMPILATION, compile_library
 
 Places = tuple[Path, Path, Path]
 """Of a library, its lock and the folder with its source."""

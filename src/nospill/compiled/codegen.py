@@ -1,4 +1,4 @@
-"""Functions of the laws as machine code, kept on the disk by content.
+"""Functions as machine code, kept on the disk by content.
 
 An entry holds the functions of one part of a scene (see `kinds`). Its key is a hash of what the functions are for, the
 kind, the source of the laws and the problem and of the versions of CasADi and of the file format; so a changed law
@@ -34,8 +34,8 @@ from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
 
-from nospill.laws import simd_source
-from nospill.laws.compilers import Places, await_release, compile_libraries, compiler_path, take
+from nospill.compiled import simd_source
+from nospill.compiled.compilers import Places, await_release, compile_libraries, compiler_path, take
 
 Functions = dict[str, Any]
 """CasADi functions by name."""
@@ -47,7 +47,7 @@ LAST = (-1,)
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
-_SOURCES = ("core", "robots", "scene", "laws", "judge", "transcription", "motion")
+_SOURCES = ("core", "compiled", "robots", "scene", "laws", "judge", "transcription", "motion")
 """Packages whose source is part of the key: those of which compiled functions are made."""
 
 _FORMAT = "5"

@@ -11,8 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from nospill.laws.codegen import cache_folder, source_digest
-from nospill.laws.compile_worker import LONGEST_COMPILATION
+from nospill.compiled.codegen import cache_folder, source_digest
+from nospill.compiled.compile_worker import LONGEST_COMPILATION
 
 _ENTRY = re.compile(r"(?P<kind>[a-z-]+)-[0-9a-f]{32}")
 _ENDINGS = (".so", ".sum", ".json", ".lock")

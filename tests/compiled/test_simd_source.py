@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.compiled import codegen, simd_source
 from nospill.core.batches import columns_at_once, evaluate, over_columns
-from nospill.laws import codegen, simd_source
 from tests.compiling import COMPILER
 
 SX = ca.SX

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from nospill.laws.codegen import source_digest
-from nospill.laws.compile_worker import LONGEST_COMPILATION
-from nospill.laws.compiled_entries import cache_entries, clear_cache, compiling
+from nospill.compiled.codegen import source_digest
+from nospill.compiled.compile_worker import LONGEST_COMPILATION
+from nospill.compiled.entries import cache_entries, clear_cache, compiling
 
 KEY = "0123456789abcdef" * 2
 

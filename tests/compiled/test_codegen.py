@@ -18,13 +18,14 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from nospill.judge import replay, traces
-from nospill.laws import codegen as compiled
+from nospill.compiled import codegen as compiled
+from nospill.judge import traces
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.kinds import arm_kind, object_kind, tray_kind
+from nospill.laws.kinds import object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning.planner import plan
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
 from tests.compiling import COMPILER, assert_same, forget
@@ -36,7 +37,7 @@ needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C
 # A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
 USER = """
 import casadi as ca
-from nospill.laws import codegen as compiled
+from nospill.compiled import codegen as compiled
 from nospill.scenario import read_scenario
 from nospill.laws.scene_parameters import structure_of
 
@@ -122,7 +123,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     assert stage_functions.stage_functions(structure).compiled
     fast = _functions(structure)
-    assert fast.keys() == plain.keys() and len(fast) == 17
+    assert fast.keys() == plain.keys() and len(fast) == 20
     for name, theirs in plain.items():
         assert_same(fast[name], theirs)
     again = plan(small)
@@ -146,7 +147,7 @@ def _functions(structure: Structure) -> dict[str, ca.Function]:
     for point in (EvaluationPoint.JOINT, EvaluationPoint.CONTROL):
         found[point.value] = traces.tray_figures_function(tray_kind(structure), point)[0]
     found["contact"] = traces.object_figures_function(kind, EvaluationPoint.OBJECT)[0]
-    return found | {"arm": replay.arm_motion(arm_kind(structure))}
+    return found | {f"arm {name}": value for name, value in kinematics(structure).sampled.items()}
 
 
 @needs_compiler

@@ -1,0 +1,1 @@
+"""Functions as machine code, compiled at their first use and kept on the disk."""
