@@ -11,7 +11,7 @@ import numpy as np
 
 from nospill.core.batches import columns_at_once
 from nospill.judge import replay, traces
-from nospill.robots.kinematics import forward
+from nospill.robots.kinematics import forward, newton_steps
 from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
 
 AT_FIRST = ("linear solver", "ur10e")
@@ -29,6 +29,7 @@ _KEPT = (
     traces.object_figures_function,
     traces.tray_figures_function,
     forward._kinematics,
+    newton_steps.step_functions,
     replay.liquid_steps,
     export_samples.tray_function,
     export_samples.crest_function,

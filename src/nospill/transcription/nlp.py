@@ -214,7 +214,7 @@ def _for_all_rows(
 
 def _place(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> tuple[ca.Sparsity, np.ndarray]:
     """Sparsity of the given entries and, per stored nonzero, which entry it is."""
-    order = np.lexsort((rows, columns))
+    order = np.argsort(columns * shape[0] + rows, kind="stable")
     starts = np.searchsorted(columns[order], np.arange(shape[1] + 1))
     return ca.Sparsity(*shape, starts.tolist(), rows[order].tolist()), order
 

@@ -15,6 +15,7 @@ from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.description.catalog import ROBOTS
 from nospill.robots.kinematics.forward import ArmChain, kinematics
+from nospill.robots.kinematics.newton_steps import step_functions
 from nospill.scenario import scene_from_table
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import EndCondition, Scene
@@ -43,8 +44,11 @@ class Part:
     make: Callable[[], object]
 
 
-def _sampled(arm: ArmChain) -> object:
-    return kinematics(arm).sampled
+def _arm_parts(arm: ArmChain, name: str) -> Iterator[Part]:
+    yield Part(f"{name}: kinematics", lambda: kinematics(arm).sampled)
+    for held in (False, True) if len(arm.joints) > 6 else (False,):
+        label = f"{name}: Newton's method" + (", a joint held" if held else "")
+        yield Part(label, lambda held=held: step_functions(kinematics(arm), held=held))
 
 
 def usual_parts() -> Iterator[Part]:
@@ -54,7 +58,7 @@ def usual_parts() -> Iterator[Part]:
     yield Part("linear solver", ldl_library)
     for robot in ROBOTS:
         trays = {tray: structure_of(_scene(solids, tray, robot=robot)) for tray in _TRAYS}
-        yield Part(f"{robot}: kinematics", partial(_sampled, trays[_TRAYS[0]]))
+        yield from _arm_parts(trays[_TRAYS[0]], robot)
         for tray, structure in trays.items():
             yield from _tray_parts(structure, f"{robot}, {tray}")
     for tray in _TRAYS:

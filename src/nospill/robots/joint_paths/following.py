@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.batches import evaluate
 from nospill.core.paths import Path
 from nospill.core.piecewise import Pieces
 from nospill.robots.kinematics.forward import Kinematics
-from nospill.robots.kinematics.newton import RESIDUAL, Held, least_norm_step, newton, pose_gap
+from nospill.robots.kinematics.newton import RESIDUAL, Held, aim_columns, newton, pose_columns
+from nospill.robots.kinematics.newton_steps import step_functions
 from nospill.robots.tool import Tool
 
 _FIRST, _FINEST, _FINER = 4, 256, 4
@@ -104,25 +106,29 @@ def follow(
         last[active[good]] = index
         active = active[good]
 
+    # all of them at once: a call takes longer than a sample
+    polished, error = newton(
+        arm,
+        np.tile(positions, (len(active), 1)),
+        np.tile(rotations, (len(active), 1, 1)),
+        q[active].reshape(-1, arm.n),
+        tool=tool,
+        held=None if held is None else Held(held, _values_held(starts[active], s, held, moving)),
+        max_iterations=5,
+    )
+    polished, error = polished.reshape(len(active), len(s), arm.n), error.reshape(len(active), len(s))
+    settled = (error < RESIDUAL) & (np.abs(polished - q[active]).max(axis=2) < MAX_CORRECTION)
     complete = np.zeros(branches, dtype=bool)
-    complete[active] = True
-    for branch in active:
-        values = None if held is None else np.full(len(s), starts[branch] @ held) if moving is None else moving(s)[:, 0]
-        polished, error = newton(
-            arm,
-            positions,
-            rotations,
-            q[branch],
-            tool=tool,
-            held=None if held is None or values is None else Held(held, values),
-            max_iterations=5,
-        )
-        settled = (error < RESIDUAL) & (np.abs(polished - q[branch]).max(axis=1) < MAX_CORRECTION)
-        complete[branch] = settled.all()
-        if not complete[branch]:
-            last[branch] = max(int(np.argmin(settled)) - 1, 0)
-        q[branch] = polished
+    complete[active] = settled.all(axis=1)
+    failed = ~complete[active]
+    last[active[failed]] = np.maximum(np.argmin(settled[failed], axis=1) - 1, 0)
+    q[active] = polished
     return Followed(s, q, complete, last)
+
+
+def _values_held(starts: np.ndarray, s: np.ndarray, held: np.ndarray, moving: Pieces | None) -> np.ndarray:
+    """What the held combination comes to on every branch (k, n) at every s (m,), branch after branch (k m,)."""
+    return np.repeat(starts @ held, len(s)) if moving is None else np.tile(moving(s)[:, 0], len(starts))
 
 
 class _Stepper:
@@ -178,17 +184,18 @@ class _Stepper:
             rate: (6,) as of `tray_rates`, at the beginning of the step; or (k, 6).
             held: what it comes to at the end of the step; None where nothing is held.
         """
-        _, _, jacobian = self._at(q)
-        way = np.broadcast_to(width * rate, (len(q), 6))
-        if held is not None:
-            jacobian, way = held.added(jacobian, way, q)
-        prediction = least_norm_step(jacobian, way)
-        near = q + prediction
-        first = self._correction(near, position, rotation, held)
-        second = self._correction(near + first, position, rotation, held)
-        sizes = [np.abs(change).max(axis=1) for change in (prediction, first, second)]
+        count = len(q)
+        way = np.broadcast_to(width * rate, (count, 6)).T
+        pose = pose_columns(np.broadcast_to(position, (count, 3)), np.broadcast_to(rotation, (count, 3, 3)))
+        found = evaluate(
+            step_functions(self._arm, held=held is not None)["continuation"],
+            [q.T, way, pose, aim_columns(held, count)],
+            self._arm.shared_of(self._tool),
+        )
+        changes = found.reshape(3, -1, count)
+        sizes = np.abs(changes).max(axis=1)
         good = (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
-        return near + first + second, good
+        return q + changes.sum(axis=0).T, good
 
     def held(self, q: np.ndarray, s: float) -> Held | None:
         """What is held of branches at q (k, n), and its value at s; None where nothing is."""
@@ -197,14 +204,3 @@ class _Stepper:
         return Held(
             self._held, q @ self._held if self._moving is None else np.repeat(self._moving(np.array([s])), len(q))
         )
-
-    def _correction(self, q: np.ndarray, position: np.ndarray, rotation: np.ndarray, held: Held | None) -> np.ndarray:
-        reached, turned, jacobian = self._at(q)
-        shape = (len(q), 3, 3)
-        gap = pose_gap(np.broadcast_to(position, shape[:2]), np.broadcast_to(rotation, shape), reached, turned)
-        if held is not None:
-            jacobian, gap = held.added(jacobian, gap, q)
-        return least_norm_step(jacobian, gap)
-
-    def _at(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return self._arm.poses_and_jacobians(q, tool=self._tool)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from nospill.core.batches import evaluate
 from nospill.core.paths import Path
 from nospill.errors import ROBOT, Reason, ScenarioError
 from nospill.robots.joint_paths.following import Followed, tray_poses
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, with_turns
 from nospill.robots.kinematics.forward import Kinematics, kinematics
-from nospill.robots.kinematics.newton import pose_gap
+from nospill.robots.kinematics.newton import pose_columns
+from nospill.robots.kinematics.newton_steps import step_functions
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
@@ -225,11 +227,11 @@ def _shortfalls(arm: Kinematics, path: Path, s: np.ndarray, tool: Tool, *, itera
     generator = np.random.default_rng(0)
     positions, rotations = tray_poses(path, np.repeat(s, _RANDOM_STARTS))
     q = generator.uniform(-np.pi, np.pi, size=(len(positions), arm.n))
-    weight = np.array([1.0, 1.0, 1.0, *[_ORIENTATION_WEIGHT] * 3])
+    weight, pose = np.array([1.0, 1.0, 1.0, *[_ORIENTATION_WEIGHT] * 3]), pose_columns(positions, rotations)
 
     def linearised(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        reached, turned, jacobian = arm.poses_and_jacobians(at, tool=tool)
-        return pose_gap(positions, rotations, reached, turned) * weight, jacobian * weight[:, None]
+        gap = evaluate(step_functions(arm, held=False)["gap"], [at.T, pose], arm.shared_of(tool)).T
+        return gap * weight, arm.jacobians(at, tool=tool) * weight[:, None]
 
     gap, jacobian = linearised(q)
     damping = np.full(len(q), 1e-1)

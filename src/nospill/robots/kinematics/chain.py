@@ -62,6 +62,21 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
 
 
+def placed(motion: ChainExpressions, place: SX) -> ChainExpressions:
+    """The same motion in axes in which the base stands at a place (4, 1) x, y, z in m and yaw in rad."""
+    turn = about_z(place[3])
+    jacobian = ca.vertcat(turn @ motion.jacobian[:3, :], turn @ motion.jacobian[3:, :])
+    return ChainExpressions(
+        position=place[:3] + turn @ motion.position,
+        rotation=turn @ motion.rotation,
+        velocity=turn @ motion.velocity,
+        angular_velocity=turn @ motion.angular_velocity,
+        acceleration=turn @ motion.acceleration,
+        angular_acceleration=turn @ motion.angular_acceleration,
+        jacobian=jacobian,
+    )
+
+
 def frame_in_frame(chain: BodyChain, inner: int, q: SX) -> tuple[SX, SX]:
     """Position (3, 1), m, and axes (3, 3) of one joint's frame (as in `bodies`) in the frame of another one before it.
 

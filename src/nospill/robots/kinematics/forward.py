@@ -17,12 +17,14 @@ from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import without_place
-from nospill.robots.description.urdf_tree import read_tree, rotation_of
+from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
-from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions
+from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions, placed
 from nospill.robots.tool import FLANGE, Tool
 
-_OF_COLUMNS = dict.fromkeys(("pose", "jacobian", "pose_and_jacobian", "motion"), codegen.LAST)
+SHARED = 8
+"""Numbers of a tool and of the place of a base."""
+_OF_COLUMNS: codegen.Shared = dict.fromkeys(("pose", "jacobian", "pose_and_jacobian", "motion"), codegen.LAST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,31 +46,13 @@ class ToolMotions:
     angular_velocity: np.ndarray
     angular_acceleration: np.ndarray
 
-    def seen_from(self, place: np.ndarray) -> ToolMotions:
-        """The same motion in axes in which the base stands at a place: (4,) x, y, z in m and yaw in rad."""
-        if not np.any(place):
-            return self
-        turn = about_vertical(place)
-        return ToolMotions(
-            position=self.position @ turn.T + place[:3],
-            rotation=turn @ self.rotation,
-            velocity=self.velocity @ turn.T,
-            acceleration=self.acceleration @ turn.T,
-            angular_velocity=self.angular_velocity @ turn.T,
-            angular_acceleration=self.angular_acceleration @ turn.T,
-        )
-
-
-def about_vertical(place: np.ndarray) -> np.ndarray:
-    """The turn (3, 3) by the yaw of a place (4,) x, y, z, yaw."""
-    return rotation_of((0.0, 0.0, float(place[3])))
-
 
 class Kinematics:
     """Forward kinematics of one chain. Get it from `kinematics(robot)`, which keeps one per chain.
 
     Attributes:
         n: number of moving joints.
+        stood: the chain with its base in the origin: URDF text, joints and tip.
     """
 
     def __init__(self, urdf: str, joints: tuple[str, ...], tip: str) -> None:
@@ -83,15 +67,16 @@ class Kinematics:
             ScenarioError: the text is no URDF, or a joint or the tip is not in it.
         """
         self.n = len(joints)
-        self._chain = urdf, joints, tip
-        _chain(*self._chain)
+        self._chain = _chain(urdf, joints, tip)
         stood, self._place = without_place(urdf)
-        self._stood = stood, joints, tip
+        self.stood = stood, joints, tip
 
     @cached_property
     def _symbolic(self) -> dict[str, Any]:
         """Functions of q and tool for expressions."""
-        (q, rate, change, tool), motion = self._motion(*self._chain)
+        q, rate, change = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
+        tool = ca.SX.sym("tool", 4)
+        motion = chain_expressions(self._chain, q, rate, change, tool=tool)
         velocities = [motion.velocity, motion.angular_velocity]
         accelerations = [motion.acceleration, motion.angular_acceleration]
         return {
@@ -103,35 +88,43 @@ class Kinematics:
 
     @cached_property
     def sampled(self) -> codegen.Functions:
-        """Functions of columns, of one flat column each: a call on m samples returns one column per sample.
-
-        The base stands in the origin, so that an arm finds them compiled wherever it stands.
-        """
-        found, _, _ = codegen.functions(
-            "arm", self._stood, self._build, of_columns=dict.fromkeys(_OF_COLUMNS, codegen.LAST)
-        )
+        """Functions of columns, of one flat column each: a call on m samples returns one column per sample."""
+        found, _, _ = codegen.functions("arm", self.stood, self._build, of_columns=_OF_COLUMNS)
         return found
 
     def _build(self) -> tuple[codegen.Functions, None]:
-        (q, rate, rate_change, tool), motion = self._motion(*self._stood)
+        q, rate, change = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
+        shared = ca.SX.sym("shared", SHARED)
+        motion = self.expressions(q, shared, rate=rate, change=change)
         pose, jacobian = [motion.position, ca.vec(motion.rotation.T)], ca.vec(motion.jacobian.T)
         rates = [motion.velocity, motion.angular_velocity, motion.acceleration, motion.angular_acceleration]
         outputs = {
-            "pose": ([q, tool], pose),
-            "jacobian": ([q, tool], [jacobian]),
-            "pose_and_jacobian": ([q, tool], [*pose, jacobian]),
-            "motion": ([q, rate, rate_change, tool], [*pose, *rates]),
+            "pose": ([q, shared], pose),
+            "jacobian": ([q, shared], [jacobian]),
+            "pose_and_jacobian": ([q, shared], [*pose, jacobian]),
+            "motion": ([q, rate, change, shared], [*pose, *rates]),
         }
         assert outputs.keys() == _OF_COLUMNS.keys()
         return {name: _function(name, inputs, [ca.vertcat(*flat)]) for name, (inputs, flat) in outputs.items()}, None
 
-    def _motion(
-        self, urdf: str, joints: tuple[str, ...], tip: str
-    ) -> tuple[tuple[ca.SX, ca.SX, ca.SX, ca.SX], ChainExpressions]:
-        """Symbols of q, its two derivatives and the tool, and the expressions of them."""
-        q, rate, change = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
-        tool = ca.SX.sym("tool", 4)
-        return (q, rate, change, tool), chain_expressions(_chain(urdf, joints, tip), q, rate, change, tool=tool)
+    def expressions(
+        self, q: ca.SX, shared: ca.SX, *, rate: ca.SX | None = None, change: ca.SX | None = None
+    ) -> ChainExpressions:
+        """The motion of a tool where the base stands, the place a number: the same for an arm wherever that is.
+
+        Args:
+            q: (n, 1) joint positions, rad.
+            shared: (`SHARED`, 1) symbols for `shared_of` a tool.
+            rate: (n, 1) joint speeds, rad/s; at rest when left out.
+            change: (n, 1) joint accelerations, rad/s^2; likewise.
+        """
+        none, tool = ca.SX.zeros(self.n), shared[:4]
+        rate, change = (none if given is None else given for given in (rate, change))
+        return placed(chain_expressions(_chain(*self.stood), q, rate, change, tool=tool), shared[4:])
+
+    def shared_of(self, tool: Tool) -> np.ndarray:
+        """What functions of samples have in common, (`SHARED`,): the tool, and the place of the base."""
+        return np.concatenate([tool.row, self._place])
 
     def pose(self, q: ca.SX, *, tool: ca.SX | np.ndarray = FLANGE.row) -> tuple[ca.SX, ca.SX]:
         """Return the tool's position (3,), m, and rotation (3, 3), tool to base axes, as expressions of q (n,), rad."""
@@ -154,8 +147,8 @@ class Kinematics:
             q: (m, n) joint positions, rad.
             tool: frame carried by the flange.
         """
-        flat = self._call("pose", q, tool=tool.row)
-        return self._placed(flat[:, :3], flat[:, 3:].reshape(-1, 3, 3))
+        flat = self._call("pose", q, tool=tool)
+        return flat[:, :3], flat[:, 3:].reshape(-1, 3, 3)
 
     def jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> np.ndarray:
         """Return the geometric Jacobians (m, 6, n) of the tool at m samples, base axes.
@@ -167,12 +160,12 @@ class Kinematics:
             q: (m, n) joint positions, rad.
             tool: frame carried by the flange.
         """
-        return self._turned(self._call("jacobian", q, tool=tool.row))
+        return self._call("jacobian", q, tool=tool).reshape(-1, 6, self.n)
 
     def poses_and_jacobians(self, q: np.ndarray, *, tool: Tool = FLANGE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return `poses` and `jacobians` from one evaluation: (m, 3), (m, 3, 3), (m, 6, n)."""
-        flat = self._call("pose_and_jacobian", q, tool=tool.row)
-        return *self._placed(flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3)), self._turned(flat[:, 12:])
+        flat = self._call("pose_and_jacobian", q, tool=tool)
+        return flat[:, :3], flat[:, 3:12].reshape(-1, 3, 3), flat[:, 12:].reshape(-1, 6, self.n)
 
     def motions(
         self,
@@ -190,7 +183,7 @@ class Kinematics:
             qdd: (m, n) joint accelerations, rad/s^2.
             tool: frame carried by the flange.
         """
-        flat = self._call("motion", q, qd, qdd, tool=tool.row)
+        flat = self._call("motion", q, qd, qdd, tool=tool)
         return ToolMotions(
             position=flat[:, :3],
             rotation=flat[:, 3:12].reshape(-1, 3, 3),
@@ -198,29 +191,15 @@ class Kinematics:
             angular_velocity=flat[:, 15:18],
             acceleration=flat[:, 18:21],
             angular_acceleration=flat[:, 21:24],
-        ).seen_from(self._place)
+        )
 
     def twist_change(self, q: ca.SX, qd: ca.SX, qdd: ca.SX, *, tool: ca.SX) -> ca.SX:
         """Return acceleration of the tool's origin, m/s^2, and angular acceleration, rad/s^2, (6, 1) for (n,) each."""
         change: ca.SX = self._symbolic["twist_change"](q, qd, qdd, tool)
         return change
 
-    def _placed(self, position: np.ndarray, rotation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (m, 3) and rotations (m, 3, 3) where the base stands."""
-        if not np.any(self._place):
-            return position, rotation
-        turn = about_vertical(self._place)
-        return position @ turn.T + self._place[:3], turn @ rotation
-
-    def _turned(self, flat: np.ndarray) -> np.ndarray:
-        """Jacobians (m, 6, n), from rows (m, 6 n), where the base stands."""
-        jacobians = flat.reshape(-1, 6, self.n)
-        if not self._place[3]:
-            return jacobians
-        return (about_vertical(self._place) @ jacobians.reshape(-1, 2, 3, self.n)).reshape(-1, 6, self.n)
-
-    def _call(self, name: str, *samples: np.ndarray, tool: np.ndarray) -> np.ndarray:
-        """Evaluate on (m, n) arrays, one sample per row; the tool (x, y, z, yaw) is the same for all."""
+    def _call(self, name: str, *samples: np.ndarray, tool: Tool) -> np.ndarray:
+        """Evaluate on (m, n) arrays, one sample per row; the tool is the same for all."""
         count, function = len(samples[0]), self.sampled[name]
         for array in samples:
             if np.shape(array) != (count, self.n):
@@ -228,7 +207,7 @@ class Kinematics:
         if count == 0:
             return np.zeros((0, function.size1_out(0)))
         columns = [np.asarray(array, dtype=float).T for array in samples]
-        return np.ascontiguousarray(evaluate(function, columns, tool).T)
+        return np.ascontiguousarray(evaluate(function, columns, self.shared_of(tool)).T)
 
 
 class ArmChain(Protocol):

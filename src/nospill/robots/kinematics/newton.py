@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.core.batches import evaluate
 from nospill.errors import ModelError
 from nospill.robots.kinematics.forward import Kinematics, kinematics
+from nospill.robots.kinematics.newton_steps import DAMPING, step_functions
 from nospill.robots.robot import Robot
 from nospill.robots.tool import FLANGE, Tool
 
@@ -15,11 +17,6 @@ RESIDUAL = 1e-11
 """Largest pose error (m and rad, norm of six) that counts as solved."""
 ROUNDING = 1e-15
 """Pose error below which a further step brings nothing."""
-
-DAMPING = 1e-12
-"""Added to J J^T (m^2 and rad^2): keeps the step finite at a singularity and costs no accuracy elsewhere, since the
-residual decides.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,42 +124,33 @@ def newton(
     q = np.array(q_start, dtype=float)
     error = np.full(len(q), np.inf)
     active = np.arange(len(q))
+    correction, shared = step_functions(arm, held=held is not None)["correction"], arm.shared_of(tool)
+    pose, aim = pose_columns(positions, rotations), aim_columns(held, len(q))
     for iteration in range(max_iterations + 1):
         if active.size == 0:
             break
-        reached, turned, jacobian = arm.poses_and_jacobians(q[active], tool=tool)
-        gap = pose_gap(positions[active], rotations[active], reached, turned)
-        if held is not None:
-            jacobian, gap = held.added(jacobian, gap, q[active], active)
-        size = np.linalg.norm(gap, axis=1)
-        better = size < error[active]
-        error[active] = size
+        found = evaluate(correction, [q[active].T, pose[:, active], aim[:, active]], shared)
+        better = found[0] < error[active]
+        error[active] = found[0]
         if iteration == max_iterations:
             break
         # finished: solved, and the last step brought nothing more
-        going = ~((size < enough) | ((size < RESIDUAL) & ~better))
-        step = np.clip(least_norm_step(jacobian[going], gap[going]), -max_step, max_step)
+        going = ~((found[0] < enough) | ((found[0] < RESIDUAL) & ~better))
         active = active[going]
-        q[active] += step
+        q[active] += np.clip(found[1:, going].T, -max_step, max_step)
     return q, error
 
 
-def pose_gap(positions: np.ndarray, rotations: np.ndarray, reached: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Return the motion (m, 6) from reached to wanted poses: translation, m, and rotation vector, rad, in base axes."""
-    turn = rotations @ np.swapaxes(turned, 1, 2)
-    sine = 0.5 * np.stack(
-        [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
-    )
-    size = np.linalg.norm(sine, axis=1)
-    cosine = 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0)
-    angle = np.arctan2(size, cosine)
-    vector = sine * np.where(size > 1e-9, angle / np.maximum(size, 1e-300), 1.0)[:, None]
-    # at half a turn the sine vanishes though the gap does not; the turn is 2 a a^T - I there, with a its axis
-    for row in np.flatnonzero((size < 1e-9) & (cosine < 0)):
-        outer = 0.5 * (turn[row] + np.eye(3))
-        longest = int(np.argmax(np.diag(outer)))
-        vector[row] = np.pi * outer[longest] / np.sqrt(outer[longest, longest])
-    return np.concatenate([positions - reached, vector], axis=1)
+def pose_columns(positions: np.ndarray, rotations: np.ndarray) -> np.ndarray:
+    """Poses (12, m), as functions of columns have them, of positions (m, 3) and rotations (m, 3, 3)."""
+    return np.concatenate([positions.T, rotations.reshape(-1, 9).T])
+
+
+def aim_columns(held: Held | None, count: int) -> np.ndarray:
+    """What is held of so many samples, as `step_functions` have it."""
+    if held is None:
+        return np.zeros((0, count))
+    return np.concatenate([np.repeat(held.direction[:, None], count, axis=1), held.values[None]])
 
 
 def least_norm_step(jacobian: np.ndarray, gap: np.ndarray) -> np.ndarray:
