@@ -74,8 +74,7 @@ def best_of(
         motion = coarse_start(active.scene, joint_path, attempt.start)
         rows = active.possible if attempt.all_rows else active.rows
         active = with_near_rows(active.with_rows(rows), motion)
-        options = {"max_iterations": attempt.iterations, "kkt_error_globalization": attempt.kkt_error_globalization}
-        last = solved_lazily(active, motion, log, options)
+        last = solved_lazily(active, motion, log, attempt.options)
         active = last.active
         log.starts.append(last.stages.duration if usable(last.solution) else None)
         if usable(last.solution):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nospill.transcription.solvers.options import FROM_AFAR, Options
 from nospill.transcription.starting_motions import Start, starting_motions
 from nospill.transcription.task import Task
 
-_FIRST_STARTS, _FIRST_ITERATIONS = 3, 150
-_LAST_STARTS, _LAST_ITERATIONS = 4, 500
+_FIRST_STARTS, _LAST_STARTS = 3, 4
+_STEP_BY_STEP = {**FROM_AFAR, "max_iterations": 150}
+_ADAPTIVE = {"kkt_error_globalization": True, "max_iterations": 150}
+_PATIENT = {"max_iterations": 500}
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,30 +20,28 @@ class Attempt:
 
     Attributes:
         start: the motion.
-        iterations: most of them.
-        kkt_error_globalization: whether steps are accepted by the error of the optimality conditions (`SolveOptions`).
+        options: of the solve.
         all_rows: whether all rows take part from the beginning.
     """
 
     start: Start
-    iterations: int = _FIRST_ITERATIONS
-    kkt_error_globalization: bool = False
+    options: Options
     all_rows: bool = False
 
 
 def attempts(task: Task, *, brief: bool) -> tuple[Attempt, ...]:
     """The attempts of a search, one after the other; brief: without those for when nothing is found.
 
-    Starts alternate between IPOPT's two globalisations: a problem that stalls under one often converges under the
-    other; on planes the filter comes second. Where none of the first leads anywhere, a random start with more
-    iterations often does; then come, with all rows, the usual two again and further random ones.
+    Starts alternate between two barrier strategies: a problem that stalls under one often converges under the other; on
+    planes the adaptive one comes first. Where none of the first leads anywhere, a random start with more iterations
+    often does; then come, with all rows, the usual two again and further random ones.
     """
-    scene, filter_first = task.searched_scene, not task.keeps_apart
+    scene, turns = task.searched_scene, [_STEP_BY_STEP, _ADAPTIVE]
     count = max(scene.planning.starts, _FIRST_STARTS)
     starts = list(enumerate(starting_motions(scene, count + _LAST_STARTS)))
-    first = [Attempt(start, kkt_error_globalization=index % 2 == filter_first) for index, start in starts[:count]]
+    first = [Attempt(start, turns[(index + task.keeps_apart) % 2]) for index, start in starts[:count]]
     if brief:
         return tuple(first)
-    last = [Attempt(start, _LAST_ITERATIONS, index % 2 == 1, all_rows=index > count) for index, start in starts[count:]]
-    again = [Attempt(starts[1][1], kkt_error_globalization=True, all_rows=True), Attempt(starts[0][1], all_rows=True)]
+    last = [Attempt(start, turns[index % 2] | _PATIENT, all_rows=index > count) for index, start in starts[count:]]
+    again = [Attempt(starts[1][1], _ADAPTIVE, all_rows=True), Attempt(starts[0][1], _STEP_BY_STEP, all_rows=True)]
     return (*first, last[0], *again, *last[1:])

@@ -25,7 +25,6 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
         "ipopt.acceptable_tol": 1e-4,
         "ipopt.acceptable_iter": 8,
         "ipopt.acceptable_constr_viol_tol": 1e-6,
-        # The free barrier strategy needs a third of the iterations of the monotone one on these problems.
         "ipopt.mu_strategy": "adaptive",
         "ipopt.adaptive_mu_globalization": "kkt-error" if options.kkt_error_globalization else "obj-constr-filter",
     }
@@ -35,6 +34,7 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
         settings |= {"ipopt.min_refinement_steps": 0, "ipopt.residual_ratio_max": 1e-6}
     if options.barrier_start is not None:
         settings |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": options.barrier_start}
+        settings["ipopt.barrier_tol_factor"] = options.barrier_error
     if options.bound_push is not None:
         settings["ipopt.warm_start_init_point"] = "yes"
         settings |= {

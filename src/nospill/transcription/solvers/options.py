@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 IterationCallback = Callable[[int, float, float], None]
@@ -15,7 +16,11 @@ Options = Mapping[str, Any]
 BARRIERS = (1e-5, 1e-4, 0.1)
 """First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
 
+_BARRIER_ERROR = 10.0
 _NO_PUSH = 1e-6
+
+FROM_AFAR: Options = MappingProxyType({"barrier_start": 1e-3, "barrier_error": 100.0})
+"""From a start that is far from the optimum: barrier problems are left as soon as they are met roughly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +37,7 @@ class SolveOptions:
             most 3 parts in 10,000 of its duration.
         barrier_start: first barrier parameter, small where the start is nearly optimal; it then goes down step by step.
             None: adapted from iteration to iteration.
+        barrier_error: error of a barrier problem, over its parameter, at which the parameter goes down.
         bound_push: scaled distance that the start is moved off its bounds, small where the start is nearly optimal; a
             start that breaks some of them needs more, or each step ends at the next bound. None: left to the solver.
         progress: called at every iteration.
@@ -42,6 +48,7 @@ class SolveOptions:
     kkt_error_globalization: bool = False
     loose_tolerances: bool = False
     barrier_start: float | None = None
+    barrier_error: float = _BARRIER_ERROR
     bound_push: float | None = None
     progress: IterationCallback | None = None
 
@@ -54,4 +61,4 @@ def near_optimum(barrier: float, iterations: int | None = None) -> Options:
         iterations: most of them; left as they are when left out.
     """
     most = {} if iterations is None else {"max_iterations": iterations}
-    return {"barrier_start": barrier, "bound_push": _NO_PUSH, **most}
+    return {"barrier_start": barrier, "barrier_error": _BARRIER_ERROR, "bound_push": _NO_PUSH, **most}
