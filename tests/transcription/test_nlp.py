@@ -70,8 +70,8 @@ def test_jacobian_and_gradient_against_automatic_differentiation(name):
     for seed in range(2):
         point = random_point(found, seed)
         cost, gradient, values, jacobian = reference(point, found.parameters)
-        ours_values, ours_jacobian = transcription.jac_g(point, found.parameters)
-        ours_cost, ours_gradient = transcription.grad_f(point, found.parameters)
+        ours_values, ours_jacobian = transcription.derivatives.jac_g(point, found.parameters)
+        ours_cost, ours_gradient = transcription.derivatives.grad_f(point, found.parameters)
         assert float(ours_cost) == pytest.approx(float(cost), rel=1e-14)
         np.testing.assert_allclose(ours_gradient.full(), gradient.full(), atol=1e-12)
         np.testing.assert_array_equal(ours_values.full(), values.full())
@@ -91,7 +91,7 @@ def test_hessian_against_automatic_differentiation(name):
     random = np.random.default_rng(1)
     for seed in range(2):
         arguments = random_point(found, seed), found.parameters, 0.7, random.normal(size=nlp["g"].numel())
-        ours = found.transcription.hess_lag(*arguments)
+        ours = found.transcription.derivatives.hess_lag(*arguments)
         assert ours.sparsity().is_triu()
         _same(ours.full(), reference(*arguments).full())
 
@@ -105,15 +105,15 @@ def test_derivatives_against_finite_differences(name):
     multipliers = random.normal(size=len(transcription.lower))
 
     def slopes(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        jacobian = transcription.jac_g(at, p)[1].full()
-        return jacobian, jacobian.T @ multipliers + transcription.grad_f(at, p)[1].full().ravel()
+        jacobian = transcription.derivatives.jac_g(at, p)[1].full()
+        return jacobian, jacobian.T @ multipliers + transcription.derivatives.grad_f(at, p)[1].full().ravel()
 
     step = 1e-6
     ahead, behind = (transcription.constraint_function(point + sign * step * direction, p).full() for sign in (1, -1))
     jacobian = slopes(point)[0]
     change = (ahead - behind).ravel() / (2 * step)
     np.testing.assert_allclose(jacobian @ direction, change, atol=1e-6 * np.abs(change).max())
-    half = transcription.hess_lag(point, p, 1.0, multipliers).full()
+    half = transcription.derivatives.hess_lag(point, p, 1.0, multipliers).full()
     hessian = half + half.T - np.diag(np.diag(half))
     bend = (slopes(point + step * direction)[1] - slopes(point - step * direction)[1]) / (2 * step)
     np.testing.assert_allclose(hessian @ direction, bend, atol=1e-6 * np.abs(bend).max())
@@ -175,15 +175,15 @@ def test_rows_left_out_change_nothing_else(name):
     np.testing.assert_array_equal(less.lower, full.lower[rows])
     np.testing.assert_array_equal(less.upper, full.upper[rows])
     point = random_point(whole, 6)
-    values, jacobian = full.jac_g(point, whole.parameters)
-    values_, jacobian_ = less.jac_g(point, part.parameters)
+    values, jacobian = full.derivatives.jac_g(point, whole.parameters)
+    values_, jacobian_ = less.derivatives.jac_g(point, part.parameters)
     np.testing.assert_array_equal(values_.full(), values.full()[rows])
     np.testing.assert_array_equal(jacobian_.full(), jacobian.full()[rows])
     multipliers = np.zeros(len(full.lower))
     multipliers[rows] = np.random.default_rng(1).normal(size=len(rows))
     np.testing.assert_allclose(
-        less.hess_lag(point, part.parameters, 1.0, multipliers[rows]).full(),
-        full.hess_lag(point, whole.parameters, 1.0, multipliers).full(),
+        less.derivatives.hess_lag(point, part.parameters, 1.0, multipliers[rows]).full(),
+        full.derivatives.hess_lag(point, whole.parameters, 1.0, multipliers).full(),
         atol=1e-12,
     )
 
@@ -197,13 +197,14 @@ def test_threads_change_no_bit(threads, monkeypatch):
     shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None, ())
     point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
     assert plain.rows_per_stage == shared.rows_per_stage  # the problem keeps every row, too
-    for name, inputs in (
-        ("constraint_function", [point, found.parameters]),
-        ("jac_g", [point, found.parameters]),
-        ("grad_f", [point, found.parameters]),
-        ("hess_lag", [point, found.parameters, 0.7, multipliers]),
+    at = [point, found.parameters]
+    for of, inputs in (
+        (lambda each: each.constraint_function, at),
+        (lambda each: each.derivatives.jac_g, at),
+        (lambda each: each.derivatives.grad_f, at),
+        (lambda each: each.derivatives.hess_lag, [*at, 0.7, multipliers]),
     ):
-        for one, other in zip(getattr(shared, name).call(inputs), getattr(plain, name).call(inputs), strict=True):
+        for one, other in zip(of(shared).call(inputs), of(plain).call(inputs), strict=True):
             np.testing.assert_array_equal(one.full(), other.full())
 
 
@@ -285,7 +286,7 @@ def test_every_number_has_an_effect_on_a_tilting_tray():
 
         def values(parameters: np.ndarray, point: np.ndarray = point) -> np.ndarray:
             rows = found.transcription.constraint_function(point, parameters).full().ravel()
-            return np.append(rows, float(found.transcription.grad_f(point, parameters)[0]))
+            return np.append(rows, float(found.transcription.derivatives.grad_f(point, parameters)[0]))
 
         base = values(found.parameters)
         for index in range(len(names)):

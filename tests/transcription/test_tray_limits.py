@@ -81,13 +81,13 @@ def test_derivatives_against_finite_differences(limited: Problem) -> None:
             multipliers[stage * transcription.rows_per_stage + place] = random.normal()
 
     def slopes(at: np.ndarray) -> np.ndarray:
-        return transcription.jac_g(at, p)[1].full().T @ multipliers
+        return transcription.derivatives.jac_g(at, p)[1].full().T @ multipliers
 
     step = 1e-6
     ahead, behind = (transcription.constraint_function(point + sign * step * direction, p).full() for sign in (1, -1))
     change = multipliers @ (ahead - behind).ravel() / (2 * step)
     assert slopes(point) @ direction == pytest.approx(change, rel=1e-6)
-    half = transcription.hess_lag(point, p, 0.0, multipliers).full()
+    half = transcription.derivatives.hess_lag(point, p, 0.0, multipliers).full()
     bend = (slopes(point + step * direction) - slopes(point - step * direction)) / (2 * step)
     hessian = half + half.T - np.diag(np.diag(half))
     np.testing.assert_allclose(hessian @ direction, bend, atol=1e-6 * np.abs(bend).max())

@@ -63,19 +63,36 @@ def bspline_pieces(points: np.ndarray, degree: int, knots: np.ndarray) -> Pieces
 
 
 def _expanded(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
-    """A B-spline about the left ends of its spans between `breaks` [de Boor, A Practical Guide to Splines, ch. X]."""
+    """A B-spline about the left ends of its spans between `breaks`."""
+    control = points[_window(_spans(knots, breaks), degree)]
+    return Pieces(breaks, _taylor(control, degree, knots, breaks))
+
+
+def _spans(knots: np.ndarray, breaks: np.ndarray) -> np.ndarray:
+    """Index (m,) of the knot at which every span between breaks begins."""
+    return np.searchsorted(knots, (breaks[:-1] + breaks[1:]) / 2) - 1
+
+
+def _window(span: np.ndarray, degree: int) -> np.ndarray:
+    """Indices (m, degree + 1) of the control points that govern spans (m,)."""
+    return span[:, None] + np.arange(-degree, 1)
+
+
+def _taylor(control: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> np.ndarray:
+    """Taylor coefficients (degree + 1, m, k) about the left ends of spans [de Boor, Practical Guide to Splines, ch. X].
+
+    `control` are the control points (m, degree + 1, k) that govern each of them.
+    """
     left = breaks[:-1]
-    span = np.searchsorted(knots, (left + breaks[1:]) / 2) - 1
-    control = points[span[:, None] + np.arange(-degree, 1)]
-    local = knots[span[:, None] + np.arange(-degree, degree + 2)]
-    coefficients = np.zeros((degree + 1, left.size, points.shape[1]))
+    local = knots[_spans(knots, breaks)[:, None] + np.arange(-degree, degree + 2)]
+    coefficients = np.zeros((degree + 1, left.size, control.shape[2]))
     for order in range(degree + 1):
         value = _de_boor(control, local[:, order:], degree - order, left)
         coefficients[degree - order] = value / math.factorial(order)
         # The derivative's control points and, by dropping the outermost knots, its knots.
         width = local[:, degree + 1 : 2 * degree + 1 - order] - local[:, order + 1 : degree + 1]
         control = (degree - order) * np.diff(control, axis=1) / width[:, :, None]
-    return Pieces(breaks, coefficients)
+    return coefficients
 
 
 def _de_boor(control: np.ndarray, knots: np.ndarray, degree: int, s: np.ndarray) -> np.ndarray:
@@ -108,12 +125,45 @@ def interpolating_spline(x: np.ndarray, values: np.ndarray, degree: int) -> Piec
     count = len(x)
     if count <= degree or not np.all(np.diff(x) > 0.0):
         raise ValueError(f"{count} values do not make a spline of degree {degree}, or their places do not increase")
-    beside = (degree + 1) // 2
-    inner = x[beside:-beside] if count > degree + 1 else x[:0]
+    return _interpolation(np.asarray(x, dtype=float).tobytes(), degree).through(values)
+
+
+@dataclass(frozen=True, slots=True)
+class _Interpolation:
+    """What splines through values at the same places have in common.
+
+    Attributes:
+        breaks: (m + 1,).
+        matrix: CasADi's, of the B-splines at the places: control points -> values.
+        window: (m, degree + 1) control points that govern a span.
+        taylor: (m, degree + 1, degree + 1) control points of a span -> its coefficients.
+    """
+
+    breaks: np.ndarray
+    matrix: Any
+    window: np.ndarray
+    taylor: np.ndarray
+
+    def through(self, values: np.ndarray) -> Pieces:
+        """The spline through values (n, k)."""
+        import casadi as ca  # reading a scenario needs none of it
+
+        solved = ca.Linsol("spline", "csparse", self.matrix.sparsity()).solve(self.matrix, ca.DM(values))
+        coefficients = self.taylor @ np.asarray(solved)[self.window]
+        return Pieces(self.breaks, np.ascontiguousarray(np.swapaxes(coefficients, 0, 1)))
+
+
+@lru_cache(maxsize=8)
+def _interpolation(places: bytes, degree: int) -> _Interpolation:
+    """Of places (n,) as bytes: motions, tilt and progress of one record are splines on the same ones."""
+    x, beside = np.frombuffer(places), (degree + 1) // 2
+    inner = x[beside:-beside] if len(x) > degree + 1 else x[:0]
     knots = np.concatenate([np.repeat(x[0], degree + 1), inner, np.repeat(x[-1], degree + 1)])
-    basis, first = _basis(x, knots, degree)
-    control = _solved(basis, first, values)
-    return _expanded(control, degree, knots, np.concatenate([x[:1], inner, x[-1:]]))
+    breaks = np.concatenate([x[:1], inner, x[-1:]])
+    span = _spans(knots, breaks)
+    units = np.broadcast_to(np.eye(degree + 1), (len(span), degree + 1, degree + 1))
+    taylor = np.ascontiguousarray(np.swapaxes(_taylor(units, degree, knots, breaks), 0, 1))
+    return _Interpolation(breaks, _matrix(*_basis(x, knots, degree)), _window(span, degree), taylor)
 
 
 def _basis(x: np.ndarray, knots: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
@@ -140,26 +190,16 @@ def design_matrix(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
     return matrix
 
 
-def _solved(basis: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Control points c (n, k) with sum_j basis[j, i] c[first[i] + j] = values[i]."""
-    import casadi as ca  # reading a scenario needs none of it
+def _matrix(basis: np.ndarray, first: np.ndarray) -> Any:
+    """CasADi's matrix (n, n) with basis[j, i] in row i and column first[i] + j."""
+    import casadi as ca
 
-    count, band = len(values), len(basis) - 1
-    sparsity = _banded(count, band)
+    count, band = basis.shape[1], len(basis) - 1
     places = first + np.arange(band + 1)[:, None]
     columns = np.zeros((count, 2 * band + 1))
     columns[places, np.arange(count) - places + band] = basis
     row = np.arange(count)[:, None] + np.arange(-band, band + 1)
-    matrix = ca.DM(sparsity, columns[(row >= 0) & (row < count)])
-    return np.asarray(ca.Linsol("spline", "csparse", sparsity).solve(matrix, ca.DM(values)))
-
-
-@lru_cache(maxsize=8)
-def _banded(count: int, band: int) -> Any:
-    """CasADi's pattern of a square matrix with `band` diagonals on either side."""
-    import casadi as ca
-
-    return ca.Sparsity.banded(count, band)
+    return ca.DM(ca.Sparsity.banded(count, band), columns[(row >= 0) & (row < count)])
 
 
 def interpolating_pieces(s: np.ndarray, values: np.ndarray) -> Pieces:

@@ -6,9 +6,9 @@ and the active rows; then the active rows on x_N. Nothing of the size of the who
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -32,6 +32,21 @@ IndexedRows = frozenset[RowIndex]
 """Rows that take part, those on the final state as well."""
 
 
+@dataclass(frozen=True, slots=True)
+class Derivatives:
+    """Exact derivatives of a problem, in the solver's signatures.
+
+    Attributes:
+        jac_g: Jacobian of the constraints.
+        grad_f: gradient of the cost.
+        hess_lag: Hessian of the Lagrangian.
+    """
+
+    jac_g: Any
+    grad_f: Any
+    hess_lag: Any
+
+
 @dataclass(frozen=True, eq=False)
 class Transcription:
     """A problem built for a structure, a number of intervals and a choice of rows, ready for any numbers.
@@ -47,10 +62,8 @@ class Transcription:
         motion_variables: number of variables of the motion; those of planes between bodies are behind them.
         clearance_rows: number of rows of clearance, behind all others.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
-        jac_g: exact Jacobian of the constraints, in the solver's signature.
-        grad_f: exact gradient of the cost, likewise.
-        hess_lag: exact Hessian of the Lagrangian, likewise.
         constraint_function: (variables, parameters) -> constraints.
+        make_derivatives: builds `derivatives`.
     """
 
     stage: StageFunctions
@@ -63,10 +76,13 @@ class Transcription:
     motion_variables: int
     clearance_rows: int
     nlp: dict[str, MX]
-    jac_g: Any
-    grad_f: Any
-    hess_lag: Any
     constraint_function: Any
+    make_derivatives: Callable[[], Derivatives]
+
+    @cached_property
+    def derivatives(self) -> Derivatives:
+        """Made at the first solve: of many problems only the constraints are looked at."""
+        return self.make_derivatives()
 
     @property
     def layout(self) -> Layout:
@@ -120,28 +136,32 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
         return ca.vertcat(stacked, stacked[gap_rows] + following)[row_order]
 
     values, cost = apart.below(gathered(given.constraints())), given.cost()
-    of_jacobian, slopes = given.constraint_jacobian()
-    sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
-    slopes = ca.vertcat(slopes, MX.ones(intervals * stage.layout.states))
-    jac_g = ca.Function(
-        "nlp_jac_g",
-        [w, p],
-        list(apart.jacobian_below(gathered(of_jacobian), MX(sparsity, slopes[order]))),
-        ["x", "p"],
-        ["g", "jac_g_x"],
-    )
-    grad_f = ca.Function("nlp_grad_f", [w, p], list(given.cost_gradient()), ["x", "p"], ["f", "grad_f_x"])
-    multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
-    sparsity, order = _hessian_places(stage, intervals)
-    of_table, of_apart = multipliers[: values.numel() - apart.count], multipliers[values.numel() - apart.count :]
-    curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, of_table, rows, end_rows))
-    hess_lag = ca.Function(
-        "nlp_hess_l",
-        [w, p, weight, multipliers],
-        [apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)],
-        ["x", "p", "lam_f", "lam_g"],
-        ["triu_hess_gamma_x_x"],
-    )
+
+    def derivatives() -> Derivatives:
+        of_jacobian, slopes = given.constraint_jacobian()
+        sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
+        slopes = ca.vertcat(slopes, MX.ones(intervals * stage.layout.states))
+        jac_g = ca.Function(
+            "nlp_jac_g",
+            [w, p],
+            list(apart.jacobian_below(gathered(of_jacobian), MX(sparsity, slopes[order]))),
+            ["x", "p"],
+            ["g", "jac_g_x"],
+        )
+        grad_f = ca.Function("nlp_grad_f", [w, p], list(given.cost_gradient()), ["x", "p"], ["f", "grad_f_x"])
+        multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
+        sparsity, order = _hessian_places(stage, intervals)
+        of_table, of_apart = multipliers[: values.numel() - apart.count], multipliers[values.numel() - apart.count :]
+        curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, of_table, rows, end_rows))
+        hess_lag = ca.Function(
+            "nlp_hess_l",
+            [w, p, weight, multipliers],
+            [apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        )
+        return Derivatives(jac_g, grad_f, hess_lag)
+
     return Transcription(
         stage=stage,
         intervals=intervals,
@@ -153,10 +173,8 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
         motion_variables=of_motion,
         clearance_rows=apart.count,
         nlp={"x": w, "p": p, "f": cost, "g": values},
-        jac_g=jac_g,
-        grad_f=grad_f,
-        hess_lag=hess_lag,
         constraint_function=ca.Function("constraints", [w, p], [values]),
+        make_derivatives=derivatives,
     )
 
 

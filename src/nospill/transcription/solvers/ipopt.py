@@ -10,11 +10,11 @@ from nospill.transcription.solvers.options import SolveOptions
 
 def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
     """Settings of `casadi.nlpsol`: every option holds, derivatives are those of the transcription."""
-    transcription = problem.transcription
+    derivatives = problem.transcription.derivatives
     settings: dict[str, Any] = {
-        "jac_g": transcription.jac_g,
-        "grad_f": transcription.grad_f,
-        "hess_lag": transcription.hess_lag,
+        "jac_g": derivatives.jac_g,
+        "grad_f": derivatives.grad_f,
+        "hess_lag": derivatives.hess_lag,
         "no_nlp_grad": True,
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
