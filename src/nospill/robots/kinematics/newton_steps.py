@@ -47,34 +47,29 @@ def step_functions(arm: Kinematics, *, held: bool) -> codegen.Functions:
 
 
 def _build(arm: Kinematics, held: bool) -> codegen.Functions:
-    q, pose, way = SX.sym("q", arm.n), SX.sym("pose", 12), SX.sym("way", 6)
-    aim, shared = SX.sym("aim", arm.n + 1 if held else 0), SX.sym("shared", SHARED)
+    q, shared = SX.sym("q", arm.n), SX.sym("shared", SHARED)
+    pose, way, aim = SX.sym("pose", 12), SX.sym("way", 6), SX.sym("aim", arm.n + 1 if held else 0)
+    # Each is built once and then called: expressions of a call are copied, which takes a quarter of the time.
+    motion = arm.expressions(q, shared)
+    rows = ca.vertcat(motion.jacobian, aim[: arm.n].T) if held else motion.jacobian
+    missing = aim[arm.n :] - aim[: arm.n].T @ q if held else SX(0, 1)
+    gap = ca.Function("gap", [q, pose, shared], [ca.densify(_pose_gap(pose, motion))], {"cse": True})
+    ahead = ca.Function("ahead", [q, aim, shared, way], [_least_norm(rows, ca.vertcat(way, missing))], {"cse": True})
 
-    def missing(at: SX) -> SX:
-        """What is held and not yet there, (1, 1) or (0, 1)."""
-        return aim[arm.n :] - aim[: arm.n].T @ at if held else SX(0, 1)
-
-    def step(motion: ChainExpressions, gap: SX) -> SX:
-        jacobian = ca.vertcat(motion.jacobian, aim[: arm.n].T) if held else motion.jacobian
-        return _least_norm(jacobian, gap)
-
-    def correction(at: SX) -> tuple[SX, SX]:
-        motion = arm.expressions(at, shared)
-        gap = ca.vertcat(_pose_gap(pose, motion), missing(at))
-        return ca.norm_2(gap), step(motion, gap)
-
-    size, change = correction(q)
-    ahead = step(arm.expressions(q, shared), ca.vertcat(way, missing(q)))
-    _, first = correction(q + ahead)
-    _, second = correction(q + ahead + first)
+    between = gap(q, pose, shared)
+    size = ca.norm_2(ca.vertcat(between, missing))
+    correction = [size, ahead(q, aim, shared, between)]
+    changes, at = [ahead(q, aim, shared, way)], q
+    for _ in range(2):
+        at = at + changes[-1]
+        changes.append(ahead(at, aim, shared, gap(at, pose, shared)))
     outputs = {
-        "gap": ([q, pose, shared], _pose_gap(pose, arm.expressions(q, shared))),
-        "correction": ([q, pose, aim, shared], ca.vertcat(size, change)),
-        "continuation": ([q, way, pose, aim, shared], ca.vertcat(ahead, first, second)),
+        "correction": ([q, pose, aim, shared], correction),
+        "continuation": ([q, way, pose, aim, shared], changes),
     }
-    return {
-        name: ca.Function(name, inputs, [ca.densify(output)], {"cse": True})
-        for name, (inputs, output) in outputs.items()
+    return {"gap": gap} | {
+        name: ca.Function(name, inputs, [ca.densify(ca.vertcat(*parts))], {"cse": True})
+        for name, (inputs, parts) in outputs.items()
     }
 
 
