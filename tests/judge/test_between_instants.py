@@ -1,4 +1,4 @@
-"""Peaks of contacts between the instants of the grid, against a replay on a finer one."""
+"""Peaks of constraints between the instants of the grid, against a replay on a finer one."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.judge.between_instants import contact_peaks
+from nospill.judge.between_instants import peaks_between
 from nospill.judge.certificate import judge
 from nospill.judge.replay import MINIMUM_RATE, replay
 from nospill.judge.traces import constraint_traces
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import EvaluationPoint, Role
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
@@ -29,30 +30,46 @@ def fast(smooth_motion: Callable[..., SmoothMotion]) -> tuple[Trajectory, Scene]
     return motion.trajectory, motion.scene
 
 
-def test_peaks_are_what_a_finer_grid_sees(fast: tuple[Trajectory, Scene]) -> None:
+@pytest.mark.parametrize(
+    ("point", "constraints"),
+    [
+        (EvaluationPoint.OBJECT, {"lift", "slip", "tip", "twist", "slosh height", "apparent gravity"}),
+        (EvaluationPoint.JOINT, {"joint position", "joint speed"}),
+    ],
+)
+def test_peaks_are_what_a_finer_grid_sees(
+    fast: tuple[Trajectory, Scene], point: EvaluationPoint, constraints: set[str]
+) -> None:
     trajectory, scene = fast
     motion = planned_motion(trajectory)
     coarse, fine = (replay(trajectory, scene, rate=rate) for rate in (MINIMUM_RATE, 4 * MINIMUM_RATE))
-    traces = constraint_traces(trajectory, scene, coarse, points=OBJECT)
-    on_fine = {(one.constraint, one.subject): one for one in constraint_traces(trajectory, scene, fine, points=OBJECT)}
-    # as if the largest use of every contact were 0.999: what is looked at are its peaks
-    scaled = tuple(replace(one, margin=one.limit * (1 - one.use * 0.999 / np.max(one.use))) for one in traces)
-    found = contact_peaks(scene, coarse, scaled, motion)
-    assert {one.constraint for one in found} == {"lift", "slip", "tip", "twist"}
+    traces = constraint_traces(trajectory, scene, coarse, points=[point])
+    on_fine = {(one.constraint, one.subject): one for one in constraint_traces(trajectory, scene, fine, points=[point])}
+    # as if the largest use of every constraint were 0.9995: what is looked at are its peaks
+    scaled = tuple(replace(one, margin=_size(one) * (1 - 0.9995 + np.max(one.use) - one.use)) for one in traces)
+    assert {round(float(np.max(one.use)), 6) for one in scaled} == {0.9995}
+    found = peaks_between(trajectory, scene, coarse, scaled, motion)
+    assert {one.constraint for one in found} == constraints
+    assert len(found) == len(traces)
     for one in found:
-        assert len(one.t) == 1 and BY_NAME[one.constraint].role is Role.CONTACT
+        assert len(one.t) == 1 and BY_NAME[one.constraint].evaluated_at is point
         own = on_fine[one.constraint, one.subject]
         index = int(np.argmin(np.abs(own.t - one.t[0])))
-        assert own.t[index] == pytest.approx(one.t[0], abs=1e-9)
+        assert index % 4 and own.t[index] == pytest.approx(one.t[0], abs=1e-9)
         assert own.use[index] == pytest.approx(one.use[0], abs=1e-6)
+
+
+def _size(trace: Trace) -> np.ndarray:
+    """What a margin is a part of, as `Trace.use` has it."""
+    return np.broadcast_to(trace.margin / (1.0 - trace.use), trace.margin.shape)
 
 
 def test_nothing_is_looked_at_far_from_the_limits(fast: tuple[Trajectory, Scene]) -> None:
     trajectory, scene = fast
     played = replay(trajectory, scene)
-    traces = constraint_traces(trajectory, scene, played, points=OBJECT)
-    far = tuple(replace(one, margin=np.full_like(one.limit, 0.1)) for one in traces)
-    assert contact_peaks(scene, played, far, planned_motion(trajectory)) == ()
+    traces = constraint_traces(trajectory, scene, played, points=[EvaluationPoint.OBJECT, EvaluationPoint.JOINT])
+    far = tuple(replace(one, margin=0.1 * _size(one)) for one in traces)
+    assert peaks_between(trajectory, scene, played, far, planned_motion(trajectory)) == ()
 
 
 def test_the_certificate_has_the_peak_between_two_instants(fast: tuple[Trajectory, Scene]) -> None:

@@ -1,63 +1,64 @@
-"""Contacts between the instants of the grid, where the use of one has a peak near its limit.
+"""Limits between the instants of the grid, where the use of one has a peak near it.
 
 The use of friction may have peaks of a few tenths of a millisecond, which a grid of 2 kHz passes by: 1.1 % of a limit
-seen. Everywhere else it is smooth on that scale.
+seen; of a slosh height 0.07 %, of a joint's speed a few millionths. Everywhere else it is smooth on that scale.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from nospill.judge.replay import Replay, tray_from_joints
-from nospill.judge.traces import evaluated_traces, states_at
+from nospill.judge.replay import Replay, between
+from nospill.judge.traces import evaluated_traces, motion_inputs
 from nospill.judge.verdict import Trace
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, Role
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.interpolation import JointMotion
+from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
-_NEAR = 0.97
-"""Use of a limit from which a peak is looked at."""
+_NEAR = {EvaluationPoint.OBJECT: 0.97, EvaluationPoint.JOINT: 0.999, EvaluationPoint.TRAY: 0.999}
+"""Use of a limit from which a peak is looked at; joints and tray move smoothly, friction and heights have corners."""
 _PARTS = 4
 """Into which the intervals on both sides of a peak are divided."""
 
-_CONTACTS = tuple(
-    item for item in CONSTRAINTS if item.role is Role.CONTACT and item.evaluated_at is EvaluationPoint.OBJECT
-)
 
-
-def contact_peaks(scene: Scene, played: Replay, traces: Iterable[Trace], motion: JointMotion) -> tuple[Trace, ...]:
-    """Of every contact that has a peak near its limit, the instant between two of the grid that uses most of it.
+def peaks_between(
+    trajectory: Trajectory, scene: Scene, played: Replay, traces: Sequence[Trace], motion: JointMotion
+) -> tuple[Trace, ...]:
+    """Of every constraint, where one of its kind has a peak near its limit, the instant that uses most of it there.
 
     Args:
+        trajectory: the record.
         scene: what has to be kept.
         played: the replay.
-        traces: of the constraints on its grid; those of contacts say where to look.
+        traces: of the constraints on its grid, which say where to look.
         motion: what the joints do.
 
     Returns:
-        Traces of one instant each.
+        Traces of one instant each, between two of the grid.
     """
-    intervals = _beside_peaks(played, traces)
-    if not len(intervals):
-        return ()
-    t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
-    joints = [motion(t, order) for order in range(3)]
-    _, body = tray_from_joints(scene, joints)
-    inputs = {EvaluationPoint.OBJECT: (t, [body, *states_at(played, t)])}
-    return tuple(_worst_instant(trace) for trace in evaluated_traces(scene, inputs, constraints=_CONTACTS))
+    found: list[Trace] = []
+    for point, near in _NEAR.items():
+        own = [trace for trace in traces if BY_NAME[trace.constraint].evaluated_at is point]
+        intervals = _beside_peaks(played, own, near)
+        if len(intervals):
+            t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
+            looked_at = between(played, scene, motion, t)
+            inputs = {point: motion_inputs(trajectory, scene, looked_at)[point]}
+            found += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
+    return tuple(found)
 
 
-def _beside_peaks(played: Replay, traces: Iterable[Trace]) -> np.ndarray:
+def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
     """Numbers of the grid's intervals on both sides of every peak."""
     peaks = np.zeros(len(played.t), dtype=bool)
     for trace in traces:
-        if BY_NAME[trace.constraint] in _CONTACTS:
-            use = trace.use
-            rises, falls = np.append(True, use[1:] >= use[:-1]), np.append(use[:-1] >= use[1:], True)
-            peaks |= (use > _NEAR) & rises & falls
+        use = trace.use
+        rises, falls = np.append(True, use[1:] >= use[:-1]), np.append(use[:-1] >= use[1:], True)
+        peaks |= (use > near) & rises & falls
     at = np.flatnonzero(peaks)
     beside = np.unique(np.concatenate([at - 1, at]))
     return beside[(beside >= 0) & (beside < len(played.t) - 1)]

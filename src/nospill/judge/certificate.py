@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.judge.between_instants import contact_peaks
+from nospill.judge.between_instants import peaks_between
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
@@ -158,7 +158,7 @@ def _judged(
     motion = motion or planned_motion(held)
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
-    peaks = contact_peaks(scene, played, traces, motion)
+    peaks = peaks_between(held, scene, played, traces, motion)
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
     for trace, variant in corner_traces(held, scene, motion=motion, rate=rate, played=played):

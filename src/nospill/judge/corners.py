@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.judge.between_instants import contact_peaks
+from nospill.judge.between_instants import peaks_between
 from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
@@ -91,7 +91,7 @@ def _played(
         motion = motion or planned_motion(trajectory)
         own = replay(trajectory, scene, motion=motion, rate=rate)
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
-        traces = (*traces, *contact_peaks(scene, own, traces, motion))
+        traces = (*traces, *peaks_between(trajectory, scene, own, traces, motion))
     else:
         scene = replace(scene, cargo=outer_objects(scene))
         slow, own = _slowed(trajectory, scene, speed, motion, rate)

@@ -16,6 +16,7 @@ import numpy as np
 
 from nospill.compiled import codegen
 from nospill.core.frames import SX, FrameMotion, body_motion
+from nospill.core.hermite import cubic_hermite
 from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
@@ -117,6 +118,34 @@ def replay(
         slosh_displacement=slosh.states[:, :count],
         slosh_velocity=slosh.states[:, count:],
         slosh_error=slosh.error,
+    )
+
+
+def states_at(played: Replay, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Slosh displacements and velocities (k, m) at times (m,) between grid points, by the cubics through both ends."""
+    left = np.clip(np.searchsorted(played.t, t, side="right") - 1, 0, len(played.t) - 2)
+    width = (played.t[left + 1] - played.t[left])[:, None]
+    u = (t - played.t[left])[:, None] / width
+    q, qd = (np.stack([of[left], of[left + 1]]) for of in (played.slosh_displacement, played.slosh_velocity))
+    return cubic_hermite(u, width, q, qd).T, ((1.0 - u) * qd[0] + u * qd[1]).T
+
+
+def between(played: Replay, scene: Scene, motion: JointMotion, t: np.ndarray) -> Replay:
+    """A replay at further times (m,), s, between its instants, which need not be even; `motion` is of its joints."""
+    joints = [motion(t, order) for order in range(3)]
+    tray, body = tray_from_joints(scene, joints)
+    q, qd = states_at(played, t)
+    return Replay(
+        t=t,
+        rate=played.rate,
+        joint_position=joints[0],
+        joint_speed=joints[1],
+        joint_acceleration=joints[2],
+        tray=tray,
+        body=body,
+        slosh_displacement=q.T,
+        slosh_velocity=qd.T,
+        slosh_error=played.slosh_error,
     )
 
 

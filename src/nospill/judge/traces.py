@@ -13,10 +13,9 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
-from nospill.core.hermite import cubic_hermite
 from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
-from nospill.judge.replay import Replay, slosh_accelerations
+from nospill.judge.replay import Replay, slosh_accelerations, states_at
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
@@ -62,24 +61,24 @@ def constraint_traces(
         One trace per constraint and subject, in the order of the certificate.
     """
     end = trajectory.end_time
-    inputs: dict[EvaluationPoint, Inputs] = {
-        EvaluationPoint.OBJECT: (played.t, [played.body, played.slosh_displacement.T, played.slosh_velocity.T]),
-        EvaluationPoint.JOINT: (
-            played.t,
-            [
-                played.joint_position.T,
-                played.joint_speed.T,
-                played.joint_acceleration.T,
-                *_beside_path(trajectory, scene, played),
-            ],
-        ),
-        EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
+    inputs = motion_inputs(trajectory, scene, played) | {
         EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
         EvaluationPoint.END: (np.array([end]), list(states_at(played, np.array([end])))),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
     return (*_played_on(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
+
+
+def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[EvaluationPoint, Inputs]:
+    """Inputs at the evaluation points at which a motion is looked at everywhere; arguments of `constraint_traces`."""
+    joints = [played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T]
+    liquids = [played.slosh_displacement.T, played.slosh_velocity.T]
+    return {
+        EvaluationPoint.OBJECT: (played.t, [played.body, *liquids]),
+        EvaluationPoint.JOINT: (played.t, [*joints, *_beside_path(trajectory, scene, played)]),
+        EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
+    }
 
 
 def _beside_path(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
@@ -193,15 +192,6 @@ def third_differences(values: np.ndarray) -> np.ndarray:
     """
     padded = np.concatenate([values[:1], values[:1], values, values[-1:], values[-1:]])
     return np.diff(padded, n=3, axis=0)
-
-
-def states_at(played: Replay, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slosh displacements and velocities (k, m) at times (m,) between grid points, by the cubics through both ends."""
-    left = np.clip(np.searchsorted(played.t, t, side="right") - 1, 0, len(played.t) - 2)
-    width = (played.t[left + 1] - played.t[left])[:, None]
-    u = (t - played.t[left])[:, None] / width
-    q, qd = (np.stack([of[left], of[left + 1]]) for of in (played.slosh_displacement, played.slosh_velocity))
-    return cubic_hermite(u, width, q, qd).T, ((1.0 - u) * qd[0] + u * qd[1]).T
 
 
 @lru_cache(maxsize=64)
