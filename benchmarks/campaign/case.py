@@ -29,7 +29,7 @@ from nospill.planning.active_set import Task
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import best_of, found_motion
-from nospill.planning.starts import Attempt
+from nospill.planning.starts import STEP_BY_STEP, Attempt
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
@@ -213,7 +213,7 @@ def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[
     """
 
     def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
-        best, last = best_of(task, joint_path, log, (Attempt(start),))
+        best, last = best_of(task, joint_path, log, (Attempt(start, STEP_BY_STEP),))
         if best is None:
             raise NoSolutionError("the start led nowhere" if last is None else last.solution.status)
         bounded, duration = task.passage.determinant is not None, best.stages.duration

@@ -9,7 +9,7 @@ from nospill.transcription.starting_motions import Start, starting_motions
 from nospill.transcription.task import Task
 
 _FIRST_STARTS, _LAST_STARTS = 3, 4
-_STEP_BY_STEP = {**FROM_AFAR, "max_iterations": 150}
+STEP_BY_STEP = {**FROM_AFAR, "max_iterations": 150}
 _ADAPTIVE = {"kkt_error_globalization": True, "max_iterations": 150}
 _PATIENT = {"max_iterations": 500}
 
@@ -36,12 +36,12 @@ def attempts(task: Task, *, brief: bool) -> tuple[Attempt, ...]:
     planes the adaptive one comes first. Where none of the first leads anywhere, a random start with more iterations
     often does; then come, with all rows, the usual two again and further random ones.
     """
-    scene, turns = task.searched_scene, [_STEP_BY_STEP, _ADAPTIVE]
+    scene, turns = task.searched_scene, [STEP_BY_STEP, _ADAPTIVE]
     count = max(scene.planning.starts, _FIRST_STARTS)
     starts = list(enumerate(starting_motions(scene, count + _LAST_STARTS)))
     first = [Attempt(start, turns[(index + task.keeps_apart) % 2]) for index, start in starts[:count]]
     if brief:
         return tuple(first)
     last = [Attempt(start, turns[index % 2] | _PATIENT, all_rows=index > count) for index, start in starts[count:]]
-    again = [Attempt(starts[1][1], _ADAPTIVE, all_rows=True), Attempt(starts[0][1], _STEP_BY_STEP, all_rows=True)]
+    again = [Attempt(starts[1][1], _ADAPTIVE, all_rows=True), Attempt(starts[0][1], STEP_BY_STEP, all_rows=True)]
     return (*first, last[0], *again, *last[1:])
