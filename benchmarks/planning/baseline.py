@@ -175,7 +175,7 @@ def level_rows(scene: Scene) -> Any:
 def joint_table(scene: Scene) -> Any:
     """(s) -> q (n, 1), rad, of the level tray: a spline through the inverse kinematics."""
     found = joint_paths(scene.robot, scene.path, tool=scene.tray.tool, samples=101)[0]
-    return ca.interpolant("joints", "bspline", [found.s.tolist()], found.q.ravel().tolist())
+    return ca.interpolant("joints", "bspline", [found.s.tolist()], np.round(found.q, 9).ravel().tolist())
 
 
 def quickest_liquid(scene: Scene | None = None, *, print_level: int = 0) -> Baseline:

@@ -71,9 +71,14 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
         """Only what was measured alternately in one run is compared."""
         return reference in seconds and found[key].get("run") == found[reference].get("run")
 
+    def converged(key: str) -> bool:
+        return found[key].get("status", "Solve_Succeeded") == "Solve_Succeeded"
+
     def faster(key: str, reference: str, target: float) -> Iterator[Line]:
+        """Of a baseline that did not converge only the time is known that it had."""
         if key in seconds:
-            ratio = seconds[reference] / seconds[key] if together(key, reference) else None
+            compared = together(key, reference) and converged(reference)
+            ratio = seconds[reference] / seconds[key] if compared else None
             yield Line(key, seconds[key], ratio, f"times faster than {reference}", target, most=False)
 
     def share(key: str, reference: str, target: float | None) -> Iterator[Line]:
@@ -83,7 +88,7 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
 
     for key in ("baseline liquid", "baseline rigid"):
         if key in seconds:
-            stopped = "" if found[key].get("status", "Solve_Succeeded") == "Solve_Succeeded" else ", not converged"
+            stopped = "" if converged(key) else ", not converged"
             yield Line(f"{key} ({found[key]['iterations']} iterations{stopped})", seconds[key])
     yield from faster("cold matrix-liquid", "baseline liquid", 100)
     yield from faster("cold matrix-rigid", "baseline rigid", 12)

@@ -206,6 +206,14 @@ def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
     assert "not measured: toppra" in printed
 
 
+def test_a_baseline_that_did_not_converge_is_compared_with_nothing() -> None:
+    baseline = {"seconds": 95.0, "iterations": 700, "status": "Maximum_Iterations_Exceeded"}
+    found = {"baseline liquid": baseline, "cold matrix-liquid": {"seconds": 0.5}}
+    first, cold, *_ = report.lines({"measurements": found})
+    assert first.what.endswith("(700 iterations, not converged)")
+    assert (cold.seconds, cold.ratio, cold.verdict) == (0.5, None, "")
+
+
 def test_pyramids_lie_inside_the_cones(rigid: Scene) -> None:
     toppra_waiter = pytest.importorskip("benchmarks.planning.toppra_waiter", reason="toppra is not installed")
     normals, limits = toppra_waiter.cones(rigid)

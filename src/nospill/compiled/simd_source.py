@@ -95,21 +95,16 @@ static void store(const four* from, long long rows, double* columns) {
 """What every file of such functions begins with."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Statement:
-    """A value, or where `output` says so the output of one.
+_TEXT = _ON_VECTORS | {
+    operation: f"(four){{{{{', '.join(each.format(f'{{0}}[{i}]', f'{{1}}[{i}]') for i in range(COLUMNS))}}}}}"
+    for operation, each in _ON_NUMBERS.items()
+}
+"""On vectors, with places for the operands."""
 
-    Attributes:
-        number: of the value; of no meaning for an output.
-        text: its expression, with a place for each operand.
-        operands: numbers of the values it reads.
-        output: place in memory.
-    """
-
-    number: int
-    text: str
-    operands: tuple[int, ...] = ()
-    output: int | None = None
+_Statement = tuple[str, tuple[int, ...], int | None]
+"""Expression with a place for each operand; the numbers of the statements whose values they are; and where it is an
+output of the function, its place in memory.
+"""
 
 
 @dataclass(slots=True)
@@ -153,15 +148,13 @@ def source(function: Any, shared: Collection[int]) -> str:
         shared: places of the inputs that are the same for all columns, one column of the external function's too.
     """
     name, memory = function.name(), _Memory.of(function)
-    statements = list(_statements(function, memory))
-    parts = [statements[first : first + _PART] for first in range(0, len(statements), _PART)]
-    home = {one.number: index for index, part in enumerate(parts) for one in part if one.output is None}
-    for index, part in enumerate(parts):
-        for one in part:
-            for value in one.operands:
-                if home[value] != index:
-                    memory.add(value)
-    lines = [line for index, part in enumerate(parts) for line in _part(f"{name}_part_{index}", part, memory)]
+    statements = _statements(function, memory)
+    for number, (_, operands, _) in enumerate(statements):
+        for value in operands:
+            if value // _PART != number // _PART:
+                memory.add(value)
+    parts = [f"{name}_part_{first // _PART}" for first in range(0, len(statements), _PART)]
+    lines = [line for index, part in enumerate(parts) for line in _part(part, statements, index * _PART, memory)]
     lines += [
         f"int {name}(const double** arg, double** res, long long* iw, double* w, int mem) {{",
         "  four* m = (four*)(((uintptr_t)w + 31) / 32 * 32);",
@@ -169,37 +162,32 @@ def source(function: Any, shared: Collection[int]) -> str:
     for index, place in enumerate(memory.inputs):
         load = "load_shared" if index in shared else "load"
         lines.append(f"  {load}(arg[{index}], {function.nnz_in(index)}, m + {place});")
-    lines += [f"  {name}_part_{index}(m);" for index in range(len(parts))]
+    lines += [f"  {part}(m);" for part in parts]
     for index, place in enumerate(memory.outputs):
         lines.append(f"  store(m + {place}, {function.nnz_out(index)}, res[{index}]);")
     lines += ["  return 0;", "}"]
     return "\n".join([*lines, *_interface(function, shared, memory.size), ""])
 
 
-def _statements(function: Any, memory: _Memory) -> Iterator[_Statement]:
-    """The instructions in their order, every value with a number of its own: CasADi's places are used again."""
+def _statements(function: Any, memory: _Memory) -> list[_Statement]:
+    """One for each instruction; operands are numbers of instructions, since CasADi uses the places of values again."""
+    statements: list[_Statement] = []
     value: dict[int, int] = {}
     for number in range(function.n_instructions()):
         operation = function.instruction_id(number)
         read, written = function.instruction_input(number), function.instruction_output(number)
         if operation == ca.OP_OUTPUT:
-            place = memory.outputs[written[0]] + written[1]
-            yield _Statement(number, "{0}", (value[read[0]],), place)
+            statements.append(("{0}", (value[read[0]],), memory.outputs[written[0]] + written[1]))
             continue
         if operation == ca.OP_INPUT:
-            yield _Statement(number, f"m[{memory.inputs[read[0]] + read[1]}]")
+            text, operands = f"m[{memory.inputs[read[0]] + read[1]}]", ()
         elif operation == ca.OP_CONST:
-            yield _Statement(number, f"ALL({_number(function.instruction_constant(number))})")
+            text, operands = f"ALL({_number(function.instruction_constant(number))})", ()
         else:
-            yield _Statement(number, _text(operation), tuple(value[place] for place in read))
+            text, operands = _TEXT[operation], tuple([value[place] for place in read])
+        statements.append((text, operands, None))
         value[written[0]] = number
-
-
-def _text(operation: int) -> str:
-    if operation in _ON_VECTORS:
-        return _ON_VECTORS[operation]
-    each = _ON_NUMBERS[operation]
-    return "(four){{{}}}".replace("{}", ", ".join(each.format(f"{{0}}[{i}]", f"{{1}}[{i}]") for i in range(COLUMNS)))
+    return statements
 
 
 def _number(constant: float) -> str:
@@ -207,22 +195,22 @@ def _number(constant: float) -> str:
     return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(repr(constant), float(constant).hex())
 
 
-def _part(name: str, statements: Sequence[_Statement], memory: _Memory) -> Iterator[str]:
+def _part(name: str, statements: Sequence[_Statement], first: int, memory: _Memory) -> Iterator[str]:
+    """The C function of the statements from the first on."""
     yield f"static __attribute__((noinline)) void {name}(four* m) {{"
-    known: set[int] = set()
-    for one in statements:
-        for value in one.operands:
-            if value not in known:
-                known.add(value)
+    loaded: set[int] = set()
+    for number, (text, operands, output) in enumerate(statements[first : first + _PART], first):
+        for value in operands:
+            if value < first and value not in loaded:
+                loaded.add(value)
                 yield f"  four a{value} = m[{memory.between[value]}];"
-        text = one.text.format(*(f"a{value}" for value in one.operands))
-        if one.output is not None:
-            yield f"  m[{one.output}] = {text};"
+        expression = text.format(*[f"a{value}" for value in operands])
+        if output is not None:
+            yield f"  m[{output}] = {expression};"
             continue
-        known.add(one.number)
-        yield f"  four a{one.number} = {text};"
-        if one.number in memory.between:
-            yield f"  m[{memory.between[one.number]}] = a{one.number};"
+        yield f"  four a{number} = {expression};"
+        if number in memory.between:
+            yield f"  m[{memory.between[number]}] = a{number};"
     yield "}"
 
 

@@ -18,6 +18,7 @@ from itertools import product
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.core.batches import evaluate
 from nospill.core.hermite import cubic_hermite
 from nospill.core.paths import Path
 from nospill.core.piecewise import Pieces
@@ -28,8 +29,9 @@ from nospill.robots.joint_paths.redundancy_grid import PLACES, POSITIONS, paths_
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, turn_choices
 from nospill.robots.kinematics.closed_form import inverse_solutions as inverse_solutions
 from nospill.robots.kinematics.forward import kinematics
-from nospill.robots.kinematics.newton import Held, least_norm_step, newton
+from nospill.robots.kinematics.newton import Held, aim_columns, newton
 from nospill.robots.kinematics.newton import solve_joints as solve_joints
+from nospill.robots.kinematics.newton_steps import step_functions
 from nospill.robots.kinematics.redundancy import held_positions, redundant_joint, self_motion
 from nospill.robots.robot import Robot
 from nospill.robots.tool import FLANGE, Tool
@@ -234,13 +236,13 @@ def _within_limits(
 ) -> list[JointPath]:
     """The joint paths among motions q (m, n), held . dq/ds (m,) given for each, best first."""
     arm = kinematics(robot)
+    prediction, shared = step_functions(arm, held=held is not None)["prediction"], arm.shared_of(tool)
+    rates = tray_rates(path, s).T
     found: list[tuple[tuple[float, ...], JointPath]] = []
     middle = 0.5 * (robot.lower + robot.upper)
     for q, held_rate in motions:
-        jacobian, rates = arm.jacobians(q, tool=tool), tray_rates(path, s)
-        if held is not None:
-            jacobian, rates = Held(held, q @ held + held_rate).added(jacobian, rates, q)
-        dq_ds = least_norm_step(jacobian, rates)
+        aim = aim_columns(None if held is None else Held(held, q @ held + held_rate), len(q))
+        dq_ds = evaluate(prediction, [q.T, rates, aim], shared).T
         figure = float((np.abs(dq_ds) / robot.max_speed).max())
         for turns in product(*turn_choices(robot, q.min(axis=0), q.max(axis=0))):
             turned = q + TURN * np.array(turns)

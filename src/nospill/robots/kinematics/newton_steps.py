@@ -20,7 +20,7 @@ DAMPING = 1e-12
 residual decides.
 """
 
-_OF_COLUMNS: codegen.Shared = dict.fromkeys(("gap", "correction", "continuation"), codegen.LAST)
+_OF_COLUMNS: codegen.Shared = dict.fromkeys(("gap", "prediction", "correction", "continuation"), codegen.LAST)
 _NO_TURN = 1e-9
 """Sine of a rotation below which its axis is lost."""
 
@@ -36,9 +36,10 @@ def step_functions(arm: Kinematics, *, held: bool) -> codegen.Functions:
 
     Returns:
         gap: (q, pose, shared) -> gap (6,).
+        prediction: (q, way (6,), aim, shared) -> shortest changes of the joints (n,) that lead along a way of the tool.
         correction: (q, pose, aim, shared) -> norm of the gap with what is held, and the step (n,).
-        continuation: (q, way (6,), pose, aim, shared) -> the changes of the joints (n, 3): the one that leads along a
-            way of the tool, and two corrections behind it.
+        continuation: (q, way, pose, aim, shared) -> the changes of the joints (n, 3): `prediction`, and two corrections
+            behind it.
     """
     made, _, _ = codegen.functions(
         "newton", (*arm.stood, held), lambda: (_build(arm, held), None), of_columns=_OF_COLUMNS
@@ -54,20 +55,21 @@ def _build(arm: Kinematics, held: bool) -> codegen.Functions:
     rows = ca.vertcat(motion.jacobian, aim[: arm.n].T) if held else motion.jacobian
     missing = aim[arm.n :] - aim[: arm.n].T @ q if held else SX(0, 1)
     gap = ca.Function("gap", [q, pose, shared], [ca.densify(_pose_gap(pose, motion))], {"cse": True})
-    ahead = ca.Function("ahead", [q, aim, shared, way], [_least_norm(rows, ca.vertcat(way, missing))], {"cse": True})
+    across = ca.densify(_least_norm(rows, ca.vertcat(way, missing)))
+    prediction = ca.Function("prediction", [q, way, aim, shared], [across], {"cse": True})
 
     between = gap(q, pose, shared)
     size = ca.norm_2(ca.vertcat(between, missing))
-    correction = [size, ahead(q, aim, shared, between)]
-    changes, at = [ahead(q, aim, shared, way)], q
+    correction = [size, prediction(q, between, aim, shared)]
+    changes, at = [prediction(q, way, aim, shared)], q
     for _ in range(2):
         at = at + changes[-1]
-        changes.append(ahead(at, aim, shared, gap(at, pose, shared)))
+        changes.append(prediction(at, gap(at, pose, shared), aim, shared))
     outputs = {
         "correction": ([q, pose, aim, shared], correction),
         "continuation": ([q, way, pose, aim, shared], changes),
     }
-    return {"gap": gap} | {
+    return {"gap": gap, "prediction": prediction} | {
         name: ca.Function(name, inputs, [ca.densify(ca.vertcat(*parts))], {"cse": True})
         for name, (inputs, parts) in outputs.items()
     }
