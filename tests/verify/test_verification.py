@@ -150,12 +150,16 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
 
 @pytest.mark.slow
 @pytest.mark.oracle
-@pytest.mark.parametrize(("factor", "holds"), [(0.85, True), (1.25, False)])
 @pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid-tilt"])
-def test_friction_overstated_slides_and_understated_holds(name: str, factor: float, holds: bool) -> None:
-    """Planned with less or more friction than there is, the reserve of 10 % kept: 1.25 x 0.9 is 12.5 % too much."""
+def test_what_slides_is_found_when_friction_was_overstated_and_nothing_else(name: str) -> None:
+    """One motion on a tray of more and of less friction than planned; with the reserve of 10 %, 0.75 is 17 % short.
+
+    The motion stays the same: planned anew for more friction, a tilting tray may need no more of it than there is.
+    """
     scene = one_mode(name)
     table: Any = scene.source
-    wrong = plan(with_friction(scene, factor * float(table["tray"]["friction"])))
-    assert wrong.certificate.ok
-    assert verify(replace(wrong, scene=scene)).ok is holds
+    planned = plan(scene)
+    assert planned.certificate.ok
+    for factor, holds in ((1.2, True), (0.75, False)):
+        real = with_friction(scene, factor * float(table["tray"]["friction"]))
+        assert verify(replace(planned, scene=real)).ok is holds
