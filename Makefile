@@ -60,6 +60,8 @@ build: $(VENV)/.ready
 	$(PYTHON) -m venv $(WHEEL)
 	@$(WHEEL)/bin/python $(PIP) dist/nospill-*.whl
 	cd $(WHEEL) && bin/nospill examples
+	cd $(WHEEL) && bin/python -c "from nospill.native.libraries import CARRIED, LIBRARIES, file_name as of; \
+		assert all((CARRIED / of(name)).is_file() for name in LIBRARIES), 'the wheel carries no compiled libraries'"
 	cd $(WHEEL) && bin/nospill plan pp-two-cups --no-figures -o ../$(TRIAL)
 	rm -rf $(WHEEL)
 	@echo "wheel: $(CURDIR)/$$(ls dist/*.whl)"

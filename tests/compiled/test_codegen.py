@@ -19,11 +19,14 @@ import casadi as ca
 import pytest
 
 from nospill.compiled import codegen as compiled
+from nospill.compiled.cache_folder import cache_folder
+from nospill.compiled.small_libraries import small_library
 from nospill.judge import traces
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
 from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
+from nospill.native import libraries
 from nospill.planning.planner import plan
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
@@ -38,6 +41,8 @@ needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C
 USER = """
 import casadi as ca
 from nospill.compiled import codegen as compiled
+from nospill.compiled.cache_folder import cache_folder
+from nospill.compiled.small_libraries import small_library
 from nospill.scenario import read_scenario
 from nospill.laws.scene_parameters import structure_of
 
@@ -346,16 +351,16 @@ def test_a_small_file_is_compiled_meanwhile_unless_it_is_waited_for(
 ) -> None:
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "background")
-    source = tmp_path / "one.c"
-    source.write_text("int one(void) { return 1; }\n", encoding="utf-8")
-    assert compiled.compiled_library("small", [source], wait=False) is None
+    text = ["int one(void) { return 1; }\n"]
+    monkeypatch.setattr(libraries, "source", lambda _: text[-1])
+    assert small_library("ldl", wait=False) is None
     assert there(tmp_path, 1)
-    assert compiled.compiled_library("small", [source], wait=False) is not None
-    source.write_text("int one(void) { return 11; }\n", encoding="utf-8")
-    assert compiled.compiled_library("small", [source], wait=True) is not None
-    source.write_text("int one(void) { return 111; }\n", encoding="utf-8")
-    assert compiled.compiled_library("small", [source], wait=False) is None
-    assert compiled.compiled_library("small", [source], wait=True) is not None  # which is being compiled
+    assert small_library("ldl", wait=False) is not None
+    text.append("int one(void) { return 11; }\n")
+    assert small_library("ldl", wait=True) is not None
+    text.append("int one(void) { return 111; }\n")
+    assert small_library("ldl", wait=False) is None
+    assert small_library("ldl", wait=True) is not None  # which is being compiled
 
 
 def there(folder: Path, count: int) -> bool:
@@ -369,12 +374,12 @@ def there(folder: Path, count: int) -> bool:
 
 def test_the_folder_comes_from_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "own"))
-    assert compiled.cache_folder() == tmp_path / "own"
+    assert cache_folder() == tmp_path / "own"
     monkeypatch.delenv("NOSPILL_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert compiled.cache_folder() == tmp_path / "nospill"
+    assert cache_folder() == tmp_path / "nospill"
     monkeypatch.delenv("XDG_CACHE_HOME")
-    assert compiled.cache_folder() == Path.home() / ".cache" / "nospill"
+    assert cache_folder() == Path.home() / ".cache" / "nospill"
 
 
 def test_other_structures_and_kinds_have_other_entries(

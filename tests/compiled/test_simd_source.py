@@ -13,7 +13,10 @@ import numpy as np
 import pytest
 
 from nospill.compiled import codegen, simd_source
+from nospill.compiled.tape_reading import read_tape
 from nospill.core.batches import columns_at_once, evaluate, over_columns
+from nospill.native.operations import NAMES
+from tests.compiled.programs import OPERATIONS, of_two, random_program, tape_of
 from tests.compiling import COMPILER
 
 SX = ca.SX
@@ -40,56 +43,13 @@ def compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., c
     return made
 
 
-def of_two(name: str, expression: Callable[[SX, SX], SX]) -> ca.Function:
-    x, y, p = SX.sym("x", 2), SX.sym("y"), SX.sym("p")
-    return ca.Function(name, [x, y, p], [ca.vertcat(expression(x[0], y), p * expression(x[1], y)), expression(y, p)])
-
-
-OPERATIONS: dict[str, Callable[[SX, SX], SX]] = {
-    "assign": lambda x, y: x,
-    "sum": lambda x, y: x + y,
-    "difference": lambda x, y: x - y,
-    "product": lambda x, y: x * y,
-    "quotient": lambda x, y: x / y,
-    "negative": lambda x, y: -x,
-    "square": lambda x, y: x**2,
-    "twice": lambda x, y: 2 * x,
-    "inverse": lambda x, y: 1 / x,
-    "root": lambda x, y: ca.sqrt(x),
-    "sine": lambda x, y: ca.sin(x),
-    "cosine": lambda x, y: ca.cos(x),
-    "tangent": lambda x, y: ca.tan(x),
-    "arcs": lambda x, y: ca.asin(x / 9) + ca.acos(y / 9) * ca.atan(x),
-    "angle": lambda x, y: ca.atan2(x, y),
-    "exponential": lambda x, y: ca.exp(x),
-    "logarithm": lambda x, y: ca.log(x),
-    "power": lambda x, y: ca.fabs(x) ** y,
-    "constant power": lambda x, y: x**3.5,
-    "hyperbolic": lambda x, y: ca.sinh(x) + ca.cosh(y) * ca.tanh(x),
-    "size": lambda x, y: ca.fabs(x),
-    "least": lambda x, y: ca.fmin(x, y),
-    "largest": lambda x, y: ca.fmax(x, y),
-    "sign": lambda x, y: ca.sign(x),
-    "less": lambda x, y: x < y,
-    "at most": lambda x, y: x <= y,
-    "same": lambda x, y: x == y,
-    "other": lambda x, y: x != y,
-    "not": lambda x, y: ca.logic_not(x < y),
-    "both": lambda x, y: ca.logic_and(x < y, x < 1),
-    "either": lambda x, y: ca.logic_or(x < y, x < 1),
-    "choice": lambda x, y: ca.if_else(x < y, x, 3 * y),
-    "constants": lambda x, y: x * 0.1 + y * 1e-300 + ca.inf * ca.fmax(x, 1.0),
-}
-"""Of every operation that is known at least one."""
-
-
 def test_every_known_operation_is_tried() -> None:
     used: set[int] = set()
     for name, expression in OPERATIONS.items():
         function = of_two(name.replace(" ", "_"), expression)
-        assert simd_source.is_possible(function)
+        assert read_tape(function, ()) is not None
         used |= {function.instruction_id(index) for index in range(function.n_instructions())}
-    assert used >= {*simd_source._ON_VECTORS, *simd_source._ON_NUMBERS} - {ca.OP_ASSIGN}
+    assert used >= {getattr(ca, f"OP_{name}") for name in NAMES} - {ca.OP_ASSIGN}
 
 
 @pytest.mark.parametrize("name", OPERATIONS)
@@ -108,13 +68,7 @@ def test_an_operation_gives_what_the_virtual_machine_gives(name: str, compiled: 
 
 @pytest.mark.parametrize("operations", [1, 498, 499, 500, 501, 3000])
 def test_parts_hand_on_what_later_ones_read(operations: int, compiled: Callable[..., ca.Function]) -> None:
-    """A long random program, whose every operation may read any value before it."""
-    random, x = np.random.default_rng(operations), SX.sym("x", 3)
-    values = [x[0], x[1], x[2]]
-    for _ in range(operations):
-        one, other = (values[index] for index in random.integers(len(values), size=2))
-        values.append([ca.sin(one) - other, one * 0.5 + other, ca.sqrt(1 + one**2) - 0.3 * other][random.integers(3)])
-    function = ca.Function("program", [x], [ca.vertcat(*values[-5:]), values[len(values) // 2]])
+    function, random = random_program(operations), np.random.default_rng(operations)
     columns = random.normal(size=(3, 4))
     found = [part.full() for part in compiled(function)(columns)]
     wanted = [function(columns[:, column]) for column in range(4)]
@@ -145,7 +99,7 @@ def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Call
         ca.Function("graph", [w], [2 * w]),
     ]
     for function in others:
-        assert not simd_source.is_possible(function)
+        assert read_tape(function, ()) is None
         found = compiled(function)
         assert found.size_in(0) == function.size_in(0)
         value = np.full(function.size_in(0), 0.3)
@@ -155,7 +109,7 @@ def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Call
 def test_outputs_that_nobody_asks_for_and_inputs_that_are_not_given(tmp_path: Path) -> None:
     """As CasADi calls external functions: a missing input is zero, a missing output is not written; any alignment."""
     function = of_two("bare", lambda x, y: x + y)
-    (tmp_path / "bare.c").write_text(simd_source.HEADER + simd_source.source(function, {2}))
+    (tmp_path / "bare.c").write_text(simd_source.HEADER + simd_source.source(tape_of(function, {2})))
     library = tmp_path / "bare.so"
     subprocess.run(
         [COMPILER, "-O1", "-shared", "-fPIC", *simd_source.flags(), "-o", library, tmp_path / "bare.c", "-lm"],

@@ -16,6 +16,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
+from nospill.native import libraries
 from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import Solution, SolveOptions, linear_solvers, solve
@@ -122,27 +123,24 @@ def test_a_damaged_library_is_made_anew(compiling: Path) -> None:
 
 @needs_compiler
 def test_a_library_that_does_not_load_is_not_handed_to_ipopt(
-    task: Task, compiling: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    task: Task, compiling: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    source = tmp_path / "broken.c"
-    source.write_text("void nowhere(void);\nvoid ma27id_(void) { nowhere(); }\n")
-    monkeypatch.setattr(linear_solvers, "SOURCES", (source,))
+    monkeypatch.setattr(libraries, "source", lambda _: "void nowhere(void);\nvoid ma27id_(void) { nowhere(); }\n")
     assert linear_solvers.ldl_library() is None
     assert task.solve("auto").linear_solver == "mumps"
 
 
 @needs_compiler
 def test_a_solve_whose_systems_fail_is_made_again_and_says_so(
-    task: Task, compiling: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    task: Task, compiling: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A factorisation that reports a fault at its third call."""
-    source = tmp_path / "failing.c"
-    text = "\n".join(file.read_text() for file in linear_solvers.SOURCES)
+    text = libraries.source("ldl")
     fault = "static int calls;\nif (++calls > 2) { info[0] = NO_MEMORY; return; }\n"
     marked = "    *maxfrt = 2 * *n;\n"
     assert text.count(marked) == 1
-    source.write_text(text.replace(marked, marked + fault))
-    monkeypatch.setattr(linear_solvers, "SOURCES", (source,))
+    failing = text.replace(marked, marked + fault)
+    monkeypatch.setattr(libraries, "source", lambda _: failing)
     alone, together = task.solve("ldl"), task.solve("auto")
     assert not alone.converged and alone.linear_solver == "ldl"
     assert together.converged and together.linear_solver == "mumps after ldl"

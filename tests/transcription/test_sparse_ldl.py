@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.native import libraries
 from nospill.transcription.solvers import linear_solvers
 from tests.compiling import COMPILER
 from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
@@ -139,9 +140,8 @@ def test_any_chain(library: Path, seed: int, stages: int, variables: int, data: 
 def test_processors_without_fused_products_find_the_same(
     library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = tmp_path / "plain.c"
-    plain.write_text("#define WITHOUT_FMA\n" + "\n".join(file.read_text() for file in linear_solvers.SOURCES))
-    monkeypatch.setattr(linear_solvers, "SOURCES", (plain,))
+    plain = "#define WITHOUT_FMA\n" + libraries.source("ldl")
+    monkeypatch.setattr(libraries, "source", lambda _: plain)
     monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     other = linear_solvers.ldl_library()

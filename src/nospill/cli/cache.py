@@ -40,7 +40,7 @@ def _warm() -> int:
 
 
 def _list() -> None:
-    from nospill.compiled.codegen import cache_folder
+    from nospill.compiled.cache_folder import cache_folder
     from nospill.compiled.entries import cache_entries
 
     entries = cache_entries()

@@ -11,7 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from nospill.compiled.codegen import cache_folder, source_digest
+from nospill.compiled.cache_folder import cache_folder
+from nospill.compiled.codegen import source_digest
 from nospill.compiled.compile_worker import LONGEST_COMPILATION
 
 _ENTRY = re.compile(r"(?P<kind>[a-z-]+)-[0-9a-f]{32}")

@@ -17,7 +17,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-_CHUNK = 500
+_CHUNK = 512
 
 
 def thread_count() -> int:

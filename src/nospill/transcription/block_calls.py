@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from nospill.core.batches import over_columns, thread_count
+from nospill.core.batches import columns_at_once, over_columns, thread_count
 from nospill.transcription.object_block import SHARED_OF_OBJECT
 from nospill.transcription.placing import PlacedObject
 from nospill.transcription.stage_functions import StageFunctions
@@ -23,7 +23,9 @@ from nospill.transcription.tray_motion import INSTANTS
 MX = ca.MX
 
 _MOST_THREADS = 4
-"""Beyond this, starting threads takes what they save: all stages take one to three milliseconds."""
+"""For CasADi's virtual machine. Beyond this, and where columns are taken together, starting threads takes what they
+save: all stages take one to three milliseconds.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,6 @@ class BlockCalls:
         self._stage, self._intervals = stage, intervals
         self._total = intervals * stage.layout.size + stage.layout.states
         self.w, self.p = w, p
-        self._threads = 1 if stage.compiled else min(_MOST_THREADS, thread_count())
 
     def cost(self) -> MX:
         """The cost."""
@@ -173,11 +174,11 @@ class BlockCalls:
     def _of_tray(self, name: str) -> Any:
         """A function of the tray's block on all stages."""
         function = getattr(self._stage.tray.block, name)
-        return _mapped(function, self._intervals, SHARED_OF_TRAY[name], self._threads)
+        return _mapped(function, self._intervals, SHARED_OF_TRAY[name])
 
     def _of_object(self, item: PlacedObject, name: str) -> Any:
         """A function of an object's block on all stages."""
-        return _mapped(getattr(item.block, name), self._intervals, SHARED_OF_OBJECT[name], self._threads)
+        return _mapped(getattr(item.block, name), self._intervals, SHARED_OF_OBJECT[name])
 
 
 def jacobian_parts(stage: StageFunctions) -> Stacked:
@@ -209,5 +210,7 @@ def row_parts(stage: StageFunctions) -> tuple[Stacked, np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=256)
-def _mapped(function: Any, count: int, shared: tuple[int, ...], threads: int) -> Any:
+def _mapped(function: Any, count: int, shared: tuple[int, ...]) -> Any:
+    one_by_one = columns_at_once(function, shared) == 1
+    threads = min(_MOST_THREADS, thread_count()) if one_by_one else 1
     return over_columns(function, count, list(shared), threads=threads)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from nospill.compiled.codegen import cache_folder, compiles, is_private, start_compilers
+from nospill.compiled.cache_folder import cache_folder, compiles, is_private
+from nospill.compiled.codegen import start_compilers
 from nospill.compiled.compilers import compiler_path
 from nospill.compiled.entries import compiling
 from nospill.core.batches import thread_count

@@ -14,15 +14,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from nospill.compiled.codegen import compiled_library
+from nospill.compiled.small_libraries import small_library
 from nospill.errors import ScenarioError
 
 Settings = dict[str, Any]
 """Of IPOPT, as `casadi.nlpsol` takes them."""
-
-_FILES = ("pivot_order.c", "pivot_tree.c", "supernodes.c", "dense_update.c", "sparse_ldl.c")
-SOURCES = tuple(Path(__file__).with_name(name) for name in _FILES)
-"""Of `ldl`, one after the other."""
 
 UNSOLVED = (
     "Error_In_Step_Computation",
@@ -89,7 +85,7 @@ def candidates(name: str) -> list[tuple[str, Settings]]:
 
 def ldl_library(*, wait: bool = True) -> Path | None:
     """The compiled `ldl`, checked to load; None where it cannot be had, or not yet and is not waited for."""
-    library = compiled_library("ldl", SOURCES, wait=wait)
+    library = small_library("ldl", wait=wait)
     if library is not None:
         with suppress(OSError):  # a symbol is missing; found by IPOPT it would end the process
             ctypes.CDLL(str(library))

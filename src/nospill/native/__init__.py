@@ -1,0 +1,1 @@
+"""Libraries in C: the linear solver and the interpreter of tapes."""

@@ -1,0 +1,38 @@
+"""The libraries in C: their source, and how they are compiled.
+
+A wheel carries them where a compiler was there when it was built (setup.py); otherwise they are compiled at their first
+use (`compiled/small_libraries.py`). A file is named by the hash of its source, so that none outlives it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from nospill.native import operations
+
+FLAGS = ("-O3", "-std=c99", "-shared", "-fPIC")
+"""Of the compiler; C99 by itself contracts no products and sums."""
+
+CARRIED = Path(__file__).with_name("carried")
+"""Where a wheel has the compiled libraries."""
+
+_FILES = {
+    "ldl": ("pivot_order.c", "pivot_tree.c", "supernodes.c", "dense_update.c", "sparse_ldl.c"),
+    "interpreter": ("interpreter.c",),
+}
+"""The files of each, compiled as one."""
+LIBRARIES = tuple(_FILES)
+"""Their names."""
+
+
+def source(name: str) -> str:
+    """The C source of a library of `LIBRARIES`."""
+    parts = [Path(__file__).with_name(file).read_text(encoding="utf-8") for file in _FILES[name]]
+    return "\n".join([*([operations.interpreted()] if name == "interpreter" else []), *parts])
+
+
+def file_name(name: str) -> str:
+    """Of a compiled library."""
+    digest = hashlib.sha256("\0".join((*FLAGS, source(name))).encode())
+    return f"{name}-{digest.hexdigest()[:32]}.so"

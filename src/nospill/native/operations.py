@@ -1,0 +1,72 @@
+"""What the operations of CasADi's symbolic functions are in C, by their names there (OP_ADD is ADD)."""
+
+from __future__ import annotations
+
+ON_VECTORS = {
+    "ASSIGN": "{0}",
+    "ADD": "{0} + {1}",
+    "SUB": "{0} - {1}",
+    "MUL": "{0} * {1}",
+    "DIV": "{0} / {1}",
+    "NEG": "-{0}",
+    "SQ": "{0} * {0}",
+    "TWICE": "{0} + {0}",
+    "INV": "ALL(1.0) / {0}",
+}
+"""On vectors of `HEADER`, with places for the operands."""
+
+ON_NUMBERS = {
+    "SQRT": "sqrt({0})",
+    "SIN": "sin({0})",
+    "COS": "cos({0})",
+    "TAN": "tan({0})",
+    "ASIN": "asin({0})",
+    "ACOS": "acos({0})",
+    "ATAN": "atan({0})",
+    "ATAN2": "atan2({0}, {1})",
+    "EXP": "exp({0})",
+    "LOG": "log({0})",
+    "POW": "pow({0}, {1})",
+    "CONSTPOW": "pow({0}, {1})",
+    "SINH": "sinh({0})",
+    "COSH": "cosh({0})",
+    "TANH": "tanh({0})",
+    "FABS": "fabs({0})",
+    "FMIN": "fmin({0}, {1})",
+    "FMAX": "fmax({0}, {1})",
+    "SIGN": "({0} < 0.0 ? -1.0 : {0} > 0.0 ? 1.0 : {0})",
+    "LT": "({0} < {1})",
+    "LE": "({0} <= {1})",
+    "EQ": "({0} == {1})",
+    "NE": "({0} != {1})",
+    "NOT": "(!{0})",
+    "AND": "({0} && {1})",
+    "OR": "({0} || {1})",
+    "IF_ELSE_ZERO": "({0} ? {1} : 0.0)",
+}
+"""On single numbers, column by column."""
+
+INPUT, OUTPUT, CONSTANT, FIRST = 0, 1, 2, 3
+"""Codes of a tape; from `FIRST` on the operations above, in their order."""
+NAMES = (*ON_VECTORS, *ON_NUMBERS)
+
+HEADER = """
+#include <math.h>
+#include <stdint.h>
+typedef double four __attribute__((vector_size(32)));
+#define ALL(x) ((four){x, x, x, x})
+"""
+"""What every C file with such operations begins with."""
+
+
+def interpreted() -> str:
+    """What the interpreter (interpreter.c) has of the operations: their codes, and a case of its switch for each."""
+    cases = []
+    for code, name in enumerate(NAMES, FIRST):
+        on_vectors = ON_VECTORS.get(name)
+        text, part, end = (on_vectors, "part", "FOURS") if on_vectors else (ON_NUMBERS[name], "of", "COLUMNS")
+        expression = text.format(f"one->{part}[j]", f"other->{part}[j]")
+        cases.append(f"case {code}: for (int j = 0; j < {end}; ++j) to->{part}[j] = {expression}; break;")
+    codes = {"INPUT": INPUT, "OUTPUT": OUTPUT, "CONSTANT": CONSTANT}
+    lines = [*(f"#define {name} {code}" for name, code in codes.items()), "#define OPERATIONS \\", " \\\n".join(cases)]
+    return HEADER + "\n".join(lines) + "\n"
