@@ -25,13 +25,12 @@ class WithLibraries(build_py):
         if COMPILER is None or self.editable_mode:
             return
         folder = Path(self.build_lib) / libraries.CARRIED.relative_to(libraries.CARRIED.parents[2])
-        folder.mkdir(parents=True, exist_ok=True)
-        for name in libraries.LIBRARIES:
-            command = [COMPILER, *libraries.FLAGS, "-x", "c", "-", "-o", str(folder / libraries.file_name(name)), "-lm"]
-            try:
-                subprocess.run(command, input=libraries.source(name), text=True, check=True)
-            except (OSError, subprocess.SubprocessError) as error:
-                print(f"nospill: {name} is not compiled into the wheel, but at its first use: {error}", file=sys.stderr)
+        try:
+            libraries.compile_into(folder, COMPILER)
+        except (OSError, subprocess.SubprocessError) as error:
+            print(
+                f"nospill: libraries are not compiled into the wheel, but at their first use: {error}", file=sys.stderr
+            )
 
 
 class OfThisPlatform(Distribution):

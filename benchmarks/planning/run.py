@@ -29,6 +29,8 @@ from typing import Any
 
 from benchmarks.planning import scenes
 from benchmarks.planning.report import machine, save_plot, table, write_page
+from nospill.compiled.compilers import compiler_path
+from nospill.native import libraries
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "benchmarks" / "results"
@@ -74,9 +76,15 @@ class Bench:
     """A copy of the package, a cache of compiled functions, and what is run with them."""
 
     def __init__(self, folder: Path) -> None:
-        """Copy the package into `folder`; the cache is kept between benchmarks, by content."""
+        """Copy the package into `folder`; the cache is kept between benchmarks, by content.
+
+        The libraries in C are compiled there as a wheel carries them.
+        """
         self.folder = folder
         shutil.copytree(REPOSITORY / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        compiler = compiler_path()
+        if compiler is not None:
+            libraries.compile_into(folder / "src" / libraries.CARRIED.relative_to(REPOSITORY / "src"), compiler)
         # As an installation leaves it: with PYTHONDONTWRITEBYTECODE every process would compile the sources anew.
         compileall.compile_dir(folder / "src", quiet=1)
         own = shutil.ignore_patterns("__pycache__", "results")

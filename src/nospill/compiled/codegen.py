@@ -81,9 +81,11 @@ def functions(
     ready = _load(kind, structure)
     if ready is None:
         made, data = build()
+        compiler = compiler_path() if mode() != "off" else None
+        if compiler is None and not (of_columns and small_library("interpreter", wait=False)):
+            return made, data, False  # nobody takes a tape
         tapes = _tapes(made, of_columns)
-        compiler = compiler_path()
-        if mode() != "off" and compiler is not None:
+        if compiler is not None:
             _waiting.append(_Entry(*_places(kind, structure), compiler, made, data, tapes))
         if mode() == "wait":
             _compile_waiting(wait=True)

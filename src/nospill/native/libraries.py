@@ -7,6 +7,7 @@ use (`compiled/small_libraries.py`). A file is named by the hash of its source, 
 from __future__ import annotations
 
 import hashlib
+import subprocess
 from pathlib import Path
 
 from nospill.native import operations
@@ -36,3 +37,20 @@ def file_name(name: str) -> str:
     """Of a compiled library."""
     digest = hashlib.sha256("\0".join((*FLAGS, source(name))).encode())
     return f"{name}-{digest.hexdigest()[:32]}.so"
+
+
+def compile_into(folder: Path, compiler: str) -> None:
+    """Compile the libraries into a folder, as a wheel carries them.
+
+    Args:
+        folder: of the package; made where it is missing.
+        compiler: path of the C compiler.
+
+    Raises:
+        OSError: the compiler cannot be run.
+        subprocess.CalledProcessError: it fails, and has said why.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in LIBRARIES:
+        command = [compiler, *FLAGS, "-x", "c", "-", "-o", str(folder / file_name(name)), "-lm"]
+        subprocess.run(command, input=source(name), text=True, check=True)
