@@ -207,6 +207,13 @@ def _fractions(found: Mapping[str, Any]) -> dict[str, float]:
     return {name: float(value) for name, value in dict(found).items()}
 
 
+def _solvers_read(counts: Mapping[str, int]) -> tuple[str, ...]:
+    """One name a solve; a damaged count would fill the memory with names."""
+    if any(count not in range(_MOST_SOLVES) for count in dict(counts).values()):
+        raise ValueError(f"linear_solvers: {dict(counts)}: counts from 0 to {_MOST_SOLVES - 1} are allowed")
+    return tuple(Counter(dict(counts)).elements())
+
+
 def _speeds_written(uses: tuple[SpeedUse, ...] | None) -> list[dict[str, Any]] | None:
     return None if uses is None else [asdict(item) for item in uses]
 
@@ -243,6 +250,9 @@ def _approach_summary(plan: Plan) -> dict[str, Any] | None:
     return {"file": APPROACH_FILE, "duration_s": segment.duration, "tray": tray, "stretch": segment.stretch}
 
 
+_MOST_SOLVES = 100_000
+"""Of a plan, by one linear solver; campaigns know less than a thousand."""
+
 _SUMMARY: dict[str, _Computed | _Kept] = {
     "scenario": _Computed(lambda plan: plan.scene.name),
     "status": _Computed(lambda plan: plan.status),
@@ -273,7 +283,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "jerk_weight_factor": _Kept("report", "jerk_weight_factor"),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
-    "linear_solvers": _Kept("report", "linear_solvers", Counter, lambda counts: tuple(Counter(counts).elements())),
+    "linear_solvers": _Kept("report", "linear_solvers", Counter, _solvers_read),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
     "approach": _Computed(_approach_summary),

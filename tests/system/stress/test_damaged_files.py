@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from nospill.core.waypoint_files import read_waypoints
-from nospill.errors import NospillError
+from nospill.errors import NospillError, PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.handover import hand_over, read_samples
@@ -199,3 +199,12 @@ def test_examples_are_what_they_were() -> None:
     """The tests above leave the bundled files alone."""
     for name in EXAMPLES:
         assert tomllib.loads(example_path(name).read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("counts", [{"ldl": 10**12}, {"ldl": -1}, {"ldl": "many"}, {"ldl": 1.5}, None])
+def test_counts_that_would_fill_the_memory(saved: Path, tmp_path: Path, counts: object) -> None:
+    copy = shutil.copytree(saved, tmp_path / "copy")
+    table = json.loads((copy / "summary.json").read_text())
+    (copy / "summary.json").write_text(json.dumps(table | {"linear_solvers": counts}))
+    with pytest.raises(PlanFolderError, match=r"summary.json is damaged"):
+        load_plan(copy)
