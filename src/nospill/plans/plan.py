@@ -251,7 +251,7 @@ def _approach_summary(plan: Plan) -> dict[str, Any] | None:
 
 
 _MOST_SOLVES = 100_000
-"""Of a plan, by one linear solver; campaigns know less than a thousand."""
+"""Of a plan, by one linear solver: bounds the memory that a damaged file can ask for."""
 
 _SUMMARY: dict[str, _Computed | _Kept] = {
     "scenario": _Computed(lambda plan: plan.scene.name),

@@ -1,8 +1,8 @@
 """Linear solvers of IPOPT's steps: LDL^T with pivots fixed beforehand, and MUMPS.
 
-`ldl` is the C files beside this one, compiled as one in the background at its first use and kept with the compiled
-functions; IPOPT loads it as MA27. `auto` is `ldl` where that is there, and `mumps` until it is and where it cannot be
-had (no compiler, NOSPILL_COMPILE=off); a solve that ends with linear systems which `ldl` could not solve is made again
+`ldl` is a library in C (`nospill.native`), carried by the wheel or compiled in the background at its first use; IPOPT
+loads it as MA27. `auto` is `ldl` where that is there, and `mumps` until it is and where it cannot be had (not carried,
+and no compiler or NOSPILL_COMPILE=off); a solve that ends with linear systems which `ldl` could not solve is made again
 with `mumps`.
 """
 
