@@ -206,14 +206,19 @@ def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
     assert again.report.starts.tried == 1 and again.report.iterations < first.report.iterations / 2
 
 
+LESS_FRICTION = {"tray.friction": 0.35}
+LOWER_WAVES = {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}
+
+
 @pytest.mark.parametrize(
-    "changes", [{"tray.friction": 0.35}, {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}]
+    ("name", "changes"),
+    [("matrix-liquid", LESS_FRICTION), ("matrix-liquid", LOWER_WAVES), ("matrix-liquid-tilt", LOWER_WAVES)],
 )
 def test_warm_where_limits_become_much_tighter(
-    example_plan: Example, changed_scene: Changed, changes: dict[str, object]
+    example_plan: Example, changed_scene: Changed, name: str, changes: dict[str, object]
 ) -> None:
     """The old motion, which breaks the new limits by a tenth and more, is still a good start once it is slowed down."""
-    first, scene = example_plan("matrix-liquid"), changed_scene("matrix-liquid", changes)
+    first, scene = example_plan(name), changed_scene(name, changes)
     planner = Planner(first)
     planner.plan(first.scene)
     again, anew = planner.plan(scene), plan(scene)

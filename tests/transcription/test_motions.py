@@ -17,6 +17,7 @@ from nospill.transcription.problem import build_problem
 from nospill.transcription.resampling import resample
 from nospill.transcription.stages import Stages, sample_stages
 from nospill.transcription.starting_motions import Start, estimate_duration, quintic, smooth_start
+from nospill.transcription.time_scaling import slowed
 from tests.builders import joint_path_of, one_mode
 
 STARTS = [
@@ -111,6 +112,19 @@ def test_smooth_start_of_a_level_tray_meets_the_kinematic_equations():
     states = transcription.layout.states
     kinematic = table[:, states : states + 12]
     assert np.abs(kinematic).max() < 2e-3
+
+
+def test_a_slowed_motion_is_its_own_derivative_and_tilts_with_its_acceleration(tilting):
+    scene, _ = tilting
+    layout, factor = layout_of(structure_of(scene)), 1.3
+    motion = consistent_motion(layout, 12, 0.02)
+    slow = slowed(motion, layout, factor)
+    assert slow.duration == pytest.approx(factor * motion.duration)
+    assert np.max(np.abs(chain_gaps(slow, layout))) < 1e-12
+    path, tilts = slice(0, 3), [3 * chain for chain in layout.freedom.tilt_chains]
+    assert np.allclose(slow.table[:, path], motion.table[:, path] / factor ** np.arange(3))
+    for column in (*tilts, 2, layout.displacement.start):  # angles, path acceleration, liquid: all by one factor
+        assert np.allclose(slow.table[:, column], motion.table[:, column] / factor**2)
 
 
 def test_resample_keeps_the_motion(tilting):

@@ -15,14 +15,14 @@ from nospill.plans.log import Log
 from nospill.plans.plan import Plan
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
-from nospill.transcription.solvers.options import BARRIERS, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 
 _WARM_BARRIER = 1e-6
-_PUSH_IF_BROKEN = 0.09
-_BROKEN_ITERATIONS = 50
+_LOOSELY: Options = {"loose_tolerances": True}
+_IF_BROKEN: Options = {"kkt_error_globalization": True, "bound_push": 3e-3, "max_iterations": 50, **_LOOSELY}
 
 
 def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
@@ -72,13 +72,12 @@ def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate
     problem = problem_about(active, start)
     if is_broken(problem, start):
         start = slow_enough(problem, start)
-        options = {"bound_push": _PUSH_IF_BROKEN, "max_iterations": _BROKEN_ITERATIONS, "loose_tolerances": True}
-        found = solved(active, start, log, options, warm=warm)
+        found = solved(active, start, log, _IF_BROKEN, warm=warm)
         if not found.solution.converged:
             found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
     else:
         options = near_optimum(_WARM_BARRIER if warm else BARRIERS[0], REFINE_ITERATIONS)
-        found = solved(active, start, log, {**options, "loose_tolerances": True}, warm=warm)
+        found = solved(active, start, log, {**options, **_LOOSELY}, warm=warm)
     succeeded = found.has_converged and found.keeps_branch
     log.starts.append(found.stages.duration if succeeded else None)
     return found if succeeded else None

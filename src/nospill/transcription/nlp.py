@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -30,6 +30,20 @@ IndexedBackoff = Mapping[RowIndex, float]
 
 IndexedRows = frozenset[RowIndex]
 """Rows that take part, those on the final state as well."""
+
+
+class IndexedPlaces(NamedTuple):
+    """Where a row stands.
+
+    Attributes:
+        row: of the structure.
+        places: (m,) among the constraints.
+        nodes: (m,) that each is about.
+    """
+
+    row: RowIndex
+    places: np.ndarray
+    nodes: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +97,20 @@ class Transcription:
     def derivatives(self) -> Derivatives:
         """Made at the first solve: of many problems only the constraints are looked at."""
         return self.make_derivatives()
+
+    @cached_property
+    def row_places(self) -> tuple[IndexedPlaces, ...]:
+        """Where each row of the table that takes part stands, some rows more than once."""
+        nodes, end = np.arange(self.intervals), np.array([self.intervals])
+        return tuple(
+            IndexedPlaces(
+                block.row,
+                (own[:, None] * self.rows_per_stage + block.first + np.arange(block.count)).ravel(),
+                np.repeat(own, block.count),
+            )
+            for own, blocks in ((nodes, self.blocks), (end, self.end_blocks))
+            for block in blocks
+        )
 
     @property
     def layout(self) -> Layout:

@@ -97,13 +97,8 @@ class Problem:
     @property
     def places(self) -> tuple[RowPlaces, ...]:
         """Where each row that takes part stands among the constraints, some rows more than once."""
-        transcription, found = self.transcription, list[RowPlaces]()
-        nodes = np.arange(transcription.intervals)
-        end = np.array([transcription.intervals])
-        for own_nodes, blocks in ((nodes, transcription.blocks), (end, transcription.end_blocks)):
-            for block in blocks:
-                places = own_nodes[:, None] * transcription.rows_per_stage + block.first + np.arange(block.count)
-                found.append(RowPlaces(self.rows[block.row], places.ravel(), np.repeat(own_nodes, block.count)))
+        transcription = self.transcription
+        found = (RowPlaces(self.rows[row], places, own) for row, places, own in transcription.row_places)
         behind = len(transcription.lower) - transcription.clearance_rows
         apart = (RowPlaces(row, behind + places, nodes) for row, (places, nodes) in self.planes.places().items())
         return (*found, *apart)

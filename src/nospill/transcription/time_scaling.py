@@ -15,16 +15,19 @@ _BISECTIONS = 6
 
 
 def slowed(stages: Stages, layout: Layout, factor: float) -> Stages:
-    """The same motion played `factor` times as slowly.
+    """The same motion played `factor` times as slowly, its tilt angles in proportion to the acceleration.
 
     Liquids follow in proportion to the tray's acceleration, which is nearly what they do and keeps them in phase; their
-    equation of motion no longer holds to the last digit.
+    equation of motion no longer holds to the last digit, nor do the joint positions of a tray that tilts.
     """
     table = stages.table.copy()
     for chain in range(layout.chains):
         table[:, 3 * chain + 1] /= factor
         table[:, 3 * chain + 2] /= factor**2
     table[:, layout.jerks] /= factor**3
+    for chain in layout.freedom.tilt_chains:  # as much of gravity along the tray as there is acceleration to balance
+        table[:, 3 * chain : 3 * chain + 3] /= factor**2
+        table[:, layout.jerks.start + chain] /= factor**2
     table[:, layout.interval] *= factor
     table[:, layout.displacement] /= factor**2
     table[:, layout.velocity] /= factor**3

@@ -72,6 +72,8 @@ def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
         ]
         corners[cargo.name] = np.vstack(ends)
     for name, points in corners.items():
+        if np.min(rise) > np.max(np.linalg.norm(points, axis=1)):
+            continue  # too high for any orientation
         lowest = rise + np.min(points @ lean.T, axis=0)
         index = int(np.argmin(lowest))
         if lowest[index] < 0.0:
