@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -30,20 +30,6 @@ IndexedBackoff = Mapping[RowIndex, float]
 
 IndexedRows = frozenset[RowIndex]
 """Rows that take part, those on the final state as well."""
-
-
-class IndexedPlaces(NamedTuple):
-    """Where a row stands.
-
-    Attributes:
-        row: of the structure.
-        places: (m,) among the constraints.
-        nodes: (m,) that each is about.
-    """
-
-    row: RowIndex
-    places: np.ndarray
-    nodes: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +85,14 @@ class Transcription:
         return self.make_derivatives()
 
     @cached_property
-    def row_places(self) -> tuple[IndexedPlaces, ...]:
-        """Where each row of the table that takes part stands, some rows more than once."""
+    def row_places(self) -> tuple[tuple[RowIndex, np.ndarray, np.ndarray], ...]:
+        """Each row that takes part, but for clearance, its places (m,) among the constraints and the node (m,) of each.
+
+        Some rows stand there more than once.
+        """
         nodes, end = np.arange(self.intervals), np.array([self.intervals])
         return tuple(
-            IndexedPlaces(
+            (
                 block.row,
                 (own[:, None] * self.rows_per_stage + block.first + np.arange(block.count)).ravel(),
                 np.repeat(own, block.count),
