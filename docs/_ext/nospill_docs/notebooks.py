@@ -7,6 +7,9 @@ import os
 from pathlib import Path
 from typing import Any
 
+# Imported here, before any thread: looking up a kernel imports IPython, and matplotlib, drawing in another thread,
+# reads IPython's version as soon as the import of it has begun.
+import IPython  # noqa: F401
 import nbclient
 import nbformat
 

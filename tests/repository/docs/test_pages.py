@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -33,6 +36,21 @@ def test_every_row_of_a_certificate_is_explained(smooth_motion: Callable[..., ob
     rows = certify(motion.trajectory, motion.scene).rows  # type: ignore[attr-defined]
     for name in {row.constraint for row in rows}:
         assert re.search(rf"^\| [^|]*\b{name}\b[^|]*\|", page, re.MULTILINE), name
+
+
+def test_a_notebook_is_executed_without_importing_ipython_beside_the_figures(tmp_path: Path) -> None:
+    """The figures are drawn in another thread, where matplotlib fails on an IPython that is imported in part."""
+    program = (
+        "import sys; from pathlib import Path; import nbformat; from nospill_docs.notebooks import execute;"
+        "v4 = nbformat.v4; text = nbformat.writes(v4.new_notebook(cells=[v4.new_code_cell('print(6 * 7)')]));"
+        "before = set(sys.modules); done = execute(text, Path(sys.argv[1])); new = set(sys.modules) - before;"
+        "print(done.cells[0].outputs[0].text.strip(), [name for name in new if name.split('.')[0] == 'IPython'])"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)], env=environment, text=True, capture_output=True, check=False
+    )
+    assert done.stdout.strip() == "42 []", done.stderr
 
 
 @pytest.mark.slow
