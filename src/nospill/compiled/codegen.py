@@ -51,7 +51,10 @@ _SOURCES = ("core", "native", "compiled", "robots", "scene", "laws", "judge", "t
 """Packages whose source is part of the key: those of which compiled functions are made."""
 
 _FORMAT = "5"
-_FLAGS = ("-O1", "-ffp-contract=off", "-shared", "-fPIC")
+_FLAGS = ("-O1", "-fexpensive-optimizations", "-ffp-contract=off", "-shared", "-fPIC")
+"""-fexpensive-optimizations has GCC clear the upper halves of the vector registers before it calls sin or fmin, which
+-O1 alone does not: a function with few other operations then takes three to five times as long.
+"""
 _LONG = 3000
 """Instructions of a part from which on its functions wait for the interpreter, the first time on a machine: 0.3 s."""
 

@@ -197,7 +197,7 @@ def _sensitivities(answer: Answer) -> dict[RowId, Sensitivity]:
     problem = answer.problem
     transcription = problem.transcription
     values = [
-        np.asarray(transcription.constraint_function(solution.variables, parameters)).ravel()
+        transcription.constraints(solution.variables, parameters)
         for parameters in (
             problem.parameters,
             problem.with_more_backoff(_STEP),

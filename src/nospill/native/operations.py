@@ -12,8 +12,23 @@ ON_VECTORS = {
     "SQ": "{0} * {0}",
     "TWICE": "{0} + {0}",
     "INV": "ALL(1.0) / {0}",
+    "FABS": "(four)((mask){0} & ~(mask)ALL(-0.0))",
+    "FMIN": "CHOICE(({0} < {1}) | ({1} != {1}), {0}, {1})",
+    "FMAX": "CHOICE(({0} > {1}) | ({1} != {1}), {0}, {1})",
+    "SIGN": "CHOICE({0} < ALL(0.0), ALL(-1.0), CHOICE({0} > ALL(0.0), ALL(1.0), {0}))",
+    "LT": "ONE({0} < {1})",
+    "LE": "ONE({0} <= {1})",
+    "EQ": "ONE({0} == {1})",
+    "NE": "ONE({0} != {1})",
+    "NOT": "ONE({0} == ALL(0.0))",
+    "AND": "ONE(({0} != ALL(0.0)) & ({1} != ALL(0.0)))",
+    "OR": "ONE(({0} != ALL(0.0)) | ({1} != ALL(0.0)))",
+    "IF_ELSE_ZERO": "(four)(({0} != ALL(0.0)) & (mask){1})",
 }
-"""On vectors of `HEADER`, with places for the operands."""
+"""On vectors of `HEADER`, with places for the operands.
+
+A comparison of two vectors is a mask, all bits of a number where it holds and none elsewhere.
+"""
 
 ON_NUMBERS = {
     "SQRT": "sqrt({0})",
@@ -31,18 +46,6 @@ ON_NUMBERS = {
     "SINH": "sinh({0})",
     "COSH": "cosh({0})",
     "TANH": "tanh({0})",
-    "FABS": "fabs({0})",
-    "FMIN": "fmin({0}, {1})",
-    "FMAX": "fmax({0}, {1})",
-    "SIGN": "({0} < 0.0 ? -1.0 : {0} > 0.0 ? 1.0 : {0})",
-    "LT": "({0} < {1})",
-    "LE": "({0} <= {1})",
-    "EQ": "({0} == {1})",
-    "NE": "({0} != {1})",
-    "NOT": "(!{0})",
-    "AND": "({0} && {1})",
-    "OR": "({0} || {1})",
-    "IF_ELSE_ZERO": "({0} ? {1} : 0.0)",
 }
 """On single numbers, column by column."""
 
@@ -54,7 +57,10 @@ HEADER = """
 #include <math.h>
 #include <stdint.h>
 typedef double four __attribute__((vector_size(32)));
+typedef long long mask __attribute__((vector_size(32)));
 #define ALL(x) ((four){x, x, x, x})
+#define ONE(true) ((four)((true) & (mask)ALL(1.0)))
+#define CHOICE(true, one, other) ((four)(((true) & (mask)(one)) | (~(true) & (mask)(other))))
 """
 """What every C file with such operations begins with."""
 

@@ -14,6 +14,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from nospill.core.batches import call
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
 from nospill.transcription.clearance_planes import Groups, number_count, variable_count
@@ -110,6 +111,10 @@ class Transcription:
     def variables(self) -> int:
         """Number of variables."""
         return int(self.nlp["x"].numel())
+
+    def constraints(self, variables: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+        """Values of all constraints, shape (m,)."""
+        return call(self.constraint_function, variables, parameters).ravel()
 
     def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: IndexedBackoff) -> np.ndarray:
         """The parameters of the table: numbers, scales of a stage, back-off of every row, number of intervals."""

@@ -64,8 +64,7 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
 def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers) -> float:
     """The part of the Lagrangian that changes with the numbers."""
     parameters = problem.parameters_of(numbers, problem.backoff)
-    values = np.asarray(problem.transcription.constraint_function(solution.variables, parameters)).ravel()
-    return float(solution.multipliers @ values)
+    return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 
 def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:

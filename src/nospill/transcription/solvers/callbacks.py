@@ -83,9 +83,10 @@ def watched(problem: Problem, progress: IterationCallback | None) -> Iterator[di
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Raise KeyboardInterrupt after a call into CasADi during which one came: CasADi would swallow it and go on.
+    """Raise KeyboardInterrupt after a call into CasADi during which one came.
 
-    Outside the main thread, where no signal arrives, this does nothing.
+    CasADi stops at it and returns an answer, of which Python makes a SystemError, since an error is set. Outside the
+    main thread, where no signal arrives, this does nothing.
     """
     came = False
 
@@ -100,6 +101,9 @@ def interruptible() -> Iterator[None]:
     before = signal.signal(signal.SIGINT, note)
     try:
         yield
+    except SystemError:
+        if not came:
+            raise
     finally:
         signal.signal(signal.SIGINT, before)
     if came:

@@ -62,8 +62,7 @@ def violation(problem: Problem, values: np.ndarray) -> float:
 
 def row_slack(problem: Problem, stages: Stages) -> dict[RowId, float]:
     """`Solution.slack` of any motion on the problem's grid, solved or not."""
-    values = problem.transcription.constraint_function(problem.encode(stages), problem.parameters)
-    return least_slack(problem, np.asarray(values).ravel())
+    return least_slack(problem, problem.transcription.constraints(problem.encode(stages), problem.parameters))
 
 
 def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
 import casadi as ca
@@ -27,6 +28,8 @@ _SENTENCES = {
     "Invalid_Number_Detected": "met a number that is not finite",
     "User_Requested_Stop": "was stopped by the user",
 }
+_RESULTS = ("x", "f", "g", "lam_x", "lam_g")
+"""Names of what is read of a solver's answer."""
 
 
 def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solution | None = None) -> Solution:
@@ -46,7 +49,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     settings = ipopt_settings(problem, options)
     settings |= {"print_time": False, "error_on_fail": False, "calc_lam_p": False}
     began = time.perf_counter()
-    arguments: dict[str, Any] = {
+    arguments = {
         "x0": problem.encode(start),
         "p": problem.parameters,
         "lbx": problem.lower,
@@ -63,14 +66,13 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
             break
         result, stats = _attempt(problem, settings | own, arguments, options)
         linear_solver = f"{other} after {linear_solver}"
-    variables = np.asarray(result["x"]).ravel()
-    values = np.asarray(result["g"]).ravel()
+    variables, values = result["x"], result["g"]
     return Solution(
         stages=problem.decode(variables),
         variables=variables,
-        multipliers=np.asarray(result["lam_g"]).ravel(),
-        bound_multipliers=np.asarray(result["lam_x"]).ravel(),
-        objective=float(result["f"]),
+        multipliers=result["lam_g"],
+        bound_multipliers=result["lam_x"],
+        objective=float(result["f"][0]),
         violation=violation(problem, values),
         slack=least_slack(problem, values),
         converged=bool(stats["success"]),
@@ -82,14 +84,33 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
 
 
 def _attempt(
-    problem: Problem, settings: Settings, arguments: dict[str, Any], options: SolveOptions
-) -> tuple[dict[str, Any], dict[str, Any]]:
+    problem: Problem, settings: Settings, arguments: Mapping[str, np.ndarray], options: SolveOptions
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Answer and statistics of one run of IPOPT."""
     with watched(problem, options.progress) as watching:
         nlpsol = ca.nlpsol("plan", "ipopt", problem.transcription.nlp, settings | watching)
         with interruptible():
-            result = nlpsol(**arguments)
-    return result, nlpsol.stats()
+            return _called(nlpsol, arguments)
+
+
+def _called(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The outputs by name, and the statistics; what there is no argument for is zero.
+
+    The solver reads and writes the arrays themselves: CasADi's matrices, through which a plain call goes, take as long
+    as an iteration.
+    """
+    buffer, evaluate_now = nlpsol.buffer()
+    given = {name: np.ascontiguousarray(value, dtype=float) for name, value in arguments.items()}
+    results = {name: np.empty(nlpsol.nnz_out(name)) for name in _RESULTS}
+    for name, value in given.items():
+        assert value.shape == (nlpsol.nnz_in(name),)
+        buffer.set_arg(nlpsol.index_in(name), value.data)
+    for name, value in results.items():
+        buffer.set_res(nlpsol.index_out(name), value.data)
+    evaluate_now()
+    if buffer.ret():
+        raise RuntimeError(f"ipopt gave no answer (code {buffer.ret()})")
+    return results, buffer.stats()
 
 
 def _sentence(stats: dict[str, Any]) -> str:
