@@ -26,9 +26,8 @@ def test_an_interrupt_that_becomes_a_system_error_is_raised_as_what_it_is() -> N
 
 
 def test_an_interrupt_that_is_swallowed_is_raised_after_the_call() -> None:
-    with pytest.raises(KeyboardInterrupt), interruptible():
-        with contextlib.suppress(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt), interruptible(), contextlib.suppress(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
 
 
 def test_a_system_error_of_another_origin_stays_one() -> None:
