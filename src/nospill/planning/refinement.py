@@ -19,6 +19,7 @@ from nospill.plans.log import Log
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
+from nospill.transcription.sensitivity import saving_of
 from nospill.transcription.solvers import usable
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages
@@ -33,6 +34,8 @@ _ROUNDS = 8
 _GROWTHS = 12
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
+_WORTH_EASING = 2.5e-3
+"""Part of its duration by which a motion must get shorter for a solve with less back-off."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
 
@@ -95,9 +98,25 @@ class Judged:
 def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
     """Judge everything, solve some, add what is violated, until the certificate holds with room for a finer grid.
 
+    Then once more with less back-off, where that is worth it.
+
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
+    judged = _refined_until_certified(candidate, log)
+    last, end = judged.candidate, judged.trajectory.end_time
+    eased = last.active.eased(judged.judgement)
+    may = judged.judgement.certificate.ok and last.has_converged and not log.out_of_time
+    if may and saving_of(last.problem, last.solution, eased.backoff) > _WORTH_EASING * end:
+        with suppress(NoSolutionError):
+            again = _tightened(last, eased, log)
+            found = again and _refined_until_certified(again, log)
+            if found and found.judgement.certificate.ok and found.trajectory.end_time < end:
+                return found
+    return judged
+
+
+def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
     judged = _judged(candidate, log)
     tightened = grown = 0
     while not judged.judgement.leaves_room and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:

@@ -10,10 +10,10 @@ from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.refinement import to_fine_grid
-from nospill.planning.starts import Attempt, attempts
 from nospill.plans.log import Log
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
+from nospill.transcription.attempts import Attempt, attempts
 from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages

@@ -15,7 +15,7 @@ import numpy as np
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import ALL, JointKey, LimitKey, MotionKey, ObjectKey, RowId
 from nospill.laws.parameters import ObjectNumbers, SceneNumbers
-from nospill.transcription.problem import Problem
+from nospill.transcription.problem import Backoff, Problem
 from nospill.transcription.solvers import Solution
 
 WIDER = 0.1
@@ -61,9 +61,15 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
     return found
 
 
-def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers) -> float:
-    """The part of the Lagrangian that changes with the numbers."""
-    parameters = problem.parameters_of(numbers, problem.backoff)
+def saving_of(problem: Problem, solution: Solution, backoff: Backoff) -> float:
+    """Seconds that the motion would be shorter with another back-off, to the first order."""
+    before, after = (_lagrangian(problem, solution, problem.numbers, own) for own in (problem.backoff, backoff))
+    return before - after
+
+
+def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers, backoff: Backoff | None = None) -> float:
+    """The part of the Lagrangian that changes with the numbers and the back-off."""
+    parameters = problem.parameters_of(numbers, problem.backoff if backoff is None else backoff)
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from nospill.laws.constraints import LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 
 _MORE, _LEAST = 1.5, 3e-4
@@ -16,6 +16,8 @@ _TOO_MUCH, _STUCK = 0.8, 0.6
 _CONTACTS = OBJECT_NAMES - LIQUID_NAMES
 _NEAR, _SHARE = 0.03, 0.8
 """Part of its limit that a contact leaves, or less, where it is near it; and what it gets of another's back-off."""
+_LEFT, _EASED = 2e-3, 0.8
+"""Part of a limit that is left free all the same, and part of what is free beyond it that is no longer kept."""
 
 _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
 """Factor on the weights of the jerks, at once and in all."""
@@ -33,6 +35,19 @@ def tightened_backoff(backoff: float, excess: float, unused: float, point: Evalu
     most = _MOST_AT_END if point is EvaluationPoint.END else _MOST
     step = min(_MORE * excess + _LEAST, most)
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
+
+
+def eased_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -> dict[RowId, float]:
+    """Back-off of every row without most of what a judged motion shows to be more than it needs.
+
+    That of the final state stays: the sum of all modes there does not go down in proportion to the row's bound.
+
+    Args:
+        backoff: fraction of each budget that the problem kept.
+        uses: of the rows of what is in the problem, as judged.
+    """
+    unneeded = {row: max(1.0 - _LEFT - use, 0.0) for row, use in uses.items() if row.constraint not in END_NAMES}
+    return {row: max(value - _EASED * unneeded.get(row, 0.0), 0.0) for row, value in backoff.items()}
 
 
 def shared_backoff(

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from nospill.planning.starts import attempts
 from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
+from nospill.transcription.attempts import attempts
 from nospill.transcription.starting_motions import USUAL_START
 from nospill.transcription.task import Task
 

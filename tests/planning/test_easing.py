@@ -1,0 +1,80 @@
+"""Back-off that a certified motion shows to be more than is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.tightening import eased_backoff
+from nospill.planning import refinement
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import Candidate
+from nospill.planning.planner import plan
+from nospill.planning.refinement import Judged, certified_by_refinement, solved_from, started_from
+from nospill.plans.log import Log
+from nospill.scene.scene import Scene
+from nospill.transcription.sensitivity import saving_of
+from nospill.transcription.task import Task
+
+_TOO_MUCH = 0.08
+
+Begun = tuple[Candidate, float, Log]
+
+
+def test_most_of_what_is_free_is_no_longer_kept_and_never_less_than_nothing() -> None:
+    near, far, full, end, unseen = (
+        RowId("slip", "c1"),
+        RowId("tip", "c1"),
+        RowId("slip", "c2"),
+        RowId("residual height", "c1"),
+        RowId("twist", "c1"),
+    )
+    eased = eased_backoff(
+        {near: 0.05, far: 0.004, full: 0.05, end: 0.3, unseen: 0.003}, {near: 0.96, far: 0.5, full: 0.999, end: 0.8}
+    )
+    assert eased == pytest.approx({near: 0.05 - 0.8 * 0.038, far: 0.0, full: 0.05, end: 0.3, unseen: 0.003})
+
+
+@pytest.fixture
+def begun(changed_scene: Callable[..., Scene]) -> Begun:
+    """An answer with far too much back-off on heights, and the duration that is found without it."""
+    scene = changed_scene("matrix-liquid", {"planning.intervals": 40})
+    found = plan(scene)
+    log = Log(None, 120.0)
+    active = ActiveSet.of(Task.of(scene), found.trajectory.joint_position)
+    active = active.with_backoff({row: _TOO_MUCH for row in active.possible if row.constraint == "slosh height"})
+    candidate = solved_from(active, started_from(active, found.trajectory, log), log)
+    assert candidate is not None
+    return candidate, found.duration, log
+
+
+@pytest.mark.slow
+def test_a_motion_with_too_much_back_off_becomes_as_short_as_one_without(begun: Begun) -> None:
+    candidate, duration, log = begun
+    judged = certified_by_refinement(candidate, log)
+    assert judged.judgement.certificate.ok
+    assert candidate.stages.duration > 1.01 * duration
+    assert judged.trajectory.end_time == pytest.approx(duration, rel=5e-3)
+    saved = candidate.stages.duration - judged.trajectory.end_time
+    predicted = saving_of(candidate.problem, candidate.solution, judged.candidate.active.backoff)
+    assert predicted == pytest.approx(saved, rel=0.2)
+
+
+@pytest.mark.slow
+def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: pytest.MonkeyPatch) -> None:
+    candidate, _, log = begun
+    refined = refinement._refined_until_certified
+    answers: list[Judged] = []
+
+    def broken_the_second_time(candidate: Candidate, log: Log) -> Judged:
+        found = refined(candidate, log)
+        verdict = replace(found.judgement.certificate, ok=not answers)
+        answers.append(replace(found, judgement=replace(found.judgement, certificate=verdict)))
+        return answers[-1]
+
+    monkeypatch.setattr(refinement, "_refined_until_certified", broken_the_second_time)
+    assert certified_by_refinement(candidate, log) is answers[0]
+    assert len(answers) == 2 and answers[1].trajectory.end_time < answers[0].trajectory.end_time
