@@ -8,12 +8,18 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+import numpy as np
+
 import nospill as ns
+from nospill.diagnosis import paths_along
+from nospill.robots.joint_paths.search import preferred_path
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 
 CHANGES = ("max_slosh_height", "friction", "fill level", "placement")
 """What a cell changes between two cycles."""
+LARGER_CHANGES = ("friction 0.4", "max_slosh_height 12 mm", "placement of all", "mirror branch")
+"""What it changes less often: the last is the arm with its wrist turned over."""
 
 _GRID = (8, 4)
 _PITCH = 0.055
@@ -29,26 +35,35 @@ def example(name: str, *, intervals: int | None = None, modes: int = 1) -> Scene
 
 
 def changed(name: str, change: str) -> Scene:
-    """A bundled example with one of `CHANGES` made, the cups as they are otherwise.
+    """A bundled example with one of `CHANGES` or `LARGER_CHANGES` made, the cups as they are otherwise.
 
     Raises:
         ValueError: another change.
     """
     table = _table(name)
     cargo = table["cargo"]
-    if change == "max_slosh_height":
+    if change in ("max_slosh_height", "max_slosh_height 12 mm"):
         for cup in cargo:
-            cup["max_slosh_height"] = "14 mm"
-    elif change == "friction":
-        table["tray"]["friction"] = 0.45
+            cup["max_slosh_height"] = "14 mm" if change == "max_slosh_height" else "12 mm"
+    elif change in ("friction", "friction 0.4"):
+        table["tray"]["friction"] = 0.45 if change == "friction" else 0.4
     elif change == "fill level":
         for cup in cargo:
             # 2 mm less water in a cup of 35 mm radius is 7.7 g.
             cup["liquid_height"], cup["mass"], cup["centre_of_mass_height"] = "47 mm", "0.1893 kg", "27.3 mm"
     elif change == "placement":
         cargo[0]["at"] = ["-85 mm", "-60 mm"]
+    elif change == "placement of all":
+        for cup in cargo:
+            x, y = (float(place.removesuffix("mm")) for place in cup["at"])
+            cup["at"] = [f"{x + 20:g} mm", f"{y:g} mm"]
+    elif change == "mirror branch":
+        scene = example(name)
+        start = preferred_path(paths_along(scene), scene.robot, scene.start_near).q[0]
+        mirrored = start + np.array([0.0, 0.0, 0.0, -np.pi, -2.0 * start[4], np.pi])
+        table["robot"]["home"] = [f"{angle} rad" for angle in mirrored]
     else:
-        raise ValueError(f"change {change!r}: one of {', '.join(CHANGES)}")
+        raise ValueError(f"change {change!r}: one of {', '.join((*CHANGES, *LARGER_CHANGES))}")
     return scene_from_table(table, name=f"{name}, {change}")
 
 

@@ -49,7 +49,7 @@ def warm(name: str) -> dict[str, Any]:
     """Plans again after each change, as the planner of the unchanged scene does; then once more, everything built."""
     cell = Planner()
     base = cell.plan(scenes.example(name))
-    changes = {change: scenes.changed(name, change) for change in scenes.CHANGES}
+    changes = {change: scenes.changed(name, change) for change in (*scenes.CHANGES, *scenes.LARGER_CHANGES)}
     passes = []
     for _ in range(2):
         figures = {}

@@ -236,6 +236,21 @@ def test_a_plan_of_another_structure_is_not_used(example_plan: Example) -> None:
     assert found.report.starts.durations == liquid.report.starts.durations and "kinematics" in found.report.phases
 
 
+@pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt"])
+def test_on_another_branch_the_motion_of_the_tray_is_the_start(
+    name: str, example_plan: Example, changed_scene: Changed
+) -> None:
+    first = example_plan(name)
+    start = first.trajectory.joint_position[0]
+    mirrored = start + np.array([0.0, 0.0, 0.0, -np.pi, -2.0 * start[4], np.pi])
+    scene = changed_scene(name, {"robot.home": mirrored.tolist()})
+    found = plan(scene, warm=first)
+    assert found.certificate.ok
+    np.testing.assert_allclose(found.trajectory.joint_position[0], mirrored, atol=1e-6)
+    assert found.report.starts.tried == 1 and found.report.iterations < first.report.iterations / 2
+    assert found.duration == pytest.approx(first.duration, rel=5e-3)
+
+
 def test_a_warm_start_that_leads_nowhere_is_given_up(example_plan: Example, changed_scene: Changed) -> None:
     """From the solids' motion along another path."""
     scene = changed_scene("matrix-rigid", {"path.offset": [0.0, 0.0, -0.1]})

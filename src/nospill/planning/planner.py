@@ -16,7 +16,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.planning.candidate import Candidate
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import Searcher, found_motion, search_elsewhere
-from nospill.planning.warm_start import restarted, started_beside
+from nospill.planning.warm_start import restarted, restarted_on, started_beside
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.log import Log, OnProgress
 from nospill.plans.log import PlanningProgress as PlanningProgress
@@ -104,6 +104,10 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
         paths = diagnosis.free_paths(scene, diagnosis.paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
+    if warm is not None and not starts_alike(warm.scene, scene):
+        found = restarted_on(task, warm, joint_path, log)
+        if found is not None:
+            yield found
     with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
         yield found_motion(task, joint_path, log)
     if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
+from nospill.errors import ModelError
 from nospill.judge.certificate import judge
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
+from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solved
 from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
 from nospill.plans.log import Log
 from nospill.plans.plan import Plan
+from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
+from nospill.transcription.trajectory_start import on_branch
 
 _WARM_BARRIER = 1e-6
 _LOOSELY: Options = {"loose_tolerances": True}
@@ -40,17 +45,30 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
             found = _solved_again(active, last.stages, log, warm=last)
             if found is not None:
                 return found
+    return _restarted_from(task, earlier, earlier.trajectory, log)
+
+
+def restarted_on(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:
+    """Solve from the motion of an earlier plan's tray with the arm on another branch; None as `restarted`."""
+    with suppress(ModelError):
+        moved = on_branch(earlier.trajectory, earlier.scene, task.scene, joint_path)
+        return _restarted_from(task, earlier, moved, log)
+    return None
+
+
+def _restarted_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Candidate | None:
+    """Solve from the motion of an earlier plan, or one whose tray moves alike, with what its limits say."""
     with log.phase("certify"):
-        judgement = judge(earlier.trajectory, task.scene) if has_variants(task.scene) else None
+        judgement = judge(motion, task.scene) if has_variants(task.scene) else None
     refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
-    active = ActiveSet.of(task, q, refined=refined)
+    active = ActiveSet.of(task, motion.joint_position, refined=refined)
     if judgement is not None:
         active = active.joined(active.members | active.near_members(judgement), refined, judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
-    return _solved_again(active, started_from(active, earlier.trajectory, log), log, warm=None)
+    return _solved_again(active, started_from(active, motion, log), log, warm=None)
 
 
 def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:

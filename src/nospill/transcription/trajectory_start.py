@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.beside_path import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.newton import solve_joints
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
 from nospill.transcription.collocation import POINTS
@@ -56,6 +60,25 @@ def from_trajectory(
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
     return Stages(interval, table, direction)
+
+
+def on_branch(trajectory: Trajectory, before: Scene, scene: Scene, joint_path: JointPath) -> Trajectory:
+    """The same motion of the tray by joints on the branch of another joint path.
+
+    Args:
+        trajectory: the motion.
+        before: the scene whose arm and tool it is of.
+        scene: with the arm and the tool that are to make it.
+        joint_path: of that arm, near which its joints are.
+
+    Raises:
+        ModelError: that arm does not reach the poses of the tray from there.
+    """
+    positions, rotations = kinematics(before.robot).poses(trajectory.joint_position, tool=before.tray.tool)
+    q = solve_joints(scene.robot, positions, rotations, joint_path.at(trajectory.s), tool=scene.tray.tool)
+    speed = np.gradient(q, trajectory.t, axis=0)
+    acceleration = np.gradient(speed, trajectory.t, axis=0)
+    return replace(trajectory, joint_position=q, joint_speed=speed, joint_acceleration=acceleration)
 
 
 def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping[str, SloshTrack]) -> None:
