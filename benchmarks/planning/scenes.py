@@ -20,6 +20,8 @@ CHANGES = ("max_slosh_height", "friction", "fill level", "placement")
 """What a cell changes between two cycles."""
 LARGER_CHANGES = ("friction 0.4", "max_slosh_height 12 mm", "placement of all", "mirror branch")
 """What it changes less often: the last is the arm with its wrist turned over."""
+_HEIGHTS = {"max_slosh_height": "14 mm", "max_slosh_height 12 mm": "12 mm"}
+_FRICTIONS = {"friction": 0.45, "friction 0.4": 0.4}
 
 _GRID = (8, 4)
 _PITCH = 0.055
@@ -42,11 +44,11 @@ def changed(name: str, change: str) -> Scene:
     """
     table = _table(name)
     cargo = table["cargo"]
-    if change in ("max_slosh_height", "max_slosh_height 12 mm"):
+    if change in _HEIGHTS:
         for cup in cargo:
-            cup["max_slosh_height"] = "14 mm" if change == "max_slosh_height" else "12 mm"
-    elif change in ("friction", "friction 0.4"):
-        table["tray"]["friction"] = 0.45 if change == "friction" else 0.4
+            cup["max_slosh_height"] = _HEIGHTS[change]
+    elif change in _FRICTIONS:
+        table["tray"]["friction"] = _FRICTIONS[change]
     elif change == "fill level":
         for cup in cargo:
             # 2 mm less water in a cup of 35 mm radius is 7.7 g.

@@ -59,8 +59,8 @@ HEADER = """
 typedef double four __attribute__((vector_size(32)));
 typedef long long mask __attribute__((vector_size(32)));
 #define ALL(x) ((four){x, x, x, x})
-#define ONE(true) ((four)((true) & (mask)ALL(1.0)))
-#define CHOICE(true, one, other) ((four)(((true) & (mask)(one)) | (~(true) & (mask)(other))))
+#define ONE(where) ((four)((where) & (mask)ALL(1.0)))
+#define CHOICE(where, one, other) ((four)(((where) & (mask)(one)) | (~(where) & (mask)(other))))
 """
 """What every C file with such operations begins with."""
 

@@ -21,7 +21,7 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, eased_backoff, heavier_jerks, shared_backoff
+from nospill.laws.constraints.tightening import ROUGH, beyond_backoff, heavier_jerks, relaxed_backoff, shared_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.task import Task
@@ -170,10 +170,10 @@ class ActiveSet:
             return self
         return replace(self, rows=self.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0)
 
-    def eased(self, judgement: Judgement) -> ActiveSet:
+    def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
         uses = uses_of(self._on_members(judgement.variant_rows, own=True))
-        return replace(self, backoff=eased_backoff(self.backoff, uses))
+        return replace(self, backoff=relaxed_backoff(self.backoff, uses))
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""

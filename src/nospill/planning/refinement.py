@@ -34,8 +34,8 @@ _ROUNDS = 8
 _GROWTHS = 12
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
-_WORTH_EASING = 2.5e-3
-"""Part of its duration by which a motion must get shorter for a solve with less back-off."""
+_WORTH_A_SOLVE = 2.5e-3
+"""Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
 
@@ -98,18 +98,19 @@ class Judged:
 def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
     """Judge everything, solve some, add what is violated, until the certificate holds with room for a finer grid.
 
-    Then once more with less back-off, where that is worth it.
+    A certified motion is solved once more with less back-off where the multipliers say that it is worth that.
 
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _refined_until_certified(candidate, log)
     last, end = judged.candidate, judged.trajectory.end_time
-    eased = last.active.eased(judged.judgement)
-    may = judged.judgement.certificate.ok and last.has_converged and not log.out_of_time
-    if may and saving_of(last.problem, last.solution, eased.backoff) > _WORTH_EASING * end:
+    if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
+        return judged
+    relaxed = last.active.relaxed(judged.judgement)
+    if saving_of(last.problem, last.solution, relaxed.backoff) > _WORTH_A_SOLVE * end:
         with suppress(NoSolutionError):
-            again = _tightened(last, eased, log)
+            again = _tightened(last, relaxed, log)
             found = again and _refined_until_certified(again, log)
             if found and found.judgement.certificate.ok and found.trajectory.end_time < end:
                 return found
@@ -117,6 +118,7 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
 
 
 def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
+    """`certified_by_refinement` without that last solve; raises the same."""
     judged = _judged(candidate, log)
     tightened = grown = 0
     while not judged.judgement.leaves_room and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:

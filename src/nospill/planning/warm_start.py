@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 
 from nospill.errors import ModelError
@@ -50,10 +49,11 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
 
 def restarted_on(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:
     """Solve from the motion of an earlier plan's tray with the arm on another branch; None as `restarted`."""
-    with suppress(ModelError):
+    try:
         moved = on_branch(earlier.trajectory, earlier.scene, task.scene, joint_path)
-        return _restarted_from(task, earlier, moved, log)
-    return None
+    except ModelError:
+        return None
+    return _restarted_from(task, earlier, moved, log)
 
 
 def _restarted_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Candidate | None:

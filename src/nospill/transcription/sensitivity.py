@@ -56,20 +56,22 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
         more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
         if name not in found and more is not None and less is not None:
-            slope = (_lagrangian(problem, solution, more) - _lagrangian(problem, solution, less)) / (2.0 * _STEP)
-            found[name] = -WIDER * slope
+            high, low = (_lagrangian(problem, solution, own, problem.backoff) for own in (more, less))
+            found[name] = -WIDER * (high - low) / (2.0 * _STEP)
     return found
 
 
 def saving_of(problem: Problem, solution: Solution, backoff: Backoff) -> float:
-    """Seconds that the motion would be shorter with another back-off, to the first order."""
+    """Seconds that the motion would be shorter with another back-off, to the first order; 0 of a stated duration."""
+    if problem.scene.motion.duration is not None:
+        return 0.0
     before, after = (_lagrangian(problem, solution, problem.numbers, own) for own in (problem.backoff, backoff))
     return before - after
 
 
-def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers, backoff: Backoff | None = None) -> float:
+def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers, backoff: Backoff) -> float:
     """The part of the Lagrangian that changes with the numbers and the back-off."""
-    parameters = problem.parameters_of(numbers, problem.backoff if backoff is None else backoff)
+    parameters = problem.parameters_of(numbers, backoff)
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 

@@ -1,4 +1,7 @@
-"""Constraint tightening: how much more of a budget is kept from the optimiser once the judge finds a row violated."""
+"""Constraint tightening: how much more of a budget is kept from the optimiser once the judge finds a row violated.
+
+And how much less once it finds a certified motion far below.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ _TOO_MUCH, _STUCK = 0.8, 0.6
 _CONTACTS = OBJECT_NAMES - LIQUID_NAMES
 _NEAR, _SHARE = 0.03, 0.8
 """Part of its limit that a contact leaves, or less, where it is near it; and what it gets of another's back-off."""
-_LEFT, _EASED = 2e-3, 0.8
+_LEFT, _RELAXED = 2e-3, 0.8
 """Part of a limit that is left free all the same, and part of what is free beyond it that is no longer kept."""
 
 _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
@@ -37,7 +40,7 @@ def tightened_backoff(backoff: float, excess: float, unused: float, point: Evalu
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
 
 
-def eased_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -> dict[RowId, float]:
+def relaxed_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -> dict[RowId, float]:
     """Back-off of every row without most of what a judged motion shows to be more than it needs.
 
     That of the final state stays: the sum of all modes there does not go down in proportion to the row's bound.
@@ -47,7 +50,7 @@ def eased_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -
         uses: of the rows of what is in the problem, as judged.
     """
     unneeded = {row: max(1.0 - _LEFT - use, 0.0) for row, use in uses.items() if row.constraint not in END_NAMES}
-    return {row: max(value - _EASED * unneeded.get(row, 0.0), 0.0) for row, value in backoff.items()}
+    return {row: max(value - _RELAXED * unneeded.get(row, 0.0), 0.0) for row, value in backoff.items()}
 
 
 def shared_backoff(

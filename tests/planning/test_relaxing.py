@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.tightening import eased_backoff
+from nospill.laws.constraints.tightening import relaxed_backoff
 from nospill.planning import refinement
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved
@@ -33,10 +33,10 @@ def test_most_of_what_is_free_is_no_longer_kept_and_never_less_than_nothing() ->
         RowId("residual height", "c1"),
         RowId("twist", "c1"),
     )
-    eased = eased_backoff(
+    relaxed = relaxed_backoff(
         {near: 0.05, far: 0.004, full: 0.05, end: 0.3, unseen: 0.003}, {near: 0.96, far: 0.5, full: 0.999, end: 0.8}
     )
-    assert eased == pytest.approx({near: 0.05 - 0.8 * 0.038, far: 0.0, full: 0.05, end: 0.3, unseen: 0.003})
+    assert relaxed == pytest.approx({near: 0.05 - 0.8 * 0.038, far: 0.0, full: 0.05, end: 0.3, unseen: 0.003})
 
 
 @pytest.fixture
