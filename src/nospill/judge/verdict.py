@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
     return np.where(size > 0.0, size, 1.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Row:
     """One constraint and one subject: the instant that uses most of the limit. `ok` is worst_margin >= 0.
 
@@ -57,9 +58,9 @@ class Row:
         """Subject with its variant, as in messages: "c1 at fill +2 mm"."""
         return f"{self.subject} at {self.variant}" if self.variant else self.subject
 
-    @property
+    @cached_property
     def use(self) -> float:
-        """`limit_use` at that instant."""
+        """`limit_use` at that instant; kept, since rows are ordered by it again and again."""
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
 
     @property
@@ -163,7 +164,7 @@ def _plain(row: Row) -> dict[str, Any]:
     return table if row.variant else {key: value for key, value in table.items() if key != "variant"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Trace:
     """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit."""
 
@@ -175,9 +176,9 @@ class Trace:
     limit: np.ndarray
     margin: np.ndarray
 
-    @property
+    @cached_property
     def use(self) -> np.ndarray:
-        """`limit_use` over time, shape (m,)."""
+        """`limit_use` over time, shape (m,); kept, since a plan reads it five times."""
         return limit_use(self.constraint, self.limit, self.margin)
 
 
