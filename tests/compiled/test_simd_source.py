@@ -106,6 +106,30 @@ def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Call
         np.testing.assert_allclose(np.asarray(found(value)), np.asarray(function(value)), rtol=1e-15)
 
 
+@pytest.mark.parametrize("steps", [2, 7])
+def test_a_function_of_a_state_runs_step_after_step(
+    steps: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
+    monkeypatch.setenv("NOSPILL_COMPILE", "wait")
+    x, force, p = SX.sym("x", 2), SX.sym("force", 3), SX.sym("p")
+    swung = ca.vertcat(x[0] + 0.1 * x[1], x[1] - p * ca.sin(x[0]) + force[0] * force[2])
+    step = ca.Function("step", [x, force, p], [swung])
+    many, _, is_compiled = codegen.functions(
+        "test", str(step), lambda: ({"step": step}, None), of_columns={"step": (1,)}, steps=steps
+    )
+    assert is_compiled
+    assert [many["step"].size_in(index) for index in range(3)] == [(2, 4), (3, steps), (1, 4)]
+    random = np.random.default_rng(steps)
+    state, forces, numbers = random.normal(size=(2, 4)), random.normal(size=(3, steps)), random.normal(size=(1, 4))
+    found = many["step"](state, forces, numbers).full().reshape(2, steps, 4)
+    for column in range(4):
+        own = state[:, column]
+        for index in range(steps):
+            own = step(own, forces[:, index], numbers[:, column]).full().ravel()
+            np.testing.assert_array_equal(found[:, index, column], own)
+
+
 def test_outputs_that_nobody_asks_for_and_inputs_that_are_not_given(tmp_path: Path) -> None:
     """As CasADi calls external functions: a missing input is zero, a missing output is not written; any alignment."""
     function = of_two("bare", lambda x, y: x + y)

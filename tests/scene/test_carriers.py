@@ -60,7 +60,8 @@ def wrench(cargo: Cargo) -> np.ndarray:
 
     steps = step_sequence(runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0))
     body = motion(STEP / 2 * np.arange(2 * STEPS + 1))
-    states = integrate(steps, np.zeros(2 * count), inputs=body, lengths=np.full(STEPS, STEP), parameters=np.zeros(0))
+    start, lengths = np.zeros((1, 2 * count)), np.full(STEPS, STEP)
+    states = integrate(steps, start, inputs=body, lengths=lengths, parameters=np.zeros((1, 0)))[:, 0]
     x, b = SX.sym("x", 2 * count), SX.sym("b", 9)
     own = object_states(structure, x[:count], x[count:], accelerations(x, b))
     found = contact_wrench("full", numbers, structure, object_motion(numbers, body_motion(b)), own)

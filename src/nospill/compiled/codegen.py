@@ -65,6 +65,7 @@ def functions(
     build: Callable[[], tuple[Functions, Any]],
     *,
     of_columns: Shared = MappingProxyType({}),
+    steps: int = 1,
 ) -> tuple[Functions, Any, bool]:
     """The functions of a kind and structure, compiled if they are on the disk.
 
@@ -76,6 +77,7 @@ def functions(
         structure: what they were built from, a kind (see `kinds`); part of the key.
         build: makes the functions and the plain data (anything json can hold) that is kept with them.
         of_columns: those that are evaluated on many columns (`batches.over_columns`).
+        steps: how often those run, one time after the other, as machine code (`Tape`); otherwise once.
 
     Returns:
         Functions, data, and whether they are machine code. Those in `of_columns` take four columns at once as machine
@@ -87,20 +89,20 @@ def functions(
         compiler = compiler_path() if mode() != "off" else None
         if compiler is None and not (of_columns and small_library("interpreter", wait=False)):
             return made, data, False  # nobody takes a tape
-        tapes = _tapes(made, of_columns)
+        tapes = _tapes(made, of_columns, steps)
         if compiler is not None:
             _waiting.append(_Entry(*_places(kind, structure), compiler, made, data, tapes))
         if mode() == "wait":
             _compile_waiting(wait=True)
             ready = _load(kind, structure)
         if ready is None:
-            return made | _interpreted(tapes), data, False
+            return made | (_interpreted(tapes) if steps == 1 else {}), data, False
     return *ready, True
 
 
-def _tapes(made: Functions, of_columns: Shared) -> dict[str, Tape]:
+def _tapes(made: Functions, of_columns: Shared, steps: int) -> dict[str, Tape]:
     """Of the functions that are evaluated on many columns, as far as they have one."""
-    found = {name: read_tape(made[name], shared) for name, shared in of_columns.items() if name in made}
+    found = {name: read_tape(made[name], shared, steps) for name, shared in of_columns.items() if name in made}
     return {name: tape for name, tape in found.items() if tape is not None}
 
 

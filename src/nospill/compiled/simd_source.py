@@ -7,6 +7,8 @@ function itself, to the last bit.
 
 The operations are cut into parts of 500, each a C function; what one part has from another is kept in memory. A
 compiler takes more than linear time for the registers of one long function.
+
+A function of a state may run many times, one after the other (`Tape.steps`), on what is shared each time anew.
 """
 
 from __future__ import annotations
@@ -89,7 +91,7 @@ class _Memory:
 
 
 def source(tape: Tape) -> str:
-    """An external function of four columns in C, to stand behind `HEADER`; one column of what is shared."""
+    """An external function of four columns in C, to stand behind `HEADER`; one column a step of what is shared."""
     name, memory = tape.name, _Memory.of(tape)
     statements = _statements(tape, memory)
     for number, (_, operands, _) in enumerate(statements):
@@ -102,14 +104,24 @@ def source(tape: Tape) -> str:
         f"int {name}(const double** arg, double** res, long long* iw, double* w, int mem) {{",
         "  four* m = (four*)(((uintptr_t)w + 31) / 32 * 32);",
     ]
-    for index, (place, rows) in enumerate(zip(memory.inputs, tape.rows_in, strict=True)):
-        load = "load_shared" if index in tape.shared else "load"
-        lines.append(f"  {load}(arg[{index}], {rows}, m + {place});")
-    lines += [f"  {part}(m);" for part in parts]
+    inputs = list(enumerate(zip(memory.inputs, tape.rows_in, strict=True)))
+    own, shared = ([item for item in inputs if (item[0] in tape.shared) == wanted] for wanted in (False, True))
+    lines += [f"  load(arg[{index}], {rows}, m + {place});" for index, (place, rows) in own]
+    lines.append(f"  for (long long k = 0; k < {tape.steps}; ++k) {{")
+    lines += [f"    load_shared({_at(f'arg[{index}]', rows)}, {rows}, m + {place});" for index, (place, rows) in shared]
+    lines += [f"    {part}(m);" for part in parts]
     for index, (place, rows) in enumerate(zip(memory.outputs, tape.rows_out, strict=True)):
-        lines.append(f"  store(m + {place}, {rows}, res[{index}]);")
-    lines += ["  return 0;", "}"]
+        lines.append(f"    store(m + {place}, {rows}, {_at(f'res[{index}]', COLUMNS * rows)});")
+    if tape.steps > 1:
+        state = f"m[{memory.inputs[0]} + i] = m[{memory.outputs[0]} + i]"
+        lines.append(f"    for (long long i = 0; i < {tape.rows_in[0]}; ++i) {state};")
+    lines += ["  }", "  return 0;", "}"]
     return "\n".join([*lines, *_interface(tape, memory.size), ""])
+
+
+def _at(array: str, numbers: int) -> str:
+    """What an array has for step k, in C; a null pointer stays one."""
+    return f"{array} ? {array} + {numbers} * k : 0"
 
 
 def _statements(tape: Tape, memory: _Memory) -> list[_Statement]:
@@ -161,8 +173,8 @@ def _part(name: str, statements: Sequence[_Statement], first: int, memory: _Memo
 def _interface(tape: Tape, memory: int) -> Iterator[str]:
     """What CasADi asks an external function: numbers and shapes of inputs and outputs, and its work space."""
     name = tape.name
-    shapes_in = [(rows, 1 if index in tape.shared else COLUMNS) for index, rows in enumerate(tape.rows_in)]
-    shapes_out = [(rows, COLUMNS) for rows in tape.rows_out]
+    shapes_in = [(rows, tape.steps if index in tape.shared else COLUMNS) for index, rows in enumerate(tape.rows_in)]
+    shapes_out = [(rows, COLUMNS * tape.steps) for rows in tape.rows_out]
     for kind, shapes in (("in", shapes_in), ("out", shapes_out)):
         table = ", ".join(f"{{{rows}, {columns}, 1}}" for rows, columns in shapes)
         yield f"long long {name}_n_{kind}(void) {{ return {len(shapes)}; }}"

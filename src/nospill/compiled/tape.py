@@ -20,6 +20,8 @@ class Tape:
             of its operands. An input has its place and row as operands, a constant its number; an output has its place
             as result, the register and the row as operands.
         constants: by their numbers.
+        steps: how often it runs, one time after the other, as machine code: its first input is its output of the time
+            before, and what is shared has a column for each time.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Tape:
     registers: int
     code: array[int]
     constants: array[float]
+    steps: int = 1
 
     @property
     def count(self) -> int:

@@ -19,12 +19,13 @@ _CODES = {
 }
 
 
-def read_tape(function: Any, shared: Collection[int]) -> Tape | None:
+def read_tape(function: Any, shared: Collection[int], steps: int = 1) -> Tape | None:
     """The instructions of a function, None where it is not of symbols and dense columns, with operations known here.
 
     Args:
         function: any CasADi function.
         shared: places of the inputs that are the same for all columns; -1 is the last.
+        steps: how often it runs (`Tape`).
     """
     if not function.is_a("SXFunction"):
         return None
@@ -53,4 +54,5 @@ def read_tape(function: Any, shared: Collection[int]) -> Tape | None:
         function.sz_w(),
         code,
         constants,
+        steps,
     )

@@ -21,7 +21,7 @@ from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
-from nospill.laws.slosh.integrate import Integral, integrate, refined, runge_kutta_step, step_sequence
+from nospill.laws.slosh.integrate import SHARED, STEPS, Integral, integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion, planned_motion
 from nospill.motion.trajectory import Trajectory
@@ -183,7 +183,7 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
 
 @lru_cache(maxsize=64)
 def liquid_steps(kind: Structure) -> Any:
-    """The `step_sequence` of one liquid; the body rows are its inputs, `numbers_of_object` its parameters."""
+    """Steps of liquids of a kind, for `integrate`: the body rows are the inputs, `numbers_of_object` the parameters."""
 
     def build() -> tuple[codegen.Functions, None]:
         count, (vector, numbers) = coordinate_count(kind), symbolic_object(kind)
@@ -193,25 +193,29 @@ def liquid_steps(kind: Structure) -> Any:
             change = ca.vertcat(qd, slosh_accelerations(kind, numbers, body_motion(body), q, qd))
             return ca.substitute(change, vector, parameters)
 
-        step = runge_kutta_step(rate, states=2 * count, inputs=9, parameters=vector.numel())
-        return {"steps": step_sequence(step)}, None
+        return {"step": runge_kutta_step(rate, states=2 * count, inputs=9, parameters=vector.numel())}, None
 
-    return codegen.functions("steps", kind, build)[0]["steps"]
+    step = codegen.functions("steps", kind, build, of_columns={"step": SHARED}, steps=STEPS)[0]["step"]
+    return step if step.size2_in(1) == STEPS else step_sequence(step)
 
 
 def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
     """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
     structure, numbers = structure_of(scene), numbers_of(scene)
     initial, half, count = initial_coordinates(scene), coordinate_count(structure), (body.shape[1] - 1) // 2
-    states = np.empty((count + 1, 2 * half))
-    for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
+    alike: dict[Structure, list[int]] = {}
+    for index, item in enumerate(structure.objects):
         if item.coordinates:
-            places = np.r_[own, half + own.start : half + own.stop]
-            states[:, places] = integrate(
-                liquid_steps(object_kind(structure, item)),
-                initial[:, own].ravel(),
-                inputs=body,
-                lengths=np.full(count, length),
-                parameters=flatten(numbers_of_object(numbers, index)),
-            )
+            alike.setdefault(object_kind(structure, item), []).append(index)
+    states = np.empty((count + 1, 2 * half))
+    for kind, indices in alike.items():
+        own = [np.r_[structure.slosh_slices[index]] for index in indices]
+        places = np.array([np.concatenate([part, half + part]) for part in own])
+        states[:, places] = integrate(
+            liquid_steps(kind),
+            np.array([initial[:, part].ravel() for part in own]),
+            inputs=body,
+            lengths=np.full(count, length),
+            parameters=np.array([flatten(numbers_of_object(numbers, index)) for index in indices]),
+        )
     return states

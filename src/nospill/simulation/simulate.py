@@ -147,7 +147,8 @@ def _simulated(
         check_pressed(grid, body, filling.liquid_height)
         displaced, moving = cargo.initial_coordinates
         start = np.concatenate([_level(structure, filling.modes, world_up(motion)) + displaced, moving])
-        return integrate(steps, start, inputs=body, lengths=np.diff(grid[::2]), parameters=np.zeros(0))
+        lengths = np.diff(grid[::2])
+        return integrate(steps, start[None], inputs=body, lengths=lengths, parameters=np.zeros((1, 0)))[:, 0]
 
     integral = refined(solve, displacements=count)
     states = integral.states[:: (per_sample // 2) * integral.refinement]

@@ -14,7 +14,11 @@ from nospill.errors import ModelError
 
 SX = ca.SX
 
-_STEPS, _NESTED = 500, 23
+STEPS = 500
+"""That a sequence makes in one call."""
+SHARED = (1, 2, 3, 4)
+"""Places of the arguments of a `runge_kutta_step` that are the same for all liquids."""
+_NESTED = 23
 _TOLERANCE = 1e-7
 _LARGEST_REFINEMENT = 64
 
@@ -59,50 +63,56 @@ def runge_kutta_step(rate: Callable[[SX, SX, SX], SX], *, states: int, inputs: i
 
 
 def step_sequence(step: Any) -> Any:
-    """500 steps one after another as one function, of which CasADi generates a loop in C.
+    """500 steps one after another as one function, in CasADi's virtual machine.
 
     Args:
         step: a `runge_kutta_step`.
 
     Returns:
-        CasADi function of the arguments of the step, all but the first with a column for each step -> the states at
-        the ends of the steps, one a column.
+        CasADi function of the arguments of the step, those that change along the motion with a column for each step ->
+        the states at the ends of the steps, one a column.
     """
     # CasADi nests groups of `base` steps; of the square root of their number it makes them in the least time.
-    return step.mapaccum("steps", _STEPS, {"base": _NESTED})
+    mapped = step.mapaccum("steps", STEPS, {"base": _NESTED})
+    columns = [ca.MX.sym("x", step.size1_in(index), STEPS if index in SHARED else 1) for index in range(step.n_in())]
+    *changing, parameters = columns
+    return ca.Function("steps", columns, [mapped(*changing, ca.repmat(parameters, 1, STEPS))])
 
 
 def integrate(
-    steps: Any, start: np.ndarray, *, inputs: np.ndarray, lengths: np.ndarray, parameters: np.ndarray
+    steps: Any, starts: np.ndarray, *, inputs: np.ndarray, lengths: np.ndarray, parameters: np.ndarray
 ) -> np.ndarray:
-    """Run Runge-Kutta steps along a motion sampled at half steps.
+    """Run Runge-Kutta steps of liquids of one kind along a motion sampled at half steps.
 
     Args:
-        steps: a `step_sequence`, compiled or not.
-        start: (n,) state at the start.
+        steps: a `step_sequence`; or machine code of as many steps, of several liquids at once.
+        starts: (liquids, n) states at the start.
         inputs: (k, 2 m + 1) at the ends and middles of the steps.
         lengths: (m,) of the steps, s.
-        parameters: (p,).
+        parameters: (liquids, p).
 
     Returns:
-        (m + 1, n) states at the ends of the steps.
+        (m + 1, liquids, n) states at the ends of the steps.
     """
-    count, at_once = len(lengths), steps.size2_in(1)
-    missing = -count % at_once
+    count, (liquids, size), at_once = len(lengths), np.shape(starts), steps.size2_in(0)
+    missing = -count % STEPS
     # Steps of no length fill the last sequence. Every array is a transposed one, as CasADi keeps its matrices: no call
     # copies it in another order.
     instants = np.concatenate([inputs.T, np.repeat(inputs.T[-1:], 2 * missing, axis=0)])
     ends = [instants[first : first + 2 * (count + missing) : 2].T for first in range(3)]
     durations = np.concatenate([np.asarray(lengths, dtype=float), np.zeros(missing)])[None]
-    shared = np.tile(parameters, (at_once, 1)).T
-    state = np.asarray(start, dtype=float)
-    states = [state[None]]
-    for first in range(0, count, at_once):
-        part = slice(first, first + at_once)
-        reached = call(steps, state, *[columns[:, part] for columns in ends], durations[:, part], shared)
-        state = reached[:, -1]
-        states.append(reached.T)
-    return np.concatenate(states)[: count + 1]
+    states = np.empty((count + missing + 1, liquids, size))
+    states[0] = starts
+    for first in range(0, liquids, at_once):
+        own = np.minimum(np.arange(first, first + at_once), liquids - 1)  # the last more than once, where some miss
+        state, numbers, kept = states[0, own].T, np.asarray(parameters)[own].T, min(at_once, liquids - first)
+        for begin in range(0, count, STEPS):
+            part = slice(begin, begin + STEPS)
+            reached = call(steps, state, *[columns[:, part] for columns in ends], durations[:, part], numbers)
+            by_step = reached.T.reshape(STEPS, at_once, size)
+            states[begin + 1 : begin + STEPS + 1, first : first + kept] = by_step[:, :kept]
+            state = by_step[-1].T
+    return states[: count + 1]
 
 
 def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integral:
