@@ -66,8 +66,27 @@ def random_program(operations: int) -> ca.Function:
     return ca.Function("program", [x], [ca.vertcat(*values[-5:]), values[len(values) // 2]])
 
 
-def tape_of(function: ca.Function, shared: Collection[int] = ()) -> Tape:
+def swing() -> ca.Function:
+    """One step of a state, whose parts change places: what is written first is read last."""
+    x, force, p = SX.sym("x", 2), SX.sym("force", 3), SX.sym("p")
+    return ca.Function("step", [x, force, p], [ca.vertcat(x[1] - p * ca.sin(x[0]), x[0] + force[0] * force[2] - x[1])])
+
+
+def same_as_step_after_step(many: ca.Function, steps: int) -> None:
+    """So many steps of `swing` on some columns at once, against one after the other of each column."""
+    at_once, random = many.size2_in(0), np.random.default_rng(steps)
+    assert [many.size_in(index) for index in range(3)] == [(2, at_once), (3, steps), (1, at_once)]
+    states, forces, numbers = (random.normal(size=many.size_in(index)) for index in range(3))
+    found, step = many(states, forces, numbers).full().reshape(2, steps, at_once), swing()
+    for column in range(at_once):
+        state = states[:, column]
+        for index in range(steps):
+            state = step(state, forces[:, index], numbers[:, column]).full().ravel()
+            np.testing.assert_array_equal(found[:, index, column], state)
+
+
+def tape_of(function: ca.Function, shared: Collection[int] = (), steps: int = 1) -> Tape:
     """Of a function that has one."""
-    tape = read_tape(function, shared)
+    tape = read_tape(function, shared, steps)
     assert tape is not None
     return tape

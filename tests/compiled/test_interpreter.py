@@ -14,7 +14,7 @@ from nospill.compiled.interpreter import COLUMNS, interpreted
 from nospill.compiled.small_libraries import small_library
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native import libraries
-from tests.compiled.programs import OPERATIONS, of_two, random_program, tape_of
+from tests.compiled.programs import OPERATIONS, of_two, random_program, same_as_step_after_step, swing, tape_of
 from tests.compiling import COMPILER
 
 SX = ca.SX
@@ -58,6 +58,11 @@ def test_registers_are_used_again(operations: int, library: Path) -> None:
     columns = np.random.default_rng(2).normal(size=(3, COLUMNS))
     ours = interpreted(tape_of(function), library)
     same_for_each_column(function, [part.full() for part in ours(columns)], columns)
+
+
+@pytest.mark.parametrize("steps", [2, 7, COLUMNS])
+def test_a_function_of_a_state_runs_step_after_step(steps: int, library: Path) -> None:
+    same_as_step_after_step(interpreted(tape_of(swing(), {1}, steps), library), steps)
 
 
 @pytest.mark.parametrize("count", [1, 15, 16, 17, 511, 512, 513, 1100])

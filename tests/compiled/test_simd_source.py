@@ -16,7 +16,7 @@ from nospill.compiled import codegen, simd_source
 from nospill.compiled.tape_reading import read_tape
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native.operations import NAMES
-from tests.compiled.programs import OPERATIONS, of_two, random_program, tape_of
+from tests.compiled.programs import OPERATIONS, of_two, random_program, same_as_step_after_step, swing, tape_of
 from tests.compiling import COMPILER
 
 SX = ca.SX
@@ -112,22 +112,11 @@ def test_a_function_of_a_state_runs_step_after_step(
 ) -> None:
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    x, force, p = SX.sym("x", 2), SX.sym("force", 3), SX.sym("p")
-    swung = ca.vertcat(x[0] + 0.1 * x[1], x[1] - p * ca.sin(x[0]) + force[0] * force[2])
-    step = ca.Function("step", [x, force, p], [swung])
-    many, _, is_compiled = codegen.functions(
-        "test", str(step), lambda: ({"step": step}, None), of_columns={"step": (1,)}, steps=steps
+    found, _, is_compiled = codegen.functions(
+        "test", "swing", lambda: ({"step": swing()}, None), of_columns={"step": (1,)}, steps=steps
     )
     assert is_compiled
-    assert [many["step"].size_in(index) for index in range(3)] == [(2, 4), (3, steps), (1, 4)]
-    random = np.random.default_rng(steps)
-    state, forces, numbers = random.normal(size=(2, 4)), random.normal(size=(3, steps)), random.normal(size=(1, 4))
-    found = many["step"](state, forces, numbers).full().reshape(2, steps, 4)
-    for column in range(4):
-        own = state[:, column]
-        for index in range(steps):
-            own = step(own, forces[:, index], numbers[:, column]).full().ravel()
-            np.testing.assert_array_equal(found[:, index, column], own)
+    same_as_step_after_step(found["step"], steps)
 
 
 def test_outputs_that_nobody_asks_for_and_inputs_that_are_not_given(tmp_path: Path) -> None:

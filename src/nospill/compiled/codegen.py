@@ -77,7 +77,7 @@ def functions(
         structure: what they were built from, a kind (see `kinds`); part of the key.
         build: makes the functions and the plain data (anything json can hold) that is kept with them.
         of_columns: those that are evaluated on many columns (`batches.over_columns`).
-        steps: how often those run, one time after the other, as machine code (`Tape`); otherwise once.
+        steps: how often those run, one time after the other (`Tape`); once in CasADi's virtual machine.
 
     Returns:
         Functions, data, and whether they are machine code. Those in `of_columns` take four columns at once as machine
@@ -96,7 +96,7 @@ def functions(
             _compile_waiting(wait=True)
             ready = _load(kind, structure)
         if ready is None:
-            return made | (_interpreted(tapes) if steps == 1 else {}), data, False
+            return made | _interpreted(tapes), data, False
     return *ready, True
 
 

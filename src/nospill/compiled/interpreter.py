@@ -24,7 +24,7 @@ COLUMNS = 16
 
 
 def interpreted(tape: Tape, library: Path) -> Any:
-    """A tape as a CasADi function of sixteen columns; one column of what is shared.
+    """A tape as a CasADi function of sixteen columns; one column a step of what is shared.
 
     Args:
         tape: of the function.
@@ -35,9 +35,10 @@ def interpreted(tape: Tape, library: Path) -> Any:
     """
     shapes = array("q")
     for index, rows in enumerate(tape.rows_in):
-        shapes.extend((rows, 1 if index in tape.shared else COLUMNS, 1))
+        shapes.extend((rows, tape.steps if index in tape.shared else COLUMNS, 1))
     for rows in tape.rows_out:
-        shapes.extend((rows, COLUMNS, 1))
+        shapes.extend((rows, COLUMNS * tape.steps, 1))
+    shared = array("i", [index in tape.shared for index in range(len(tape.rows_in))])
     handle, copy = tempfile.mkstemp(prefix="nospill-", suffix=".so")
     os.close(handle)
     try:
@@ -46,6 +47,7 @@ def interpreted(tape: Tape, library: Path) -> Any:
             *(ctypes.c_longlong(tape.count), _address(tape.code), _address(tape.constants)),
             *(ctypes.c_longlong(8 * len(tape.constants)), ctypes.c_longlong(tape.registers)),
             *(ctypes.c_longlong(len(tape.rows_in)), ctypes.c_longlong(len(tape.rows_out)), _address(shapes)),
+            *(_address(shared), ctypes.c_longlong(tape.steps)),
         )
         return ca.external("tape", copy)
     finally:

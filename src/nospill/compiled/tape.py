@@ -20,8 +20,8 @@ class Tape:
             of its operands. An input has its place and row as operands, a constant its number; an output has its place
             as result, the register and the row as operands.
         constants: by their numbers.
-        steps: how often it runs, one time after the other, as machine code: its first input is its output of the time
-            before, and what is shared has a column for each time.
+        steps: how often it runs, one time after the other: its first input is its first output of the time before, and
+            what is shared has a column for each time.
     """
 
     name: str

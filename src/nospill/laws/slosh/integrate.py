@@ -85,7 +85,7 @@ def integrate(
     """Run Runge-Kutta steps of liquids of one kind along a motion sampled at half steps.
 
     Args:
-        steps: a `step_sequence`; or machine code of as many steps, of several liquids at once.
+        steps: a `step_sequence`; or as many steps of several liquids at once, compiled or interpreted.
         starts: (liquids, n) states at the start.
         inputs: (k, 2 m + 1) at the ends and middles of the steps.
         lengths: (m,) of the steps, s.
