@@ -13,6 +13,7 @@ gives the derivatives with respect to z, exactly, and what the cups share is tra
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import casadi as ca
@@ -78,15 +79,11 @@ class LiftedVariables:
             hessian += chosen.T @ (further[1] @ chosen)
         hessian = ca.triu2symm(ca.triu(hessian))
 
-        end = everything.numel()
-        for symbol, value in zip(reversed(self._symbols), reversed(self._values), strict=True):
-            start = end - symbol.numel()
-            inner = ca.jacobian(value, everything[:start])
-            jacobian = jacobian[:, :start] + jacobian[:, start:end] @ inner
+        for start, end, inner in self._slopes(everything):
+            jacobian = _eliminated(jacobian, start, end, inner)
             across, own = hessian[:start, start:end] @ inner, hessian[start:end, start:end]
             whole = hessian[:start, :start] + across + across.T + inner.T @ (own @ inner)
             hessian = ca.triu2symm(ca.triu(whole))  # the other half is the same: its operations are left out
-            end = start
 
         written = self._written_out()
         replaced: list[SX] = []
@@ -105,8 +102,30 @@ class LiftedVariables:
         found = ca.substitute(parts, [*self._symbols, *adjoints], [*written, *replaced])
         return Derivatives(found[0], found[1], found[2], found[3])
 
+    def jacobian_sparsity(self, z: SX, outputs: SX) -> ca.Sparsity:
+        """That of the Jacobian of `derivatives`, without the rest."""
+        everything = ca.vertcat(z, *self._symbols)
+        jacobian = ca.jacobian(outputs, everything)
+        for start, end, inner in self._slopes(everything):
+            jacobian = _eliminated(jacobian, start, end, inner)
+        return jacobian.sparsity()
+
+    def _slopes(self, everything: SX) -> Iterator[tuple[int, int, SX]]:
+        """Of each lifted value, from the last to the first, its place among all variables, and E."""
+        end = everything.numel()
+        for symbol, value in zip(reversed(self._symbols), reversed(self._values), strict=True):
+            start = end - symbol.numel()
+            yield start, end, ca.jacobian(value, everything[:start])
+            end = start
+
     def _written_out(self) -> list[SX]:
         written: list[SX] = []
         for index, value in enumerate(self._values):
             written.append(ca.substitute([value], self._symbols[:index], written)[0] if index else value)
         return written
+
+
+def _eliminated(jacobian: SX, start: int, end: int, slopes: SX) -> SX:
+    """J_a + J_b E: the last columns, from `start` to `end`, are of the variables with slopes E."""
+    found: SX = jacobian[:, :start] + jacobian[:, start:end] @ slopes
+    return found

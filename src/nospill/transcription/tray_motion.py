@@ -128,7 +128,7 @@ def motion_pattern(freedom: Freedom, *, slowed: bool) -> MotionPattern:
         slowed=slowed,
     )
     count = found.numbers.numel()
-    jacobian = lifted.derivatives(z, found.numbers, SX.zeros(count)).jacobian.sparsity()
+    jacobian = lifted.jacobian_sparsity(z, found.numbers)
     rows, columns = [count] * (count + 1), list(range(count + 1))
     for instant in found.entries:
         own = [index for index in instant if index is not None]
