@@ -60,6 +60,8 @@ def limiting_rows(judgement: Judgement) -> tuple[Limiting, ...]:
         if len(trace.t) < 2:
             continue
         row = RowId(trace.constraint, trace.subject)
+        if row not in judgement.corner_use and np.max(trace.use) < NEAR:
+            continue
         use = np.interp(t, trace.t, trace.use)
         if row in judgement.corner_use:
             use = np.maximum(use, np.interp(t, played, judgement.corner_use[row]))

@@ -184,10 +184,10 @@ class Trace:
 
 def worst_row(trace: Trace) -> Row:
     """The instant of a trace that uses most of its limit: where that is constant, the one with the least margin."""
-    # A margin that is not a number is no margin at all.
-    margins = np.where(np.isnan(trace.margin), -np.inf, trace.margin)
     index = int(np.argmax(trace.use))
-    margin = float(margins[index])
+    margin = float(trace.margin[index])
+    if np.isnan(margin):  # that is none at all
+        margin = -np.inf
     return Row(
         constraint=trace.constraint,
         subject=trace.subject,

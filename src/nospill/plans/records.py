@@ -118,7 +118,7 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
     """The largest figures of a judged motion."""
     tray = judgement.replay.tray
     largest: dict[str, dict[str, float]] = {}
-    for trace in judgement.traces:
+    for trace in (item for item in judgement.traces if item.constraint in (SloshHeight.name, ResidualHeight.name)):
         largest.setdefault(trace.constraint, {})[trace.subject] = float(np.max(np.abs(trace.value)))
     return MotionMaxima(
         tray_acceleration=float(np.max(np.linalg.norm(tray.acceleration, axis=1))),
