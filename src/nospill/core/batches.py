@@ -129,7 +129,7 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
         shared: (p,) the last input.
 
     Returns:
-        (outputs, m), in the order of Fortran.
+        (outputs, m), in Fortran order.
     """
     count = columns[0].shape[1]
     at_once = columns_at_once(function, [len(columns)])

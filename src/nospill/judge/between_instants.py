@@ -57,7 +57,7 @@ def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.nd
     peaks = np.zeros(len(played.t), dtype=bool)
     for trace in traces:
         use = trace.use
-        if not np.max(use, initial=0.0) > near:
+        if np.max(use) <= near:
             continue
         rises, falls = np.append(True, use[1:] >= use[:-1]), np.append(use[:-1] >= use[1:], True)
         peaks |= (use > near) & rises & falls

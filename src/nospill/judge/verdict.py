@@ -60,7 +60,7 @@ class Row:
 
     @cached_property
     def use(self) -> float:
-        """`limit_use` at that instant; kept, since rows are ordered by it again and again."""
+        """`limit_use` at that instant; cached, since rows are sorted by it."""
         return float(limit_use(self.constraint, self.limit, self.worst_margin))
 
     @property
@@ -178,7 +178,7 @@ class Trace:
 
     @cached_property
     def use(self) -> np.ndarray:
-        """`limit_use` over time, shape (m,); kept, since a plan reads it five times."""
+        """`limit_use` over time, shape (m,); cached, since rows, peaks and what holds the motion back all read it."""
         return limit_use(self.constraint, self.limit, self.margin)
 
 

@@ -15,7 +15,7 @@ from nospill.errors import ModelError
 SX = ca.SX
 
 STEPS = 500
-"""That a sequence makes in one call."""
+"""Number of steps that a `step_sequence` makes in one call."""
 SHARED = (1, 2, 3, 4)
 """Places of the arguments of a `runge_kutta_step` that are the same for all liquids."""
 _NESTED = 23
