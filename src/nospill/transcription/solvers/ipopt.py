@@ -20,18 +20,17 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
         "ipopt.sb": "yes",
         "ipopt.max_iter": options.max_iterations,
         "ipopt.max_wall_time": options.max_time,
-        "ipopt.tol": 1e-6,
-        "ipopt.constr_viol_tol": 1e-7,
+        "ipopt.tol": options.tolerances.stationarity,
+        "ipopt.constr_viol_tol": options.tolerances.violation,
+        "ipopt.compl_inf_tol": options.tolerances.complementarity,
+        "ipopt.residual_ratio_max": options.tolerances.linear_system,
+        "ipopt.min_refinement_steps": options.tolerances.refinements,
         "ipopt.acceptable_tol": 1e-4,
         "ipopt.acceptable_iter": 8,
         "ipopt.acceptable_constr_viol_tol": 1e-6,
         "ipopt.mu_strategy": "adaptive",
         "ipopt.adaptive_mu_globalization": "kkt-error" if options.kkt_error_globalization else "obj-constr-filter",
     }
-    if options.loose_tolerances:
-        # the bound on complementarity keeps the barrier as low as otherwise
-        settings |= {"ipopt.tol": 1e-3, "ipopt.constr_viol_tol": 1e-6, "ipopt.compl_inf_tol": 2e-6}
-        settings |= {"ipopt.min_refinement_steps": 0, "ipopt.residual_ratio_max": 1e-6}
     if options.barrier_start is not None:
         settings |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": options.barrier_start}
         settings["ipopt.barrier_tol_factor"] = options.barrier_error

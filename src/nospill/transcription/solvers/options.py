@@ -24,6 +24,32 @@ FROM_AFAR: Options = MappingProxyType({"barrier_start": 1e-3, "barrier_error": 1
 
 
 @dataclass(frozen=True, slots=True)
+class Tolerances:
+    """When a solve ends: what may be left of the conditions of an optimum, all of them scaled.
+
+    Attributes:
+        stationarity: of the gradient of the Lagrangian.
+        violation: of a constraint.
+        complementarity: of bound and multiplier; with loose ones it keeps the barrier nearly as low as otherwise.
+        linear_system: residual of the linear system of a step, above which its solution is refined again.
+        refinements: how often it is refined at least.
+    """
+
+    stationarity: float
+    violation: float
+    complementarity: float
+    linear_system: float
+    refinements: int
+
+
+TIGHT = Tolerances(stationarity=1e-6, violation=1e-7, complementarity=1e-4, linear_system=1e-10, refinements=1)
+LOOSE = Tolerances(stationarity=1e-3, violation=1e-6, complementarity=2e-6, linear_system=1e-6, refinements=0)
+"""From a start near the optimum they save every seventh step and cost at most 3 parts in 10,000 of the duration."""
+LOOSEST = Tolerances(stationarity=1e-3, violation=3e-6, complementarity=4e-6, linear_system=1e-6, refinements=0)
+"""Of warm starts: another step in twenty saved, for at most one more part in 10,000."""
+
+
+@dataclass(frozen=True, slots=True)
 class SolveOptions:
     """Limits and start of a solve.
 
@@ -32,9 +58,7 @@ class SolveOptions:
         max_time: after which it stops, s.
         kkt_error_globalization: steps of the free barrier strategy are accepted by the error of the optimality
             conditions, not by a filter of cost and violation.
-        loose_tolerances: end where the conditions of an optimum are met to three digits instead of six, and solve
-            linear systems as loosely. From a start near the optimum it saves every seventh step and costs the motion at
-            most 3 parts in 10,000 of its duration.
+        tolerances: at which the solve ends.
         barrier_start: first barrier parameter, small where the start is nearly optimal; it then goes down step by step.
             None: adapted from iteration to iteration.
         barrier_error: error of a barrier problem, over its parameter, at which the parameter goes down.
@@ -46,7 +70,7 @@ class SolveOptions:
     max_iterations: int
     max_time: float
     kkt_error_globalization: bool = False
-    loose_tolerances: bool = False
+    tolerances: Tolerances = TIGHT
     barrier_start: float | None = None
     barrier_error: float = _BARRIER_ERROR
     bound_push: float | None = None
