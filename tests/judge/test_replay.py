@@ -124,7 +124,7 @@ def test_slosh_against_another_integrator(smooth_motion, name, index, tilt):
     played = replay(motion.trajectory, scene)
     counts = [sum(len(m.directions) for m in c.filling.modes.oscillators) if c.filling else 0 for c in scene.cargo]
     own = slice(sum(counts[:index]), sum(counts[: index + 1]))
-    rows = slice(0, round(1.2 * played.rate), 50)
+    rows = slice(0, round(1.2 * played.rate), 51)  # ends of steps, and middles between them
     expected = integrated(scene, motion.trajectory, index, played.t[rows])
     ours = played.slosh_displacement[rows, own]
     assert np.abs(expected).max() > 1e-3
@@ -132,9 +132,20 @@ def test_slosh_against_another_integrator(smooth_motion, name, index, tilt):
     assert played.slosh_error < 1e-7
 
 
+@pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray"])
+def test_liquids_between_two_steps_are_those_of_shorter_steps(smooth_motion, name):
+    motion = smooth_motion(name, stretch=0.7)
+    played, finer = replay(motion.trajectory, motion.scene), replay(motion.trajectory, motion.scene, rate=16e3)
+    every = round(finer.rate / played.rate)
+    assert every == 8 and np.abs(played.slosh_displacement).max() > 1e-3
+    np.testing.assert_allclose(played.slosh_displacement, finer.slosh_displacement[::every], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(played.slosh_velocity, finer.slosh_velocity[::every], rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid"])
 @pytest.mark.parametrize("rate", [100.0, 300.0, 500.0, 700.0, 1000.0, 4000.0])
-def test_grid_is_fine_and_holds_every_sample(smooth_motion, rate):
-    motion = smooth_motion("matrix-rigid", cargo=1)
+def test_grid_is_fine_and_holds_every_sample(smooth_motion, rate, name):
+    motion = smooth_motion(name, cargo=1)
     t = np.arange(0, motion.trajectory.t[-1], 1 / rate)
     q = np.stack([np.interp(t, motion.trajectory.t, column) for column in motion.trajectory.joint_position.T], axis=1)
     played = replay(played_joints(t, q, motion.scene), motion.scene)
