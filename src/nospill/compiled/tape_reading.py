@@ -1,22 +1,63 @@
-"""Tapes of CasADi's functions."""
+"""Tapes of CasADi's functions, read from what CasADi prints of them.
+
+Asking for the instructions one by one, three calls each, takes three times as long; there are up to 300,000 of them in
+the functions of a scene.
+"""
 
 from __future__ import annotations
 
+import string
 from array import array
 from collections.abc import Collection
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from nospill.compiled.tape import Tape
 from nospill.native.operations import CONSTANT, FIRST, INPUT, NAMES, OUTPUT
 
-_CODES = {
-    ca.OP_INPUT: INPUT,
-    ca.OP_OUTPUT: OUTPUT,
-    ca.OP_CONST: CONSTANT,
-    **{getattr(ca, f"OP_{name}"): code for code, name in enumerate(NAMES, FIRST)},
+_PRINTED = {
+    "ASSIGN": "@",
+    "ADD": "(@+@)",
+    "SUB": "(@-@)",
+    "MUL": "(@*@)",
+    "DIV": "(@/@)",
+    "NEG": "(-@)",
+    "TWICE": "(2.*@)",
+    "INV": "(1./@)",
+    "FMIN": "fmin(@,@)",
+    "FMAX": "fmax(@,@)",
+    "LT": "(@<@)",
+    "LE": "(@<=@)",
+    "EQ": "(@==@)",
+    "NE": "(@!=@)",
+    "NOT": "(!@)",
+    "AND": "(@&&@)",
+    "OR": "(@||@)",
+    "IF_ELSE_ZERO": "(@?@:0)",
+    "ATAN2": "atan2(@,@)",
+    "POW": "pow(@,@)",
 }
+"""How CasADi prints an operation, @ for an operand; one that is not here as "sin(@)". CONSTPOW is printed as POW is."""
+_WITH_DIGITS = ("(2.*", "(1./", ":0)", "atan2(")
+"""Digits of a form that are no numbers of an instruction."""
+
+_NO_DIGITS = str.maketrans("", "", string.digits)
+_ONLY_DIGITS = str.maketrans({character: " " for character in map(chr, range(128)) if not character.isdigit()})
+
+_FORMS = {
+    code: _PRINTED.get(name, f"{name.lower()}(@)") for code, name in enumerate(NAMES, FIRST) if name != "CONSTPOW"
+}
+_CODES = {
+    "@ = input[][];": INPUT,
+    "output[][] = @;": OUTPUT,
+    **{f"@ = {form};".translate(_NO_DIGITS): code for code, form in _FORMS.items()},
+}
+"""Line of an instruction without its digits -> code."""
+_NUMBERS = np.full(FIRST + len(NAMES), 3)
+"""How many numbers a line has, by its code: registers, places and rows."""
+_NUMBERS[[CONSTANT, *(code for code, form in _FORMS.items() if form.count("@") == 1)]] = 2
 
 
 def read_tape(function: Any, shared: Collection[int], steps: int = 1) -> Tape | None:
@@ -34,25 +75,42 @@ def read_tape(function: Any, shared: Collection[int], steps: int = 1) -> Tape | 
         return None
     if any(function.nnz_out(index) != function.size1_out(index) for index in outputs):
         return None
-    code, constants = array("i"), array("d")
-    for number in range(function.n_instructions()):
-        operation = _CODES.get(function.instruction_id(number))
-        if operation is None:
-            return None
-        to, operands = function.instruction_output(number), function.instruction_input(number)
-        if operation == CONSTANT:
-            operands = (len(constants),)
-            constants.append(function.instruction_constant(number))
-        elif operation == OUTPUT:
-            operands = (operands[0], to[1])
-        code.extend((operation, to[0], operands[0], operands[1] if len(operands) > 1 else operands[0]))
+    instructions = _read_instructions(function)
+    if instructions is None:
+        return None
     return Tape(
         function.name(),
         tuple(function.nnz_in(index) for index in inputs),
         tuple(function.nnz_out(index) for index in outputs),
         frozenset(place % len(inputs) for place in shared),
         function.sz_w(),
-        code,
-        constants,
+        *instructions,
         steps,
     )
+
+
+def _read_instructions(function: Any) -> tuple[array[int], array[float]] | None:
+    """Code and constants of a `Tape`; None where a line is not understood."""
+    text = function.str(True).partition("Algorithm:\n")[2].rstrip("\n")
+    for form in _WITH_DIGITS:
+        text = text.replace(form, form.translate(_NO_DIGITS))
+    lines, codes = text.split("\n"), [_CODES.get(form) for form in text.translate(_NO_DIGITS).split("\n")]
+    if len(codes) != function.n_instructions():
+        return None
+    constants = array("d")
+    for index, code in enumerate(codes):
+        if code is None:
+            if function.instruction_id(index) != ca.OP_CONST:
+                return None
+            codes[index] = CONSTANT
+            lines[index] = f"{lines[index].partition(' ')[0]} {len(constants)}"  # to the last digit, below
+            constants.append(function.instruction_constant(index))
+    operations = np.array(codes, dtype=np.intc)
+    numbers = np.fromstring("\n".join(lines).translate(_ONLY_DIGITS), dtype=np.intc, sep=" ")
+    ends = np.cumsum(_NUMBERS[operations])
+    if ends[-1] != len(numbers):
+        return None
+    code = np.stack([operations, *numbers[[ends - _NUMBERS[operations], ends - _NUMBERS[operations] + 1, ends - 1]]], 1)
+    written = operations == OUTPUT
+    code[written, 2:] = code[written, :1:-1]  # the register stands behind place and row
+    return array("i", code.tobytes()), constants
