@@ -286,6 +286,7 @@ def test_branch_of_the_start_is_the_one_that_is_read(planned, written):
         ("joint-trajectory", ".yaml", "- {", "- {{", r"line 6: .* is not a line of a trajectory"),
         ("joint-trajectory", ".json", '"msg"', '"message"', "joint_names or points are missing"),
         ("joint-trajectory", ".json", "[0.0, ", "[NaN, ", "is not a row of 6 finite numbers"),
+        ("joint-trajectory", ".json", "[0.0, ", f"[1{400 * '0'}, ", "is not a row of 6 finite numbers"),
         ("joint-trajectory", ".json", "}", "", "not a JSON file"),
         ("urscript", ".script", "stopj(2.0)", "movej(start)", r"'movej\(start\)' is not what nospill wrote there"),
         ("urscript", ".script", "  i = 0\n", "", "is not what nospill wrote there"),

@@ -50,7 +50,7 @@ def load_plan(folder: str | Path) -> Plan:
             approach=_approach(place, scene, summary),
             warnings=tuple(PlanWarning(**entry) for entry in summary.get("warnings", ())),
         )
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, OverflowError) as error:
         # the repr of an error of decoding holds the whole file
         reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error

@@ -208,3 +208,11 @@ def test_counts_that_would_fill_the_memory(saved: Path, tmp_path: Path, counts: 
     (copy / "summary.json").write_text(json.dumps(table | {"linear_solvers": counts}))
     with pytest.raises(PlanFolderError, match=r"summary.json is damaged"):
         load_plan(copy)
+
+
+def test_a_number_too_large_for_any_float(saved: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(saved, tmp_path / "copy")
+    table = json.loads((copy / "summary.json").read_text())
+    (copy / "summary.json").write_text(json.dumps(table | {"backoff": {"slip | all": 10**400}}))
+    with pytest.raises(PlanFolderError, match=r"summary.json is damaged \(OverflowError"):
+        load_plan(copy)
