@@ -1,7 +1,7 @@
 """Tapes of CasADi's functions, read from what CasADi prints of them.
 
-Asking for the instructions one by one, three calls each, takes three times as long; there are up to 300,000 of them in
-the functions of a scene.
+Asking for the instructions one by one, three calls each, takes more than twice as long; those of a scene are up to
+200,000.
 """
 
 from __future__ import annotations
