@@ -12,7 +12,9 @@ def checked_numbers(values: object, name: str) -> np.ndarray:
     """A finite array of any shape."""
     try:
         array = np.array(values, dtype=float)
-    except (TypeError, ValueError, OverflowError):  # the last of integers with hundreds of digits
+    except OverflowError:
+        raise ScenarioError(f"{name}: contains an integer too large for a float; at most 1e6 is allowed") from None
+    except (TypeError, ValueError):
         raise ScenarioError(f"{name}: not an array of numbers, or its rows differ in length") from None
     if not np.all(np.isfinite(array)):
         raise ScenarioError(f"{name}: contains a value that is not a finite number")

@@ -84,7 +84,7 @@ def finite_row(cells: object, count: int, where: str) -> list[float]:
     """
     try:
         values = [float(cell) for cell in cells] if isinstance(cells, list) else []
-    except (TypeError, ValueError, OverflowError):  # the last of integers with hundreds of digits
+    except (TypeError, ValueError, OverflowError):  # of an integer that no float holds
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):
         raise PlanFolderError(f"{where}: {str(cells)[:80]} is not a row of {count} finite numbers")
