@@ -11,7 +11,7 @@ from nospill.laws.constraints.clearance import Clearance
 from nospill.transcription.problem import Problem
 from nospill.transcription.stages import Stages
 
-FEASIBLE = 1e-5
+FEASIBLE = 5e-5
 """Largest scaled violation of a motion that is worth going on with."""
 
 
