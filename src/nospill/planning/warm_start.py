@@ -24,9 +24,8 @@ from nospill.transcription.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 from nospill.transcription.trajectory_start import on_branch
 
-_WARM_BARRIER = 1e-6
-_LOOSELY: Options = {"tolerances": LOOSEST}
-_IF_BROKEN: Options = {"kkt_error_globalization": True, "bound_push": 3e-3, "max_iterations": 50, **_LOOSELY}
+_WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
+_SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 
 
 def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
@@ -88,14 +87,12 @@ def _cautious(active: ActiveSet) -> ActiveSet:
 def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     problem = problem_about(active, start)
-    if is_broken(problem, start):
+    broken = is_broken(problem, start)
+    if broken:
         start = slow_enough(problem, start)
-        found = solved(active, start, log, _IF_BROKEN, warm=warm)
-        if not found.solution.converged:
-            found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
-    else:
-        options = near_optimum(_WARM_BARRIER if warm else BARRIERS[0], REFINE_ITERATIONS)
-        found = solved(active, start, log, {**options, **_LOOSELY}, warm=warm)
+    found = solved(active, start, log, _SLOWED if broken else _WARM, warm=warm)
+    if not found.solution.converged:
+        found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
     succeeded = found.has_converged and found.keeps_branch
     log.starts.append(found.stages.duration if succeeded else None)
     return found if succeeded else None
