@@ -109,6 +109,9 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
                 ratio = figures["seconds"] / figures["duration"]
                 limit = 0.3 if change in LARGER_CHANGES else limits[name]
                 yield Line(label, figures["seconds"], ratio, "of the motion", limit)
+                if part == "again" and together(f"warm {name}", "baseline rigid"):  # the same on a slower machine
+                    ratio = seconds["baseline rigid"] / figures["seconds"]
+                    yield Line(label, figures["seconds"], ratio, "times faster than baseline rigid")
     for key in ("process, cold cache", "process, second run"):
         if key in seconds:
             target = 0.7 if key.endswith("second run") else None
