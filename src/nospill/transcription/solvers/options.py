@@ -45,8 +45,8 @@ class Tolerances:
 TIGHT = Tolerances(stationarity=1e-6, violation=1e-7, complementarity=1e-4, linear_system=1e-10, refinements=1)
 LOOSE = Tolerances(stationarity=1e-3, violation=1e-6, complementarity=2e-6, linear_system=1e-6, refinements=0)
 """From a start near the optimum they save every seventh step and cost at most 3 parts in 10,000 of the duration."""
-LOOSEST = Tolerances(stationarity=2e-3, violation=4e-5, complementarity=1e-5, linear_system=1e-6, refinements=0)
-"""Of warm starts: one step in nine more saved, for at most two more parts in 10,000.
+LOOSEST = Tolerances(stationarity=2e-3, violation=4e-5, complementarity=4e-6, linear_system=1e-6, refinements=0)
+"""Of warm starts: one step in twelve more saved, for at most two more parts in 10,000.
 
 The exported motion is certified, and the least back-off is fifty times the violation.
 """
