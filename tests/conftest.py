@@ -22,6 +22,7 @@ from filelock import FileLock
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
+from nospill.compiled.small_libraries import small_library
 from nospill.judge.certificate import judge
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
@@ -53,10 +54,12 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled_functions(run_folder: Path) -> Iterator[None]:
-    """Functions are compiled once for all tests of this run, by a hasty compiler; one thread each.
+def hasty(run_folder: Path) -> Iterator[Path | None]:
+    """A hasty compiler, with which the largest functions are compiled for all tests of this run; one thread each.
 
-    None of the user's compiled functions are used. A test that wants otherwise sets the variables itself (monkeypatch).
+    The others are compiled where an example is planned and interpreted elsewhere: most scenes of the tests are planned
+    once, in a fifth of the time that their functions take to compile. None of the user's compiled functions are used. A
+    test that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")
@@ -66,9 +69,11 @@ def compiled_functions(run_folder: Path) -> Iterator[None]:
             compiler = hasty_compiler(run_folder)
             if compiler is not None:
                 patch.setenv("CC", str(compiler))
-                # The largest, which every worker needs: one that comes while another compiles goes on without.
+                # What every worker needs: one that comes while another compiles goes on without.
+                small_library("interpreter", wait=True)
                 warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
-        yield
+        patch.setenv("CC", "no-compiler-for-what-is-planned-once")
+        yield compiler
 
 
 @pytest.fixture(scope="module")
@@ -79,15 +84,6 @@ def in_virtual_machine() -> Iterator[None]:
         forget()
         yield
     forget()
-
-
-@pytest.fixture(autouse=True)
-def compiler_where_it_pays(
-    request: pytest.FixtureRequest, compiled_functions: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Tests that solve nothing use what is compiled, and compile nothing."""
-    if request.node.get_closest_marker("slow") is None:
-        monkeypatch.setenv("CC", "no-compiler-where-nothing-is-solved")
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -127,7 +123,7 @@ def changed_scene() -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
-def example_plan(run_folder: Path) -> Callable[[str], Plan]:
+def example_plan(run_folder: Path, hasty: Path | None) -> Callable[[str], Plan]:
     """Plan an example, once for all tests, whichever process runs them; it is kept for the documentation."""
 
     @cache
@@ -135,7 +131,10 @@ def example_plan(run_folder: Path) -> Callable[[str], Plan]:
         file = run_folder / f"{name}.pickle"
         with FileLock(f"{file}.lock"):
             if not file.exists():
-                found = plan(read_scenario(name))
+                with pytest.MonkeyPatch.context() as patch:
+                    if hasty is not None:
+                        patch.setenv("CC", str(hasty))
+                    found = plan(read_scenario(name))
                 keep(found, name)
                 file.write_bytes(pickle.dumps(found))
         return pickle.loads(file.read_bytes())

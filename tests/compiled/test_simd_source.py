@@ -29,6 +29,7 @@ pytestmark = [
 @pytest.fixture
 def compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., ca.Function]:
     """Machine code of a function, as the cache has it."""
+    monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
 
@@ -110,6 +111,7 @@ def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Call
 def test_a_function_of_a_state_runs_step_after_step(
     steps: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     found, _, is_compiled = codegen.functions(

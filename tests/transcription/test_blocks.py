@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import shutil
 from collections.abc import Iterator
 from functools import cache
@@ -32,7 +31,7 @@ from nospill.transcription.stage_functions import stage_functions
 from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
 from tests.builders import one_mode
-from tests.compiling import assert_same
+from tests.compiling import COMPILER, assert_same
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
@@ -248,7 +247,7 @@ def functions(block: object) -> dict[str, ca.Function]:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which(os.environ.get("CC", "cc")) is None, reason="no C compiler")
+@pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -258,6 +257,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     plain = stage_functions(structure)
     assert not plain.compiled
+    monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     for kept in (*BLOCKS, stage_functions):

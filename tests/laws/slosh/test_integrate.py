@@ -52,7 +52,8 @@ def test_swings_in_closed_form(count: int, force: float) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 @pytest.mark.parametrize("liquids", [1, 3, 4, 5, 9])
-def test_machine_code_of_several_gives_each_what_it_does_alone(liquids: int) -> None:
+def test_machine_code_of_several_gives_each_what_it_does_alone(liquids: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", COMPILER)
     several = codegen.functions(
         "test", f"swing {STEPS}", lambda: ({"step": step()}, None), of_columns={"step": SHARED}, steps=STEPS
     )[0]["step"]
