@@ -58,8 +58,8 @@ def hasty(run_folder: Path) -> Iterator[Path | None]:
     """A hasty compiler, with which the largest functions are compiled for all tests of this run; one thread each.
 
     The others are compiled where an example is planned and interpreted elsewhere: most scenes of the tests are planned
-    once, in a fifth of the time that their functions take to compile. None of the user's compiled functions are used. A
-    test that wants otherwise sets the variables itself (monkeypatch).
+    once, and to compile their functions takes longer than to interpret them. None of the user's compiled functions are
+    used. A test that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")

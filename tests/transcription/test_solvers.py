@@ -19,7 +19,8 @@ from nospill.laws.constraints.base import RowId
 from nospill.native import libraries
 from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.solvers import Solution, SolveOptions, linear_solvers, solve
+from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, linear_solvers, solve
+from nospill.transcription.solvers.options import LOOSE, LOOSEST, TIGHT, Tolerances
 from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
@@ -54,6 +55,12 @@ def task(changed_scene: Callable[..., Scene]) -> Task:
     scene = dataclasses.replace(scene, cargo=scene.cargo[:1])
     path = joint_path_of(scene)
     return Task(scene, smooth_start(scene, path, INTERVALS))
+
+
+@pytest.mark.parametrize("tolerances", [TIGHT, LOOSE, LOOSEST])
+def test_what_converges_is_gone_on_with_and_back_off_is_far_above_it(tolerances: Tolerances) -> None:
+    assert tolerances.violation < FEASIBLE
+    assert min(constraint.backoff for constraint in CONSTRAINTS) / 10 > FEASIBLE
 
 
 @pytest.fixture

@@ -48,7 +48,7 @@ LOOSE = Tolerances(stationarity=1e-3, violation=1e-6, complementarity=2e-6, line
 LOOSEST = Tolerances(stationarity=2e-3, violation=4e-5, complementarity=4e-6, linear_system=1e-6, refinements=0)
 """Of warm starts: one step in twelve more saved, for at most two more parts in 10,000.
 
-The exported motion is certified, and the least back-off is fifty times the violation.
+The exported motion is certified, and the first back-off of a row is at least 25 times the violation.
 """
 
 

@@ -12,7 +12,7 @@ from nospill.transcription.problem import Problem
 from nospill.transcription.stages import Stages
 
 FEASIBLE = 5e-5
-"""Largest scaled violation of a motion that is worth going on with."""
+"""Largest scaled violation of a motion that is worth going on with; more than any solve leaves that converges."""
 
 
 @dataclass(frozen=True, slots=True)
