@@ -195,6 +195,21 @@ def test_from_its_own_answer_a_few_steps_are_enough(task: Task) -> None:
     assert again.stages.duration == pytest.approx(first.stages.duration, rel=1e-4)
 
 
+@needs_compiler
+def test_the_order_of_pivots_goes_on_to_the_next_solve(task: Task) -> None:
+    assert linear_solvers.ldl_library() is not None
+    first, options = task.solve("ldl"), dataclasses.replace(PATIENT, barrier_start=1e-6, bound_push=1e-6)
+    assert first.pivot_order is not None
+    kept = solve(task.problem("ldl"), first.stages, options=options, warm=first)
+    fresh = solve(task.problem("ldl"), first.stages, options=options, warm=dataclasses.replace(first, pivot_order=None))
+    assert kept.pivot_order is first.pivot_order
+    assert fresh.pivot_order is not None and fresh.pivot_order is not first.pivot_order
+    assert kept.iterations == fresh.iterations
+    np.testing.assert_allclose(kept.variables, fresh.variables, rtol=1e-6, atol=1e-9)
+    by_mumps = solve(task.problem("mumps"), first.stages, options=options, warm=first)
+    assert by_mumps.pivot_order is first.pivot_order  # handed on
+
+
 def test_encode_and_decode_are_inverse(task: Task) -> None:
     problem = task.problem()
     layout = problem.transcription.layout

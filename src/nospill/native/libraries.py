@@ -19,7 +19,7 @@ CARRIED = Path(__file__).with_name("carried")
 """Where a wheel has the compiled libraries."""
 
 _FILES = {
-    "ldl": ("pivot_order.c", "pivot_tree.c", "supernodes.c", "dense_update.c", "sparse_ldl.c"),
+    "ldl": ("pivot_order.c", "pivot_tree.c", "supernodes.c", "kept_order.c", "dense_update.c", "sparse_ldl.c"),
     "interpreter": ("interpreter.c",),
 }
 """The files of each, compiled as one."""

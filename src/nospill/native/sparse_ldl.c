@@ -212,23 +212,27 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
     (void)nsteps, (void)iw1, (void)icntl, (void)cntl;
     memset(info, 0, 20 * sizeof *info);
     *maxfrt = 2 * *n;
-    if (*state == NOT_ORDERED) {
-        if (!order_pivots(*n, *nz, irn, icn, a, ikeep, ikeep + *n)) {
+    if (*state != ANALYSED) {
+        long long length = 0;
+        int *given = *state == NOT_ORDERED ? given_structure(*n, *nz, irn, icn, a, &length) : NULL;
+        if (given) {
+            Structure of = structure_in(*n, given);
+            memcpy(ikeep, of.position, (size_t)*n * sizeof *ikeep), memcpy(ikeep + *n, of.width, (size_t)*n * sizeof *ikeep);
+        } else if (*state == NOT_ORDERED && !order_pivots(*n, *nz, irn, icn, a, ikeep, ikeep + *n)) {
             info[0] = NO_MEMORY;
             return;
         }
         *state = ORDERED;
-    }
-    if (*state == ORDERED) {
-        long long length = 0;
-        int *structure = structure_of(*n, *nz, irn, icn, ikeep, ikeep + *n, &length);
+        int *structure = given ? given : structure_of(*n, *nz, irn, icn, ikeep, ikeep + *n, &length);
         if (!structure || length > INT_MAX) {
             info[0] = NO_MEMORY;
         } else if (length > *liw) {
             info[0] = LIW_TOO_SMALL, info[1] = (int)length;
-        } else
+        } else {
             memcpy(iw, structure, (size_t)length * sizeof *iw);
-        free(structure);
+            note(*n, *nz, irn, icn, structure, length, given != NULL);
+        }
+        if (!given) free(structure);
         if (info[0]) return;
     }
     View v = view(*n, iw, a);

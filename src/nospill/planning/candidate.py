@@ -131,7 +131,7 @@ def solved(
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
-    log.solutions.append(solution)
+    log.solutions.append(replace(solution, pivot_order=None))  # as large as the factor
     expected, found = active.expected or start.duration, solution.stages.duration
     if usable(solution) and weigh_too_much(active.scene, expected, found):
         options = {**options, **near_optimum(BARRIERS[1])}

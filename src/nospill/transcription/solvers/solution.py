@@ -9,6 +9,7 @@ import numpy as np
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.transcription.problem import Problem
+from nospill.transcription.solvers.pivot_orders import PivotOrder
 from nospill.transcription.stages import Stages
 
 FEASIBLE = 5e-5
@@ -33,6 +34,7 @@ class Solution:
         iterations: of the solver.
         solve_time_s: wall clock, s.
         linear_solver: its name; of several, the last and those that failed before it.
+        pivot_order: for a solve of the same shape; None where the linear solver has none.
     """
 
     stages: Stages
@@ -47,6 +49,7 @@ class Solution:
     iterations: int
     solve_time_s: float
     linear_solver: str
+    pivot_order: PivotOrder | None = None
 
 
 def usable(solution: Solution) -> bool:

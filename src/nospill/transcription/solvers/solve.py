@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -14,6 +15,7 @@ from nospill.transcription.solvers.callbacks import interruptible, watched
 from nospill.transcription.solvers.ipopt import ipopt_settings
 from nospill.transcription.solvers.linear_solvers import UNSOLVED, Settings, candidates
 from nospill.transcription.solvers.options import SolveOptions
+from nospill.transcription.solvers.pivot_orders import PivotOrder, with_order
 from nospill.transcription.solvers.solution import Solution, least_slack, violation
 from nospill.transcription.stages import Stages
 
@@ -39,7 +41,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         problem: what to solve; its scenario names the linear solver.
         start: on the problem's grid.
         options: limits, tolerances and start.
-        warm: an earlier answer, whose multipliers are used where its problem was of the same shape.
+        warm: an earlier answer, whose multipliers and order of pivots are used where its problem was of the same shape.
 
     Raises:
         ScenarioError: the linear solver is not known or not available.
@@ -57,14 +59,16 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         "lbg": transcription.lower,
         "ubg": transcription.upper,
     }
+    order = None
     if warm is not None and len(warm.multipliers) == len(transcription.lower):
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
+        order = warm.pivot_order
     (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
-    result, stats = _attempt(problem, settings | own, arguments, options)
+    result, stats, order = _attempt(problem, settings | own, arguments, options, order)
     for other, own in others:
         if stats["return_status"] not in UNSOLVED:
             break
-        result, stats = _attempt(problem, settings | own, arguments, options)
+        result, stats, order = _attempt(problem, settings | own, arguments, options, order)
         linear_solver = f"{other} after {linear_solver}"
     variables, values = result["x"], result["g"]
     return Solution(
@@ -80,17 +84,25 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         iterations=int(stats["iter_count"]),
         solve_time_s=time.perf_counter() - began,
         linear_solver=linear_solver,
+        pivot_order=order,
     )
 
 
 def _attempt(
-    problem: Problem, settings: Settings, arguments: Mapping[str, np.ndarray], options: SolveOptions
-) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Answer and statistics of one run of IPOPT."""
+    problem: Problem,
+    settings: Settings,
+    arguments: Mapping[str, np.ndarray],
+    options: SolveOptions,
+    order: PivotOrder | None,
+) -> tuple[dict[str, np.ndarray], dict[str, Any], PivotOrder | None]:
+    """Answer, statistics and order of pivots of one run of IPOPT; the linear solver that keeps none hands it on."""
     with watched(problem, options.progress) as watching:
         nlpsol = ca.nlpsol("plan", "ipopt", problem.transcription.nlp, settings | watching)
+        run = partial(_called, nlpsol, arguments)
         with interruptible():
-            return _called(nlpsol, arguments)
+            library = settings.get("ipopt.hsllib")
+            (results, stats), order = (run(), order) if library is None else with_order(library, order, run)
+            return results, stats, order
 
 
 def _called(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
