@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import tomllib
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -103,6 +105,34 @@ def test_what_is_wrong_or_cannot_be_said_is_refused(change: Callable[[Scene], Sc
     with pytest.raises(ScenarioError, match=told) as caught:
         described(change(SCENE))
     assert "\n" not in str(caught.value)
+
+
+def test_scenes_are_known_as_long_as_they_are_there() -> None:
+    """However many were read since, as for a sweep over a parameter."""
+    scenes = [scene_from_table(SCENE.source, name=f"s{number}") for number in range(40)]
+    assert all(is_as_read(scene) for scene in scenes)
+    gone = weakref.ref(scenes.pop())
+    gc.collect()
+    assert gone() is None
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        (0.5, 0.5 * (1 + 1e-10), True),
+        (0.5, 0.5 * (1 + 1e-8), False),
+        (0.0, 1e-12, False),
+        (1.0, 1, True),
+        (float("inf"), float("inf"), True),
+        (float("nan"), float("nan"), False),
+        (np.array([0.5, 0.0]), np.array([0.5 * (1 + 1e-10), 1e-13]), True),
+        (np.array([0.5, 0.0]), np.array([0.5 * (1 + 1e-8), 0.0]), False),
+        (np.array([0.5]), None, False),
+        (np.array([0.5]), np.array([0.5, 0.5]), False),
+    ],
+)
+def test_numbers_that_differ_by_rounding_alone_are_alike(one: Any, other: Any, alike: bool) -> None:
+    assert (difference((one,), (other,)) is None) == alike
 
 
 def test_only_the_scene_itself_with_its_own_source_is_as_read() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -130,9 +131,9 @@ def _same(first: Any, second: Any) -> bool:
     if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
         if np.shape(first) != np.shape(second) or first is None or second is None:
             return False
-        return bool(np.allclose(first, second, rtol=_SAME, atol=_SAME * 1e-3))
+        return np.array_equal(first, second) or bool(np.allclose(first, second, rtol=_SAME, atol=_SAME * 1e-3))
     if isinstance(first, float) and isinstance(second, int | float):
-        return bool(np.isclose(first, second, rtol=_SAME, atol=0.0))
+        return math.isclose(first, second, rel_tol=_SAME)
     return type(first) is type(second) and bool(first == second)
 
 

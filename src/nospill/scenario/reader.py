@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import tomli_w
@@ -42,8 +42,9 @@ from nospill.scene.tray import Tray
 MOST_REST_SAMPLES = 200_000
 """Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
 
-_LAST_READ: deque[tuple[Scene, str]] = deque(maxlen=16)
-"""Scenes with their sources in words: comparing a scene with its source takes a tenth of a warm plan."""
+_AS_READ: WeakKeyDictionary[Scene, str] = WeakKeyDictionary()
+"""Every scene that was read, with its source in words: comparing a scene with its source takes a tenth of a warm plan.
+"""
 
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
 
@@ -63,13 +64,13 @@ def scene_from_table(
         ScenarioError: as for `read_scenario`.
     """
     scene = _scene(table, label=name if label is None else label, name=name, folder=FilePath(folder))
-    _LAST_READ.append((scene, repr(scene.source)))
+    _AS_READ[scene] = repr(scene.source)
     return scene
 
 
 def is_as_read(scene: Scene) -> bool:
-    """Whether a scene is one of the last that were read, itself and no copy, with the source it had."""
-    return any(read is scene and source == repr(scene.source) for read, source in tuple(_LAST_READ))
+    """Whether a scene was read, itself and no copy, and has the source that it had then."""
+    return _AS_READ.get(scene) == repr(scene.source)
 
 
 def scenario_text(scene: Scene) -> str:

@@ -150,7 +150,7 @@ class PlanningOptions:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Scene:
     """One planning task, complete; its arrays cannot be compared as one, so a scene equals itself alone.
 
