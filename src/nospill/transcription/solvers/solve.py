@@ -68,7 +68,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     for other, own in others:
         if stats["return_status"] not in UNSOLVED:
             break
-        result, stats, order = _attempt(problem, settings | own, arguments, options, order)
+        result, stats, order = _attempt(problem, settings | own, arguments, options, None)  # one that failed is dropped
         linear_solver = f"{other} after {linear_solver}"
     variables, values = result["x"], result["g"]
     return Solution(
@@ -95,14 +95,14 @@ def _attempt(
     options: SolveOptions,
     order: PivotOrder | None,
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], PivotOrder | None]:
-    """Answer, statistics and order of pivots of one run of IPOPT; the linear solver that keeps none hands it on."""
+    """Answer, statistics and order of pivots of one run of IPOPT; None where the linear solver keeps none."""
     with watched(problem, options.progress) as watching:
         nlpsol = ca.nlpsol("plan", "ipopt", problem.transcription.nlp, settings | watching)
         run = partial(_called, nlpsol, arguments)
         with interruptible():
             library = settings.get("ipopt.hsllib")
-            (results, stats), order = (run(), order) if library is None else with_order(library, order, run)
-            return results, stats, order
+            (results, stats), kept = (run(), None) if library is None else with_order(library, order, run)
+            return results, stats, kept
 
 
 def _called(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
