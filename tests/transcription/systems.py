@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.transcription.ma27 import Entries, Factor
+from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, Entries, Factor
 
 
 def of_upper(matrix: np.ndarray) -> Entries:
@@ -61,7 +61,7 @@ def chain(seed: int, stages: int = 30, variables: int = 9, equalities: int = 5, 
 
 
 def refined(factor: Factor, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution after two steps of iterative refinement; IPOPT makes one at least."""
+    """Solution after two steps of iterative refinement."""
     x = factor.solve(right)
     for _ in range(2):
         x += factor.solve(right - matrix @ x)
@@ -77,3 +77,15 @@ def check(factor: Factor, matrix: np.ndarray, value: np.ndarray) -> None:
     right = matrix @ wanted
     assert np.max(np.abs(matrix @ refined(factor, matrix, right) - right)) <= 1e-12 * np.max(np.abs(right))
     np.testing.assert_allclose(refined(factor, matrix, right), np.linalg.solve(matrix, right), rtol=1e-5, atol=1e-6)
+
+
+def factorised_in_growing_room(factor: Factor, entries: Entries) -> list[int]:
+    """Flags on the way to a factorisation, as IPOPT does it: arrays of the size reported, then the same call again."""
+    sizes, seen = {LA_TOO_SMALL: len(entries.value), LIW_TOO_SMALL: 3}, []
+    factor.allocate(sizes[LA_TOO_SMALL], sizes[LIW_TOO_SMALL])
+    while (flag := factor.factorise(entries.value)) != 0:
+        assert factor.info[1] > sizes[flag]
+        seen.append(flag)
+        sizes[flag] = int(factor.info[1])
+        factor.allocate(sizes[LA_TOO_SMALL], sizes[LIW_TOO_SMALL])
+    return seen

@@ -1,9 +1,9 @@
-/* Pivots that outlive a solve: one that goes on from the answer of another has a matrix of the same structure, and pairs
-   that were good there are mostly good here. A caller gives an order before a solve and takes one after it
+/* Pivots that outlive a solve: one that goes on from the answer of another has a matrix of the same structure, and
+   pairs that were good there are mostly good here. A caller gives an order before a solve and takes one after it
    (`pivot_orders.py`); the first matrix that its thread then analyses is meant. */
 
-/* Least entry of a given pair, as part of the largest in its dual row. Pairs are chosen with a tenth, but within one solve
-   some fall below a thousandth. */
+/* Least entry of a given pair, as part of the largest in its dual row. Pairs are chosen with a tenth, but within one
+   solve some fall below a thousandth. */
 static const double LEAST_KEPT = 1e-4;
 
 /* Words before the structure: length of all, rows, hash of the entries' places. */
@@ -61,7 +61,7 @@ static int *given_structure(int n, int entries, const int *row, const int *colum
     return keeping.given + HEAD;
 }
 
-/* Note the structure of the first matrix for who takes it, unless it was given; without memory there is none to take. */
+/* Note the structure of the first matrix for who takes it, unless it was given; without memory there is none. */
 static void note(int n, int entries, const int *row, const int *column, const int *structure, long long length,
                  int is_given) {
     int is_first = keeping.awaits;

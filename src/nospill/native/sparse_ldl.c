@@ -217,7 +217,8 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         int *given = *state == NOT_ORDERED ? given_structure(*n, *nz, irn, icn, a, &length) : NULL;
         if (given) {
             Structure of = structure_in(*n, given);
-            memcpy(ikeep, of.position, (size_t)*n * sizeof *ikeep), memcpy(ikeep + *n, of.width, (size_t)*n * sizeof *ikeep);
+            memcpy(ikeep, of.position, (size_t)*n * sizeof *ikeep);
+            memcpy(ikeep + *n, of.width, (size_t)*n * sizeof *ikeep);
         } else if (*state == NOT_ORDERED && !order_pivots(*n, *nz, irn, icn, a, ikeep, ikeep + *n)) {
             info[0] = NO_MEMORY;
             return;
