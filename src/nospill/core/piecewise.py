@@ -25,14 +25,14 @@ class Pieces:
 
     def __call__(self, x: np.ndarray, order: int = 0, /) -> np.ndarray:
         """The derivative of an order at x (n,), shape (n, k); see `paths.Path.derivative`."""
-        last = self.coefficients.shape[1] - 1
-        span = np.clip(np.searchsorted(self.breaks, x, side="right") - 1, 0, last)
-        offset = (x - self.breaks[span])[:, None]
+        span = np.searchsorted(self.breaks[1:-1], x, side="right")
+        # as wide as the values: a product with one column is taken row by row
+        offset = np.repeat((x - self.breaks[span])[:, None], self.coefficients.shape[2], axis=1)
         degree = self.coefficients.shape[0] - 1
-        result = np.zeros((x.size, self.coefficients.shape[2]))
+        result = np.zeros(offset.shape)
         for index in range(degree - order + 1):
             result *= offset
-            result += math.perm(degree - index, order) * self.coefficients[index].take(span, axis=0)
+            result += (math.perm(degree - index, order) * self.coefficients[index]).take(span, axis=0)
         return result
 
 
@@ -64,55 +64,58 @@ def bspline_pieces(points: np.ndarray, degree: int, knots: np.ndarray) -> Pieces
 
 def _expanded(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
     """A B-spline about the left ends of its spans between `breaks`."""
-    control = points[_window(_spans(knots, breaks), degree)]
-    return Pieces(breaks, _taylor(control, degree, knots, breaks))
+    return Pieces(breaks, _Expansion.between(breaks, knots, degree).of(points))
 
 
-def _spans(knots: np.ndarray, breaks: np.ndarray) -> np.ndarray:
-    """Index (m,) of the knot at which every span between breaks begins."""
-    return np.searchsorted(knots, (breaks[:-1] + breaks[1:]) / 2) - 1
+@dataclass(frozen=True, slots=True)
+class _Expansion:
+    """Taylor coefficients of splines on the same knots [de Boor, A Practical Guide to Splines, ch. X].
 
+    The control points of a derivative are differences of those of the spline, and its value is the sum of the B-splines
+    of the degree that is left.
 
-def _window(span: np.ndarray, degree: int) -> np.ndarray:
-    """Indices (m, degree + 1) of the control points that govern spans (m,)."""
-    return span[:, None] + np.arange(-degree, 1)
-
-
-def _taylor(control: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> np.ndarray:
-    """Taylor coefficients (degree + 1, m, k) about the left ends of spans [de Boor, Practical Guide to Splines, ch. X].
-
-    `control` are the control points (m, degree + 1, k) that govern each of them.
+    Attributes:
+        first: (m,) of the control points that govern a span.
+        shares: by order of derivative, the B-splines over order! at the left ends, (degree + 1 - order, m, 1).
+        slopes: likewise, differences of control points -> those of the next derivative, (n - 1 - order, 1).
     """
-    left = breaks[:-1]
-    local = knots[_spans(knots, breaks)[:, None] + np.arange(-degree, degree + 2)]
-    coefficients = np.zeros((degree + 1, left.size, control.shape[2]))
-    for order in range(degree + 1):
-        value = _de_boor(control, local[:, order:], degree - order, left)
-        coefficients[degree - order] = value / math.factorial(order)
-        # The derivative's control points and, by dropping the outermost knots, its knots.
-        width = local[:, degree + 1 : 2 * degree + 1 - order] - local[:, order + 1 : degree + 1]
-        control = (degree - order) * np.diff(control, axis=1) / width[:, :, None]
-    return coefficients
 
+    first: np.ndarray
+    shares: tuple[np.ndarray, ...]
+    slopes: tuple[np.ndarray, ...]
 
-def _de_boor(control: np.ndarray, knots: np.ndarray, degree: int, s: np.ndarray) -> np.ndarray:
-    """Values (m, k) at s (m,), each in the one span that its control points (m, degree + 1, k) govern.
+    @classmethod
+    def between(cls, breaks: np.ndarray, knots: np.ndarray, degree: int) -> _Expansion:
+        """About the left ends of the spans between breaks (m + 1,)."""
+        left, span, last = breaks[:-1], np.searchsorted(knots, (breaks[:-1] + breaks[1:]) / 2) - 1, len(knots) - 1
+        shares = [
+            _basis(left, knots[order : last + 1 - order], degree - order, span - order) / math.factorial(order)
+            for order in range(degree + 1)
+        ]
+        widths = [knots[degree + 1 : last - order] - knots[order + 1 : last - degree] for order in range(degree)]
+        # a control point between repeated knots governs no span
+        slopes = [
+            np.divide(degree - order, own, out=np.zeros_like(own), where=own > 0.0) for order, own in enumerate(widths)
+        ]
+        return cls(span - degree, tuple(own[:, :, None] for own in shares), tuple(own[:, None] for own in slopes))
 
-    Those are the spans [knots[:, degree], knots[:, degree + 1]].
-    """
-    values = control
-    for level in range(1, degree + 1):
-        low = knots[:, level : degree + 1]
-        weight = ((s[:, None] - low) / (knots[:, degree + 1 : 2 * degree + 2 - level] - low))[:, :, None]
-        values = (1 - weight) * values[:, :-1] + weight * values[:, 1:]
-    return values[:, 0]
+    def of(self, control: np.ndarray) -> np.ndarray:
+        """Coefficients (degree + 1, m, k), as in `Pieces`, of the spline with control points (n, k)."""
+        degree = len(self.slopes)
+        coefficients = np.zeros((degree + 1, len(self.first), control.shape[1]))
+        for order, shares in enumerate(self.shares):
+            for index, share in enumerate(shares):
+                coefficients[degree - order] += share * control.take(self.first + index, axis=0)
+            if order < degree:
+                control = self.slopes[order] * np.diff(control, axis=0)
+        return coefficients
 
 
 def interpolating_spline(x: np.ndarray, values: np.ndarray, degree: int) -> Pieces:
     """Not-a-knot spline through values: no break beside the ends, so that n conditions suffice [de Boor, ch. XIII].
 
-    CasADi solves for the control points: loading SciPy for its `make_interp_spline`, which does the same in a fifth of
-    these three milliseconds, takes a third of a second.
+    CasADi solves for the control points: loading SciPy for its `make_interp_spline`, which does the same, takes a third
+    of a second.
 
     Args:
         x: (n,) increasing, n > degree.
@@ -134,23 +137,21 @@ class _Interpolation:
 
     Attributes:
         breaks: (m + 1,).
-        matrix: CasADi's, of the B-splines at the places: control points -> values.
-        window: (m, degree + 1) control points that govern a span.
-        taylor: (m, degree + 1, degree + 1) control points of a span -> its coefficients.
+        band: of the matrix of the B-splines at the places, control points -> values.
+        entries: of that matrix, column by column.
+        expansion: about the breaks.
     """
 
     breaks: np.ndarray
-    matrix: Any
-    window: np.ndarray
-    taylor: np.ndarray
+    band: int
+    entries: np.ndarray
+    expansion: _Expansion
 
     def through(self, values: np.ndarray) -> Pieces:
         """The spline through values (n, k)."""
-        import casadi as ca  # reading a scenario needs none of it
+        from nospill.core.batches import call  # CasADi: reading a scenario needs none of it
 
-        solved = ca.Linsol("spline", "csparse", self.matrix.sparsity()).solve(self.matrix, ca.DM(values))
-        coefficients = self.taylor @ np.asarray(solved)[self.window]
-        return Pieces(self.breaks, np.ascontiguousarray(np.swapaxes(coefficients, 0, 1)))
+        return Pieces(self.breaks, self.expansion.of(call(_solver(*values.shape, self.band), self.entries, values)))
 
 
 @lru_cache(maxsize=8)
@@ -160,15 +161,18 @@ def _interpolation(places: bytes, degree: int) -> _Interpolation:
     inner = x[beside:-beside] if len(x) > degree + 1 else x[:0]
     knots = np.concatenate([np.repeat(x[0], degree + 1), inner, np.repeat(x[-1], degree + 1)])
     breaks = np.concatenate([x[:1], inner, x[-1:]])
-    span = _spans(knots, breaks)
-    units = np.broadcast_to(np.eye(degree + 1), (len(span), degree + 1, degree + 1))
-    taylor = np.ascontiguousarray(np.swapaxes(_taylor(units, degree, knots, breaks), 0, 1))
-    return _Interpolation(breaks, _matrix(*_basis(x, knots, degree)), _window(span, degree), taylor)
+    span = _span_of(x, knots, degree)
+    entries = _entries(_basis(x, knots, degree, span), span - degree)
+    return _Interpolation(breaks, degree, entries, _Expansion.between(breaks, knots, degree))
 
 
-def _basis(x: np.ndarray, knots: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
-    """The B-splines (degree + 1, n) that are not zero at x (n,), and the index (n,) of the first of them."""
-    span = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, len(knots) - degree - 2)
+def _span_of(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
+    """Index (n,) of the knot at which the span of each x (n,) begins."""
+    return np.clip(np.searchsorted(knots, x, side="right") - 1, degree, len(knots) - degree - 2)
+
+
+def _basis(x: np.ndarray, knots: np.ndarray, degree: int, span: np.ndarray) -> np.ndarray:
+    """The B-splines (degree + 1, n) that are not zero in spans (n,), at x (n,); the first of them is span - degree."""
     basis = np.zeros((degree + 1, len(x)))
     basis[0] = 1.0
     for level in range(1, degree + 1):
@@ -179,27 +183,36 @@ def _basis(x: np.ndarray, knots: np.ndarray, degree: int) -> tuple[np.ndarray, n
             basis[index] = carried + (right - x) * share
             carried = (x - left) * share
         basis[level] = carried
-    return basis, span - degree
+    return basis
 
 
 def design_matrix(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
     """All B-splines on some knots at x (n,), shape (n, len(knots) - degree - 1)."""
-    basis, first = _basis(x, knots, degree)
+    span = _span_of(x, knots, degree)
     matrix = np.zeros((len(x), len(knots) - degree - 1))
-    matrix[np.arange(len(x)), first + np.arange(degree + 1)[:, None]] = basis
+    columns = span - degree + np.arange(degree + 1)[:, None]
+    matrix[np.arange(len(x)), columns] = _basis(x, knots, degree, span)
     return matrix
 
 
-def _matrix(basis: np.ndarray, first: np.ndarray) -> Any:
-    """CasADi's matrix (n, n) with basis[j, i] in row i and column first[i] + j."""
-    import casadi as ca
-
+def _entries(basis: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Of the band matrix (n, n) with basis[j, i] in row i and column first[i] + j, as CasADi keeps it."""
     count, band = basis.shape[1], len(basis) - 1
     places = first + np.arange(band + 1)[:, None]
     columns = np.zeros((count, 2 * band + 1))
     columns[places, np.arange(count) - places + band] = basis
     row = np.arange(count)[:, None] + np.arange(-band, band + 1)
-    return ca.DM(ca.Sparsity.banded(count, band), columns[(row >= 0) & (row < count)])
+    return columns[(row >= 0) & (row < count)]
+
+
+@lru_cache(maxsize=8)
+def _solver(count: int, columns: int, band: int) -> Any:
+    """CasADi's, of a band matrix: (entries, right-hand sides (count, columns)) -> the solutions."""
+    import casadi as ca
+
+    sparsity = ca.Sparsity.banded(count, band)
+    entries, given = ca.MX.sym("entries", sparsity.nnz()), ca.MX.sym("given", count, columns)
+    return ca.Function("spline", [entries, given], [ca.solve(ca.MX(sparsity, entries), given, "csparse", {})])
 
 
 def interpolating_pieces(s: np.ndarray, values: np.ndarray) -> Pieces:

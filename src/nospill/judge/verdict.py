@@ -27,12 +27,15 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
         margin: likewise.
     """
     use = 1.0 - np.asarray(margin) / _size(constraint, limit)
-    return np.where(np.isnan(use), np.inf, use)
+    missing = np.isnan(use)
+    return np.where(missing, np.inf, use) if missing.any() else use
 
 
 def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
     known = BY_NAME.get(constraint.removeprefix(APPROACH))
-    size = np.maximum(np.abs(limit), 0.0 if known is None else known.least_size)
+    if known is not None and known.least_size > 0.0:
+        return np.maximum(np.abs(limit), known.least_size)
+    size = np.abs(limit)
     return np.where(size > 0.0, size, 1.0)
 
 
@@ -210,4 +213,4 @@ def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.constraint, row.subject), []).append(row)
-    return tuple(max(group, key=_urgency) for group in groups.values())
+    return tuple(group[0] if len(group) == 1 else max(group, key=_urgency) for group in groups.values())

@@ -112,16 +112,23 @@ def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
 
 
 def solved(
-    active: ActiveSet, start: Stages, log: Log, options: Options = MappingProxyType({}), warm: Candidate | None = None
+    active: ActiveSet,
+    start: Stages,
+    log: Log,
+    options: Options = MappingProxyType({}),
+    warm: Candidate | None = None,
+    problem: Problem | None = None,
 ) -> Candidate:
     """Solve on a start's grid with the multipliers of `warm`, of a problem of the same shape; of one task, its planes.
 
-    Where the weights of a longer motion hold the answer back, it is solved again from there with its own.
+    `problem` is the one about the start, where it is at hand. Where the weights of a longer motion hold the answer
+    back, it is solved again from there with its own.
     """
     planning = active.scene.planning
     stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
-        problem = problem_about(active, start, warm.planes if warm and warm.active.task is active.task else None)
+        planes = warm.planes if warm and warm.active.task is active.task else None
+        problem = problem or problem_about(active, start, planes)
     with log.phase("solve", stage):
         usual = SolveOptions(
             max_iterations=planning.max_iterations,

@@ -54,9 +54,12 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         constraint = BY_NAME.get(row.constraint)
         key = constraint.limit_key if constraint is not None else None
         name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
+        if name in found:
+            continue
         more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
-        if name not in found and more is not None and less is not None:
-            high, low = (_lagrangian(problem, solution, own, problem.backoff) for own in (more, less))
+        if more is not None and less is not None:
+            parameters = [problem.parameters_of(own, problem.backoff) for own in (more, less)]
+            high, low = (_lagrangian(problem, solution, own) for own in parameters)
             found[name] = -WIDER * (high - low) / (2.0 * _STEP)
     return found
 
@@ -65,13 +68,12 @@ def saving_of(problem: Problem, solution: Solution, backoff: Backoff) -> float:
     """Seconds that the motion would be shorter with another back-off, to the first order; 0 of a stated duration."""
     if problem.scene.motion.duration is not None:
         return 0.0
-    before, after = (_lagrangian(problem, solution, problem.numbers, own) for own in (problem.backoff, backoff))
-    return before - after
+    after = problem.parameters_of(problem.numbers, backoff)
+    return _lagrangian(problem, solution, problem.parameters) - _lagrangian(problem, solution, after)
 
 
-def _lagrangian(problem: Problem, solution: Solution, numbers: SceneNumbers, backoff: Backoff) -> float:
-    """The part of the Lagrangian that changes with the numbers and the back-off."""
-    parameters = problem.parameters_of(numbers, backoff)
+def _lagrangian(problem: Problem, solution: Solution, parameters: np.ndarray) -> float:
+    """The part of the Lagrangian that changes with the parameters."""
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 
