@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
-from functools import cache
 from pathlib import Path
 
 from nospill.native import operations
@@ -34,7 +33,6 @@ def source(name: str) -> str:
     return "\n".join([*([operations.interpreted()] if name == "interpreter" else []), *parts])
 
 
-@cache
 def file_name(name: str) -> str:
     """Of a compiled library."""
     digest = hashlib.sha256("\0".join((*FLAGS, source(name))).encode())

@@ -97,15 +97,14 @@ def _planned(
 def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log) -> Iterator[Candidate]:
     """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does."""
     scene = task.scene
-    if warm is not None and starts_alike(warm.scene, scene):  # else its branch may be another
-        if (found := restarted(task, warm, last, log)) is not None:
-            yield found
+    alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
+    if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
+        yield found
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
         paths = diagnosis.free_paths(scene, diagnosis.paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if warm is not None and not starts_alike(warm.scene, scene):
-        if (found := restarted_on(task, warm, joint_path, log)) is not None:
-            yield found
+    if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
+        yield found
     with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
         yield found_motion(task, joint_path, log)
     if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified
