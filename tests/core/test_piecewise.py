@@ -1,4 +1,4 @@
-"""Interpolating splines against SciPy's."""
+"""Splines against SciPy's."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline, make_interp_spline
 
-from nospill.core.piecewise import design_matrix, interpolating_spline
+from nospill.core.piecewise import bspline_pieces, design_matrix, interpolating_spline
 from tests.waiting import run_python
 
 
@@ -68,3 +68,23 @@ def test_the_matrix_of_all_splines_is_that_of_scipy(degree: int) -> None:
     x = np.linspace(0.0, 1.0, 41)
     expected = BSpline.design_matrix(x, knots, degree).toarray()
     np.testing.assert_allclose(design_matrix(x, knots, degree), expected, atol=1e-14)
+
+
+@settings(deadline=None)
+@given(
+    st.integers(3, 5), st.lists(st.integers(1, 2), max_size=6), st.integers(1, 8), st.booleans(), st.integers(0, 2**31)
+)
+def test_pieces_of_b_splines_equal_scipys(degree, inside, outside, clamped, seed):
+    """Knots are repeated inside as often as two derivatives allow, and outside [0, 1] beyond the degree."""
+    random = np.random.default_rng(seed)
+    beside = 0.0 if clamped else random.uniform(0.05, 0.3)
+    steps = np.cumsum(random.uniform(0.1, 1.0, len(inside) + 1))
+    inner = np.repeat(steps[:-1] / steps[-1], [min(count, degree - 2) for count in inside])
+    ends = np.arange(degree + outside + 1)[::-1] // 2 * beside
+    knots = np.concatenate([-ends, inner, 1.0 + ends[::-1]])
+    points = random.normal(size=(len(knots) - degree - 1, 3))
+    pieces, theirs = bspline_pieces(points, degree, knots), BSpline(knots, points, degree)
+    places = random.uniform(0.0, 1.0, 50)
+    for order in range(degree):
+        expected = theirs(places, order)
+        np.testing.assert_allclose(pieces(places, order), expected, atol=1e-9 * max(np.abs(expected).max(), 1.0))

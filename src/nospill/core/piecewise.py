@@ -71,43 +71,49 @@ def _expanded(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.nda
 class _Expansion:
     """Taylor coefficients of splines on the same knots [de Boor, A Practical Guide to Splines, ch. X].
 
-    The control points of a derivative are differences of those of the spline, and its value is the sum of the B-splines
-    of the degree that is left.
+    The control points of a derivative are divided differences of those before, and its value is their sum weighted by
+    the B-splines of the degree that is left.
 
     Attributes:
-        first: (m,) of the control points that govern a span.
-        shares: by order of derivative, the B-splines over order! at the left ends, (degree + 1 - order, m, 1).
-        slopes: likewise, differences of control points -> those of the next derivative, (n - 1 - order, 1).
+        first: (m,) the first of the control points that govern a span.
+        basis: by order of derivative, the B-splines at the left ends over order!, (degree + 1 - order, m, 1).
+        factors: by order of derivative, differences of control points -> those of the next, (n - 1 - order, 1).
     """
 
     first: np.ndarray
-    shares: tuple[np.ndarray, ...]
-    slopes: tuple[np.ndarray, ...]
+    basis: tuple[np.ndarray, ...]
+    factors: tuple[np.ndarray, ...]
 
     @classmethod
     def between(cls, breaks: np.ndarray, knots: np.ndarray, degree: int) -> _Expansion:
         """About the left ends of the spans between breaks (m + 1,)."""
-        left, span, last = breaks[:-1], np.searchsorted(knots, (breaks[:-1] + breaks[1:]) / 2) - 1, len(knots) - 1
-        shares = [
-            _basis(left, knots[order : last + 1 - order], degree - order, span - order) / math.factorial(order)
+        span, last = np.searchsorted(knots, (breaks[:-1] + breaks[1:]) / 2) - 1, len(knots) - 1
+        basis = tuple(
+            _basis(breaks[:-1], knots[order : last + 1 - order], degree - order, span - order)[:, :, None]
+            / math.factorial(order)
             for order in range(degree + 1)
-        ]
+        )
         widths = [knots[degree + 1 : last - order] - knots[order + 1 : last - degree] for order in range(degree)]
-        # a control point between repeated knots governs no span
-        slopes = [
-            np.divide(degree - order, own, out=np.zeros_like(own), where=own > 0.0) for order, own in enumerate(widths)
-        ]
-        return cls(span - degree, tuple(own[:, :, None] for own in shares), tuple(own[:, None] for own in slopes))
+        # between knots repeated beyond the degree stands a control point that governs no span
+        factors = tuple(
+            np.divide(degree - order, own, out=np.zeros_like(own), where=own > 0.0)[:, None]
+            for order, own in enumerate(widths)
+        )
+        return cls(span - degree, basis, factors)
+
+    @property
+    def degree(self) -> int:
+        """Of the splines."""
+        return len(self.factors)
 
     def of(self, control: np.ndarray) -> np.ndarray:
         """Coefficients (degree + 1, m, k), as in `Pieces`, of the spline with control points (n, k)."""
-        degree = len(self.slopes)
-        coefficients = np.zeros((degree + 1, len(self.first), control.shape[1]))
-        for order, shares in enumerate(self.shares):
-            for index, share in enumerate(shares):
-                coefficients[degree - order] += share * control.take(self.first + index, axis=0)
-            if order < degree:
-                control = self.slopes[order] * np.diff(control, axis=0)
+        coefficients = np.zeros((self.degree + 1, len(self.first), control.shape[1]))
+        for order, basis in enumerate(self.basis):
+            for index, weight in enumerate(basis):
+                coefficients[self.degree - order] += weight * control.take(self.first + index, axis=0)
+            if order < self.degree:
+                control = self.factors[order] * np.diff(control, axis=0)
         return coefficients
 
 
@@ -137,13 +143,11 @@ class _Interpolation:
 
     Attributes:
         breaks: (m + 1,).
-        band: of the matrix of the B-splines at the places, control points -> values.
-        entries: of that matrix, column by column.
+        entries: of the band matrix of the B-splines at the places, control points -> values, see `_entries`.
         expansion: about the breaks.
     """
 
     breaks: np.ndarray
-    band: int
     entries: np.ndarray
     expansion: _Expansion
 
@@ -151,7 +155,8 @@ class _Interpolation:
         """The spline through values (n, k)."""
         from nospill.core.batches import call  # CasADi: reading a scenario needs none of it
 
-        return Pieces(self.breaks, self.expansion.of(call(_solver(*values.shape, self.band), self.entries, values)))
+        solve = _band_solver(*values.shape, self.expansion.degree)
+        return Pieces(self.breaks, self.expansion.of(call(solve, self.entries, values)))
 
 
 @lru_cache(maxsize=8)
@@ -163,7 +168,7 @@ def _interpolation(places: bytes, degree: int) -> _Interpolation:
     breaks = np.concatenate([x[:1], inner, x[-1:]])
     span = _span_of(x, knots, degree)
     entries = _entries(_basis(x, knots, degree, span), span - degree)
-    return _Interpolation(breaks, degree, entries, _Expansion.between(breaks, knots, degree))
+    return _Interpolation(breaks, entries, _Expansion.between(breaks, knots, degree))
 
 
 def _span_of(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
@@ -196,7 +201,7 @@ def design_matrix(x: np.ndarray, knots: np.ndarray, degree: int) -> np.ndarray:
 
 
 def _entries(basis: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Of the band matrix (n, n) with basis[j, i] in row i and column first[i] + j, as CasADi keeps it."""
+    """Nonzeros of the matrix (n, n) with basis[j, i] in row i and column first[i] + j, of `Sparsity.banded`."""
     count, band = basis.shape[1], len(basis) - 1
     places = first + np.arange(band + 1)[:, None]
     columns = np.zeros((count, 2 * band + 1))
@@ -206,8 +211,8 @@ def _entries(basis: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def _solver(count: int, columns: int, band: int) -> Any:
-    """CasADi's, of a band matrix: (entries, right-hand sides (count, columns)) -> the solutions."""
+def _band_solver(count: int, columns: int, band: int) -> Any:
+    """CasADi function: nonzeros of a band matrix, right-hand sides (count, columns) -> solutions (count, columns)."""
     import casadi as ca
 
     sparsity = ca.Sparsity.banded(count, band)

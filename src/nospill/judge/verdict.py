@@ -33,10 +33,8 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
 
 def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
     known = BY_NAME.get(constraint.removeprefix(APPROACH))
-    if known is not None and known.least_size > 0.0:
-        return np.maximum(np.abs(limit), known.least_size)
-    size = np.abs(limit)
-    return np.where(size > 0.0, size, 1.0)
+    least, size = 0.0 if known is None else known.least_size, np.abs(limit)
+    return np.maximum(size, least) if least > 0.0 else np.where(size > 0.0, size, 1.0)
 
 
 @dataclass(frozen=True)
@@ -213,4 +211,4 @@ def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.constraint, row.subject), []).append(row)
-    return tuple(group[0] if len(group) == 1 else max(group, key=_urgency) for group in groups.values())
+    return tuple(max(group, key=_urgency) for group in groups.values())

@@ -85,7 +85,8 @@ def _cautious(active: ActiveSet) -> ActiveSet:
 
 def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
-    problem = problem_about(active, start)
+    with log.phase("build", "fine"):
+        problem = problem_about(active, start)
     broken = is_broken(problem, start)
     if broken:
         start = slow_enough(problem, start)
