@@ -201,6 +201,21 @@ def test_end_time_between_samples(end, jerk, hold):
     assert trajectory.end_time == pytest.approx(end, abs=2e-6)
 
 
+@settings(deadline=None)
+@given(end=st.floats(0.1, 0.2), jerk=st.floats(30.0, 1000.0), hold=st.integers(0, 5))
+def test_the_first_sample_at_rest(end, jerk, hold):
+    """Nothing moves from it on, something does before it, and rest that is appended changes nothing."""
+    trajectory = ending(end, jerk, hold=hold)
+    left = trajectory.t[trajectory.t >= end - 2e-6]
+    assert trajectory.rest_time in left[:2] and trajectory.rest_time >= trajectory.end_time - 1e-8
+    assert trajectory.rest_time == ending(end, jerk, hold=hold + 3).rest_time
+
+
+@pytest.mark.parametrize("samples", [50, 63])
+def test_an_end_at_a_sample_is_at_rest_there(samples):
+    assert ending(samples / 500.0, 300.0, hold=4).rest_time == pytest.approx(samples / 500.0, abs=1e-12)
+
+
 def test_end_time_of_planned_motions(smooth_motion):
     motion = smooth_motion("matrix-liquid")
     assert motion.trajectory.end_time == pytest.approx(motion.stages.duration, abs=1e-3)

@@ -15,7 +15,7 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
-from nospill.judge.replay import Replay, slosh_accelerations, states_at
+from nospill.judge.replay import Replay, slosh_accelerations
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
@@ -60,10 +60,10 @@ def constraint_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    end = trajectory.end_time
+    last = [int(np.argmin(np.abs(played.t - trajectory.rest_time)))]  # samples are instants of the grid
     inputs = motion_inputs(trajectory, scene, played) | {
         EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
-        EvaluationPoint.END: (np.array([end]), list(states_at(played, np.array([end])))),
+        EvaluationPoint.END: (played.t[last], [played.slosh_displacement[last].T, played.slosh_velocity[last].T]),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()

@@ -18,6 +18,9 @@ _STANDING = 1e-7
 _SLOWEST_STOP = 0.01
 """s; longest time that may remain once they are, where two periods are shorter."""
 
+_SAME_INSTANT = 1e-6
+"""Of a period; an end that is this little after a sample is at it, but for rounding."""
+
 _TRAY_COLUMNS = 7
 _FEWEST_ROWS = 10
 
@@ -140,6 +143,11 @@ class Trajectory:
         longest = max(_SLOWEST_STOP, 2.0 / self.rate)
         remaining = 3.0 * distance / speed if speed > 0.0 else longest
         return float(min(self.t[last] + min(remaining, longest), self.t[-1]))
+
+    @property
+    def rest_time(self) -> float:
+        """Time of the first sample from `end_time` on, s: what is interpolated between samples is at rest there."""
+        return float(self.t[np.searchsorted(self.t, self.end_time - _SAME_INSTANT / self.rate)])
 
     def at(self, t: float) -> TrajectorySample:
         """The trajectory at time `t` in s: joints by the cubic through positions and speeds, the rest linearly.
