@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from nospill.errors import ModelError, NoSolutionError
-from nospill.planning import refinement
+from nospill.planning import planner, refinement
 from nospill.plans.log import Log
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scenario import read_scenario
@@ -58,3 +58,33 @@ def test_the_bound_is_that_of_the_motion() -> None:
     bounded = bounded_as(NOT_BOUNDED, scene, motion)
     assert bounded == Passage(determinant=clearance(stage_determinants(scene, motion)))
     assert bounded is not None and bounded_as(bounded, scene, motion) is None
+
+
+@pytest.mark.parametrize("ends", ["certified", "rejected", "not playable", "none found"])
+def test_a_motion_that_cannot_be_played_ends_no_search(monkeypatch: pytest.MonkeyPatch, ends: str) -> None:
+    """The next candidate is looked at; where there is none, the first failure is told."""
+
+    def certified(one: Any, log: Log) -> Any:
+        if one.stages.name == "not playable":
+            raise NoSolutionError("cannot be played")
+        certificate = SimpleNamespace(ok=one.stages.name == "certified")
+        return SimpleNamespace(name=one.stages.name, judgement=SimpleNamespace(certificate=certificate))
+
+    def candidates() -> Any:
+        yield searched("not playable")
+        if ends == "none found":
+            raise NoSolutionError("not found elsewhere")
+        yield searched(ends)
+
+    def searched(name: str) -> Any:
+        one = candidate(name)
+        one.active.task.ignored = ()
+        return one
+
+    monkeypatch.setattr(planner, "certified_by_refinement", certified)
+    first: Any = planner._first_certified
+    if ends in ("certified", "rejected"):
+        assert first(candidates(), Log(None, 60.0)).name == ends
+    else:
+        with pytest.raises(NoSolutionError, match="cannot be played"):
+            first(candidates(), Log(None, 60.0))

@@ -115,23 +115,23 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
 
 
 def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:
-    """The first motion that is certified after refinement, the first of all where none is.
-
-    Raises:
-        NoSolutionError: no motion was found.
-    """
-    first: Judged | None = None
+    """The first motion that is certified after refinement, the first of all where none is; raises what `plan` does."""
+    judged: list[Judged] = []
+    failures: list[NoSolutionError] = []
     try:
         for candidate in candidates:
-            judged = certified_by_refinement(candidate, log)
-            first = first or judged
-            if judged.judgement.certificate.ok or candidate.active.task.ignored or log.out_of_time:
-                return judged if judged.judgement.certificate.ok else first
-    except NoSolutionError:
-        if first is None:
-            raise
-    assert first is not None  # `_candidates` raises where it finds none
-    return first
+            try:
+                judged.append(certified_by_refinement(candidate, log))
+            except NoSolutionError as error:  # it cannot be played: the next one may be
+                failures.append(error)
+            certified = any(one.judgement.certificate.ok for one in judged)
+            if certified or candidate.active.task.ignored or log.out_of_time:
+                break
+    except NoSolutionError as error:
+        failures.append(error)
+    if not judged:
+        raise failures[0]
+    return judged[-1] if judged[-1].judgement.certificate.ok else judged[0]
 
 
 class Planner:
