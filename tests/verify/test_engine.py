@@ -197,7 +197,7 @@ def test_shallow_box_keeps_mass_and_moment_though_its_modes_weigh_more_than_its_
     total = cargo_read.total
     mass = body.mass + sum(mode.mass for mode in body.modes)
     moment = body.mass * body.centre[2] + sum(mode.mass * mode.height for mode in body.modes)
-    assert 0.1 * total.mass <= body.mass < 0.5 * total.mass
+    assert body.mass == pytest.approx(0.1 * total.mass)
     assert mass == pytest.approx(total.mass, rel=1e-12)
     assert moment == pytest.approx(total.mass * total.centre[2], rel=1e-9)
     assert np.all(np.linalg.eigvalsh(body.inertia) > 0.0)
@@ -206,25 +206,22 @@ def test_shallow_box_keeps_mass_and_moment_though_its_modes_weigh_more_than_its_
 
 
 def test_light_box_whose_modes_lie_low_is_simulated_through_a_high_swing() -> None:
-    """What the modes leave of it is little, far above the rim and of negative inertia, unless part of them stays."""
+    """What the modes leave of it is little, far above the rim and of negative inertia; masses and moments stay."""
     table = copy.deepcopy(read_scenario("mixed-tray").source)
-    entry = {"shape": "box", "length": "110 mm", "width": "105 mm", "height": "141 mm", "liquid": "light-oil"}
-    level = {"liquid_height": "49 mm", "max_slosh_height": "79 mm", "name": "box", "at": ["0 mm", "0 mm"]}
-    cargo: Any = [entry | level | {"empty_mass": "43 g", "friction": 1.5, "yaw": "0 deg"}]
+    entry = {"shape": "box", "length": "107.5 mm", "width": "65.1 mm", "height": "85 mm", "liquid": "water"}
+    level = {"liquid_height": "36 mm", "max_slosh_height": "45 mm", "name": "box", "at": ["0 mm", "0 mm"]}
+    cargo: Any = [entry | level | {"empty_mass": "29 g", "friction": 0.5, "yaw": "0 deg"}]
     scene = scene_from_table(table | {"cargo": cargo}, name="light").with_one_mode()
-    (body,), (cargo_read,) = bodies_of(scene), scene.cargo
-    assert cargo_read.filling is not None
-    modes, total = cargo_read.filling.modes, cargo_read.total
-    left = total.mass - sum(mode.mass for mode in modes.oscillators)
-    height = (total.mass * total.centre[2] - sum(mode.mass * mode.height for mode in modes.oscillators)) / left
-    assert 0.0 < left < 0.15 * total.mass and height > body.height
-    swinging, whole = sum(mode.mass for mode in body.modes), sum(mode.mass for mode in modes.oscillators)
-    parts = [mode.mass / own.mass for mode, own in zip(body.modes, modes.oscillators, strict=True)]
-    assert 0.7 * whole < swinging < whole and parts == pytest.approx([parts[0]] * len(parts))
+    (body,), total = bodies_of(scene), scene.cargo[0].total
+    swinging = sum(mode.mass for mode in body.modes)
+    assert body.mass < 0.15 * total.mass and body.centre[2] > body.height
     assert body.mass + swinging == pytest.approx(total.mass, rel=1e-12)
+    moment = body.mass * body.centre[2] + sum(mode.mass * mode.height for mode in body.modes)
+    assert moment == pytest.approx(total.mass * total.centre[2], rel=1e-9)
     assert np.all(np.linalg.eigvalsh(body.inertia) > 0.0)
-    found = run(body, pushed(0.6, lambda t: 5.0 * (t > 0.1)))
-    assert 0.02 < np.max(np.abs(found.modes)) < 0.05 and np.max(slide(found)) < 2e-3
+    found = run(body, pushed(0.8, lambda t: 3.0 * (t > 0.1)))
+    assert np.max(np.abs(found.modes)) > 0.02
+    assert np.max(slide(found)) < 2e-4
 
 
 def test_motion_beyond_all_bounds_is_an_error_and_leaves_no_log_file(

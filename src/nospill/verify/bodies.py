@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.core.arrays import parallel_axis
-from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import single_oscillators, with_modes
-from nospill.scene.containers.base import MassProperties
-from nospill.scene.containers.modes import Oscillator
 from nospill.scene.scene import Scene
 from nospill.scene.swing import coordinates
 
@@ -21,20 +17,16 @@ RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
 
 _LEAST_RIGID_FRACTION = 0.1
-"""Of mass and inertia of the whole, for container and fixed liquid. In a shallow box the modes along x and along y
-together can weigh more than the water, which leaves a negative fixed mass, or so much that what is left is small and
-far above the rim, which leaves a negative inertia; an engine takes neither. Then part of every modal mass stays where
+"""Of the whole mass, for container and fixed liquid. In a shallow box the modes along x and along y together can weigh
+more than the water, which leaves a negative fixed mass; no engine takes that. Then part of every modal mass stays where
 it is."""
-
-_HALVINGS = 20
-"""Of the interval in which the part that stays is looked for: it is found to a millionth."""
-
-_ROUNDING = 1e-12
 
 _LEAST_OWN_FRACTION = 0.1
 """Of the whole mass: a container lighter than that gets the inertia, not the mass, of one that is. An ideal liquid has
 next to no inertia of its own, none against a turn about the axis; a weightless cup full of it rattles on rigid contacts
-at 90 % of what friction holds, and creeps by millimetres."""
+at 90 % of what friction holds, and creeps by millimetres. And no principal moment is less than the least of that one's:
+what the modes along both sides of a box leave beside them can be little and far above the rim, with negative moments,
+with which the engine's mass matrix becomes singular in a high swing. On an object that stands, inertia does not act."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,18 +96,35 @@ def bodies_of(scene: Scene) -> tuple[Body, ...]:
 
 def _body(cargo: Cargo, scene: Scene) -> Body:
     numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
+    total = float(numbers.weight / scene.gravity)
     axes = {"x": 0, "y": 1}
     oscillators = single_oscillators(cargo)
-    stays, fixed = _fixed(cargo, numbers, oscillators)
+    swinging = sum(mode.mass for mode in oscillators)
+    stays = max(0.0, 1.0 - (1.0 - _LEAST_RIGID_FRACTION) * total / swinging) if swinging else 0.0
+    mass, first = float(numbers.mass) + stays * swinging, np.array(numbers.first_moment, dtype=float)
+    about_bottom = np.array(numbers.inertia, dtype=float)
+    for mode in oscillators:
+        place = np.array([*mode.place, mode.height])
+        first += stays * mode.mass * place
+        about_bottom += stays * mode.mass * parallel_axis(place)
+    centre = first / mass
+    shift = float(centre @ centre) * np.eye(3) - np.outer(centre, centre)
     outline = cargo.container.outline
     contacts = outline[:: max(1, len(outline) // RIM_POINTS)]
+    missing = _LEAST_OWN_FRACTION * total - cargo.empty.mass
+    inertia = about_bottom - mass * shift
+    if missing > 0.0:
+        inertia = inertia + cargo.container.shell_properties(missing).inertia
+    if oscillators:
+        shell = cargo.container.shell_properties(_LEAST_OWN_FRACTION * total).inertia
+        inertia = _raised(inertia, float(np.linalg.eigvalsh(shell)[0]))
     return Body(
         name=cargo.name,
         position=cargo.position,
         yaw=cargo.yaw,
-        mass=fixed.mass,
-        centre=fixed.centre,
-        inertia=fixed.inertia,
+        mass=mass,
+        centre=centre,
+        inertia=inertia,
         contacts=contacts,
         height=cargo.container.height,
         liquid_height=cargo.filling.liquid_height if cargo.filling else 0.0,
@@ -136,35 +145,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
     )
 
 
-def _fixed(cargo: Cargo, numbers: ObjectNumbers, oscillators: Sequence[Oscillator]) -> tuple[float, MassProperties]:
-    """The least part of every modal mass that has to stay; container, fixed liquid and that part of them."""
-    swinging = sum(mode.mass for mode in oscillators)
-    total = float(numbers.mass) + swinging
-    missing = _LEAST_OWN_FRACTION * total - cargo.empty.mass
-    shell = cargo.container.shell_properties(missing).inertia if missing > 0.0 else np.zeros((3, 3))
-
-    def staying(part: float) -> MassProperties:
-        mass, first = float(numbers.mass), np.array(numbers.first_moment, dtype=float)
-        about_bottom = np.array(numbers.inertia, dtype=float)
-        for mode in oscillators:
-            place = np.array([*mode.place, mode.height])
-            mass += part * mode.mass
-            first += part * mode.mass * place
-            about_bottom += part * mode.mass * parallel_axis(place)
-        centre = first / mass
-        return MassProperties(mass, centre, about_bottom - mass * parallel_axis(centre) + shell)
-
-    whole = staying(1.0)
-    rounding = _ROUNDING * float(np.trace(whole.inertia))  # about its axis an ideal liquid has no inertia
-
-    def enough(part: float) -> bool:
-        if float(numbers.mass) + part * swinging < _LEAST_RIGID_FRACTION * total:
-            return False
-        more = staying(part).inertia - _LEAST_RIGID_FRACTION * whole.inertia
-        return float(np.linalg.eigvalsh(more)[0]) >= -rounding
-
-    too_little, part = 0.0, 0.0 if enough(0.0) else 1.0
-    for _ in range(_HALVINGS if part else 0):
-        middle = (too_little + part) / 2
-        too_little, part = (too_little, middle) if enough(middle) else (middle, part)
-    return part, staying(part)
+def _raised(inertia: np.ndarray, least: float) -> np.ndarray:
+    """The inertia (3, 3) with no principal moment below `least`, kg m^2."""
+    moments, axes = np.linalg.eigh(inertia)
+    return inertia if moments[0] >= least else (axes * np.maximum(moments, least)) @ axes.T
