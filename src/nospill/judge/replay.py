@@ -16,7 +16,7 @@ import numpy as np
 
 from nospill.compiled import codegen
 from nospill.core.frames import SX, FrameMotion, body_motion
-from nospill.core.hermite import cubic_hermite
+from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
 from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure, flatten
 from nospill.laws.sample import coordinate_count, object_motion
@@ -146,8 +146,8 @@ def _with_middles(states: np.ndarray, step: float) -> np.ndarray:
     A displacement is off by at most step^4/384 times its largest fourth derivative [de Boor, ch. IV].
     """
     q, qd = np.split(states, 2, axis=1)
-    middles = cubic_hermite(0.5, step, np.stack([q[:-1], q[1:]]), np.stack([qd[:-1], qd[1:]]))
-    rates = 1.5 / step * np.diff(q, axis=0) - (qd[:-1] + qd[1:]) / 4  # of the same cubics
+    ends = np.stack([q[:-1], q[1:]]), np.stack([qd[:-1], qd[1:]])
+    middles, rates = cubic_hermite(0.5, step, *ends), cubic_hermite_slope(0.5, step, *ends)
     found = np.empty((2 * len(states) - 1, states.shape[1]))
     found[::2], found[1::2] = states, np.hstack([middles, rates])
     return found
@@ -159,7 +159,7 @@ def states_at(played: Replay, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     width = (played.t[left + 1] - played.t[left])[:, None]
     u = (t - played.t[left])[:, None] / width
     q, qd = (np.stack([of[left], of[left + 1]]) for of in (played.slosh_displacement, played.slosh_velocity))
-    return cubic_hermite(u, width, q, qd).T, ((1.0 - u) * qd[0] + u * qd[1]).T
+    return cubic_hermite(u, width, q, qd).T, cubic_hermite_slope(u, width, q, qd).T
 
 
 def between(played: Replay, scene: Scene, motion: JointMotion, t: np.ndarray) -> Replay:

@@ -15,9 +15,9 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
-from nospill.judge.replay import Replay, slosh_accelerations
+from nospill.judge.replay import Replay, slosh_accelerations, states_at
 from nospill.judge.verdict import Trace
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import CONSTRAINTS, END_NAMES
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.kinds import (
@@ -60,14 +60,14 @@ def constraint_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    last = [int(np.argmin(np.abs(played.t - trajectory.rest_time)))]  # samples are instants of the grid
+    ends = np.array([trajectory.end_time, trajectory.rest_time])
     inputs = motion_inputs(trajectory, scene, played) | {
         EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
-        EvaluationPoint.END: (played.t[last], [played.slosh_displacement[last].T, played.slosh_velocity[last].T]),
+        EvaluationPoint.END: (ends, list(states_at(played, ends))),
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
-    return (*_played_on(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
+    return (*_at_end(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
 
 
 def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[EvaluationPoint, Inputs]:
@@ -89,24 +89,28 @@ def _beside_path(trajectory: Trajectory, scene: Scene, played: Replay) -> list[n
     return [offset.T, s[None]] if scene.motion.corridor_shares else [offset.T]
 
 
-def _played_on(traces: Iterable[Trace], scene: Scene, state: list[np.ndarray]) -> Iterator[Trace]:
-    """The traces, those of residual heights of liquids with many modes from the free motion.
+def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> Iterator[Trace]:
+    """The traces, those on the final state at one instant each, of the end of the motion and the first sample at rest.
 
-    Of a single mode the constraint is a bound, hardly above its highest surface.
+    A displacement is that at the end. A residual height holds from where the tray stands, between the last two samples
+    it still slows down. Of many modes it is that of the free motion; of one the constraint is a bound, hardly above the
+    highest surface.
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
     owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     for trace in traces:
-        if trace.constraint != ResidualHeight.name:
+        if trace.constraint not in END_NAMES:
             yield trace
             continue
+        instant = slice(1, None) if trace.constraint == ResidualHeight.name else slice(1)
+        trace = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
         index = owners[trace.subject]
         item, own = structure.objects[index], structure.slosh_slices[index]
-        if item.modes == 1:
+        if trace.constraint != ResidualHeight.name or item.modes == 1:
             yield trace
             continue
         limit = float(trace.limit[0])
-        q, qd = (part[own, 0] for part in state)
+        q, qd = (part[own, 1] for part in states)
         value = np.array([residual_height(item, numbers.objects[index], q, qd, abs(limit))])
         yield replace(trace, value=value, margin=abs(trace.limit) - value)
 
