@@ -206,8 +206,9 @@ def test_end_time_between_samples(end, jerk, hold):
 def test_the_first_sample_at_rest(end, jerk, hold):
     """Nothing moves from it on, something does before it, and rest that is appended changes nothing."""
     trajectory = ending(end, jerk, hold=hold)
-    left = trajectory.t[trajectory.t >= end - 2e-6]
-    assert trajectory.rest_time in left[:2] and trajectory.rest_time >= trajectory.end_time - 1e-8
+    first = int(np.flatnonzero(trajectory.t == trajectory.rest_time)[0])
+    assert trajectory.t[first - 1] < end <= trajectory.rest_time + 2e-6
+    assert np.max(np.abs(trajectory.joint_position[first:] - 1.0)) < 1e-12
     assert trajectory.rest_time == ending(end, jerk, hold=hold + 3).rest_time
 
 

@@ -102,17 +102,16 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
         if trace.constraint not in END_NAMES:
             yield trace
             continue
-        instant = slice(1, None) if trace.constraint == ResidualHeight.name else slice(1)
-        trace = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
-        index = owners[trace.subject]
+        is_residual, index = trace.constraint == ResidualHeight.name, owners[trace.subject]
+        instant = slice(1, 2) if is_residual else slice(0, 1)
+        final = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
         item, own = structure.objects[index], structure.slosh_slices[index]
-        if trace.constraint != ResidualHeight.name or item.modes == 1:
-            yield trace
-            continue
-        limit = float(trace.limit[0])
-        q, qd = (part[own, 1] for part in states)
-        value = np.array([residual_height(item, numbers.objects[index], q, qd, abs(limit))])
-        yield replace(trace, value=value, margin=abs(trace.limit) - value)
+        if is_residual and item.modes > 1:
+            limit = np.abs(final.limit)
+            q, qd = (part[own, 1] for part in states)
+            value = np.array([residual_height(item, numbers.objects[index], q, qd, float(limit[0]))])
+            final = replace(final, value=value, margin=limit - value)
+        yield final
 
 
 def evaluated_traces(

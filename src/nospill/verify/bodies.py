@@ -26,7 +26,8 @@ _LEAST_OWN_FRACTION = 0.1
 next to no inertia of its own, none against a turn about the axis; a weightless cup full of it rattles on rigid contacts
 at 90 % of what friction holds, and creeps by millimetres. And no principal moment is less than the least of that one's:
 what the modes along both sides of a box leave beside them can be little and far above the rim, with negative moments,
-with which the engine's mass matrix becomes singular in a high swing. On an object that stands, inertia does not act."""
+with which the engine's mass matrix becomes singular in a high swing. An object that stands does not turn against the
+tray."""
 
 
 @dataclass(frozen=True, slots=True)
