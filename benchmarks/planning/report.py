@@ -206,5 +206,5 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
     growth.set_ylabel("time of a cold plan / s")
     growth.grid(alpha=0.3)
     if growth.lines:
-        growth.legend(loc="lower left", fontsize=7)
+        growth.legend(loc="upper left", fontsize=7)
     figure.savefig(place, dpi=130)

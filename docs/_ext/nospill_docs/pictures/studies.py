@@ -168,16 +168,16 @@ def campaign() -> Figure:
         times.annotate(
             f"{share} % within {at:.3g} s",
             (at, share),
-            xytext=(-6, 4),
+            xytext=(7, -4),
             textcoords="offset points",
             size=8.5,
-            ha="right",
-            va="bottom",
+            ha="left",
+            va="top",
             annotation_clip=False,
         )
     times.set_xscale("log")
-    times.set_title("Time of the processor until planned")
-    times.set_xlabel("time, nothing compiled [s]")
+    times.set_title("Processor time until planned")
+    times.set_xlabel("time [s]")
     times.set_ylabel("share of the planned [%]")
     return figure
 
