@@ -34,7 +34,7 @@ _ROUNDS = 8
 _GROWTHS = 12
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
-_WORTH_A_SOLVE = 2.5e-3
+_WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
