@@ -176,6 +176,7 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
     """Times by phase of cold plans, and how they grow with the number of cups and of intervals."""
     # imported here: a measuring process that is itself large makes its children look so
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator
 
     found = results["measurements"]
     figure = Figure(figsize=(9.0, 3.2), layout="constrained")
@@ -204,6 +205,10 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
             growth.loglog(*zip(*points, strict=True), marker=marker, label=label)
     growth.set_xlabel("number")
     growth.set_ylabel("time of a cold plan / s")
+    for axis, labelled in ((growth.xaxis, (1.0,)), (growth.yaxis, (1.0, 2.0, 5.0))):  # 0.5, 1, 2 instead of powers
+        axis.set_major_locator(LogLocator(subs=labelled))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
     growth.grid(alpha=0.3)
     if growth.lines:
         growth.legend(loc="upper left", fontsize=7)
