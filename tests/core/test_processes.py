@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,13 +38,27 @@ def in_fork() -> bool:
     return multiprocessing.parent_process() is not None
 
 
+def beside_fork(work: Callable[[int], Any]) -> Callable[[int], Any]:
+    """Work that begins here only when the fork has begun an item, however long that takes on a busy machine."""
+    begun = multiprocessing.get_context("fork").Event()
+
+    def waited(item: int) -> Any:
+        if in_fork():
+            begun.set()
+        else:
+            assert begun.wait(60.0)
+        return work(item)
+
+    return waited
+
+
 def worker_of(item: int) -> tuple[int, int]:
     time.sleep(0.01)
     return item, os.getpid()
 
 
 def test_results_are_in_the_order_of_the_items_and_two_processes_work() -> None:
-    found = shared_out(worker_of, ITEMS)
+    found = shared_out(beside_fork(worker_of), ITEMS)
     assert [item for item, _ in found] == [*ITEMS]
     workers = {process for _, process in found}
     assert os.getpid() in workers
@@ -52,7 +67,7 @@ def test_results_are_in_the_order_of_the_items_and_two_processes_work() -> None:
 
 def test_what_is_not_of_the_module_is_shared_out_too_and_arrays_come_back() -> None:
     factor = np.arange(100_000.0)  # more than a pipe holds
-    found = shared_out(lambda item: (time.sleep(0.01), item * factor)[1], ITEMS)
+    found = shared_out(beside_fork(lambda item: (time.sleep(0.01), item * factor)[1]), ITEMS)
     for item, values in zip(ITEMS, found, strict=True):
         np.testing.assert_array_equal(values, item * factor)
 
@@ -80,7 +95,7 @@ def test_no_fork_off_the_main_thread() -> None:
 
 
 def test_no_fork_of_a_fork() -> None:
-    found = shared_out(lambda _: (os.getpid(), shared_out(worker_of, range(3))), range(4))
+    found = shared_out(beside_fork(lambda _: (os.getpid(), shared_out(worker_of, range(3)))), range(4))
     forked = [(process, within) for process, within in found if process != os.getpid()]
     assert forked
     for process, within in forked:
@@ -94,7 +109,7 @@ def test_items_of_a_fork_that_ends_are_done_here(end: Callable[[], None]) -> Non
             end()
         return worker_of(item)
 
-    assert shared_out(work, ITEMS) == [(item, os.getpid()) for item in ITEMS]
+    assert shared_out(beside_fork(work), ITEMS) == [(item, os.getpid()) for item in ITEMS]
 
 
 def test_items_are_done_here_where_the_system_refuses_a_fork(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -113,11 +128,11 @@ def test_items_of_a_silent_fork_are_done_here(monkeypatch: pytest.MonkeyPatch) -
             time.sleep(600.0)
         return worker_of(item)
 
-    assert shared_out(work, ITEMS) == [(item, os.getpid()) for item in ITEMS]
+    assert shared_out(beside_fork(work), ITEMS) == [(item, os.getpid()) for item in ITEMS]
 
 
 def test_a_result_that_cannot_be_sent_is_worked_out_here() -> None:
-    found = shared_out(lambda item: (time.sleep(0.01), lambda: item)[1], ITEMS)
+    found = shared_out(beside_fork(lambda item: (time.sleep(0.01), lambda: item)[1]), ITEMS)
     assert [result() for result in found] == [*ITEMS]
 
 
@@ -143,7 +158,7 @@ def test_an_interrupt_ends_both() -> None:
         return item
 
     with pytest.raises(KeyboardInterrupt):
-        shared_out(work, ITEMS)
+        shared_out(beside_fork(work), ITEMS)
 
 
 def test_the_fork_leaves_an_interrupt_to_its_parent() -> None:
@@ -153,7 +168,7 @@ def test_the_fork_leaves_an_interrupt_to_its_parent() -> None:
             os.kill(os.getpid(), signal.SIGINT)
         return worker_of(item)
 
-    assert {process for _, process in shared_out(work, ITEMS)} > {os.getpid()}
+    assert {process for _, process in shared_out(beside_fork(work), ITEMS)} > {os.getpid()}
 
 
 def test_no_descriptor_is_left_open() -> None:
