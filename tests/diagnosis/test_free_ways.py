@@ -17,13 +17,13 @@ from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.search import Searcher
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import free_way, read_scenario, scene_from_table
 from nospill.scenario.free_way import PossibleWay, along, ways
 from nospill.scene.scene import Scene
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 
 pytest.importorskip("coal")
 pytestmark = pytest.mark.slow

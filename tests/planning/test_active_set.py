@@ -21,11 +21,11 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from, started_from
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import smooth_start
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 from tests.builders import joint_path_of, one_mode
 
 Q = np.zeros((2, 6))
@@ -294,7 +294,7 @@ def test_objects_without_members_join_with_the_modes_and_like_ones_after_them() 
 def test_the_answer_is_that_of_all_different_objects(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = many_cups()
     found = plan(scene)
-    monkeypatch.setattr("nospill.transcription.task._MOST_OBJECTS", 12)
+    monkeypatch.setattr("nospill.planning.task._MOST_OBJECTS", 12)
     whole = plan(scene)
     assert found.certificate.ok and whole.certificate.ok
     assert found.duration == pytest.approx(whole.duration, rel=3e-4)  # one unit of back-off

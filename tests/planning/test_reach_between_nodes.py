@@ -9,7 +9,7 @@ import pytest
 
 from nospill.errors import ModelError, NoSolutionError
 from nospill.planning import planner, refinement
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.robots.kinematics.regularity import clearance
 from nospill.scenario import read_scenario
 from nospill.transcription.passages import NOT_BOUNDED, Passage, bounded_as, stage_determinants

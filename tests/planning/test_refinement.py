@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from nospill.planning import refinement
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.transcription.solvers.options import BARRIERS
 
 

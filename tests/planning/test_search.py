@@ -11,12 +11,12 @@ from nospill.laws.constraints.base import RowId
 from nospill.planning import candidate, search
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.scenario import read_scenario
-from nospill.transcription.attempts import attempts
+from nospill.planning.attempts import attempts
 from nospill.transcription.solvers import Solution
 from nospill.transcription.starting_motions import coarse_start
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 from tests.builders import joint_path_of
 
 

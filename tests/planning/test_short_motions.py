@@ -16,7 +16,7 @@ from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 from tests.builders import joint_path_of
 
 NAMES = {constraint.name for constraint in CONSTRAINTS}

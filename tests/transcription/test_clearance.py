@@ -33,7 +33,7 @@ from nospill.transcription.clearance_block import (
 )
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 
 pytest.importorskip("coal")
 

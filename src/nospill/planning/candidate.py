@@ -10,7 +10,7 @@ from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.transcription.clearance_planes import Planes, separating
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between

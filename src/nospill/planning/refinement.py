@@ -15,7 +15,7 @@ from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
-from nospill.plans.log import Log
+from nospill.planning.log import Log
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals

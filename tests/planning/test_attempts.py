@@ -8,9 +8,9 @@ import pytest
 
 from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
-from nospill.transcription.attempts import attempts
+from nospill.planning.attempts import attempts
 from nospill.transcription.starting_motions import USUAL_START
-from nospill.transcription.task import Task
+from nospill.planning.task import Task
 
 
 @pytest.mark.parametrize(("compared", "first"), [(1, 3), (3, 3), (6, 6)])

@@ -1,0 +1,1 @@
+"""Slosh modes: closed forms of prisms, finite elements of bodies of revolution."""

@@ -1,0 +1,1 @@
+"""Surface tension: the meniscus at rest and the modes about it."""
