@@ -33,7 +33,7 @@ from nospill.planning.log import Log
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
 from nospill.scenario import scene_from_table
-from nospill.scenario.base_yaw import choose_base_yaw
+from nospill.path_search.base_yaw import choose_base_yaw
 from nospill.scene.scene import Scene
 from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.transcription.starting_motions import Start

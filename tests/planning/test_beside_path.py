@@ -14,7 +14,7 @@ from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
 from nospill.plans.loading import load_plan
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.free_way import has_free_way
+from nospill.path_search.candidates import has_free_way
 
 pytestmark = pytest.mark.slow
 

@@ -19,7 +19,7 @@ from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
-from nospill.scenario.free_way import has_found_way
+from nospill.path_search.candidates import has_found_way
 from nospill.scene.scene import Scene
 from nospill.transcription.solvers import Solution
 

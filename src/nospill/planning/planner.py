@@ -23,8 +23,8 @@ from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.plans.plan import Plan, judged_plan
 from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.robots.joint_paths.search import branch_in_words, preferred_path
-from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
-from nospill.scenario.free_way import has_free_way
+from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.path_search.candidates import has_free_way
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings

@@ -12,7 +12,7 @@ import numpy as np
 from nospill.errors import NospillError
 from nospill.film.robot_model import read_chain
 from nospill.robots.joint_paths.search import joint_paths
-from nospill.scenario.free_way import has_free_way, ways
+from nospill.path_search.candidates import has_free_way, ways
 from nospill.scene.scene import Scene
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
 from nospill.viewer.surroundings import add_surroundings

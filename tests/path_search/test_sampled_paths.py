@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.collisions.level_arm import LevelArm
-from nospill.collisions.sampled_ways import SampledWay, joined, sampled_way, shortened
+from nospill.path_search.level_arm import LevelArm
+from nospill.path_search.sampled_paths import SampledWay, joined, sampled_way, shortened
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.collisions.level_arm import LevelArm
+from nospill.path_search.level_arm import LevelArm
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import self_motion

@@ -10,7 +10,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scenario_text, scene_from_table
-from nospill.scenario.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
 
 

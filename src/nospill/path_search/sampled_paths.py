@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.collisions.level_arm import METRIC, LevelArm
-from nospill.collisions.over_the_base import beyond
+from nospill.path_search.level_arm import METRIC, LevelArm
+from nospill.path_search.over_the_base import beyond
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.kinematics.closed_form import TURN
 
