@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from nospill.film.timeline import Film, make_film
+from nospill.drawing.timeline import Film, make_film
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima

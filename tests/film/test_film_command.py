@@ -12,7 +12,7 @@ from typer.testing import CliRunner, Result
 
 from nospill.cli import app
 from nospill.film.overlay import caption, titles_of
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 
 SMALL = ["--size", "96x64", "--rate", "4", "--speed", "0.5"]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import matplotlib
 from matplotlib.text import Text
 
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 from nospill.plots.evidence import evidence_of
 from nospill.plots.figures import FIGURES
 from nospill.plots.style import LOOK

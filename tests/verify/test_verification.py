@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from nospill.cli import app
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
-from nospill.film.props import standing
+from nospill.drawing.props import standing
 from nospill.film.writing import Format
 from nospill.judge.certificate import judge
 from nospill.planning.planner import plan

@@ -12,8 +12,8 @@ import pytest
 from PIL import Image
 from scipy import ndimage
 
-from nospill.film.timeline import Film, make_film
-from nospill.film.views import View
+from nospill.drawing.timeline import Film, make_film
+from nospill.drawing.views import View
 
 pytest.importorskip("viser", reason="viser is not installed")
 # Playwright's own loop leaves sockets to the garbage collector.

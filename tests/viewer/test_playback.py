@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 pytest.importorskip("viser", reason="viser is not installed")
 
-from nospill.film.timeline import Film
-from nospill.film.views import View
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import View
 from nospill.judge.limiting import limiting_rows
 from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts

@@ -15,10 +15,10 @@ pytest.importorskip("viser", reason="viser is not installed")
 
 import viser
 
-from nospill.film.colours import SERIES, USE_STOPS, rgb, use_colours
-from nospill.film.stage import camera, occupied, side_by_side, swept_box
-from nospill.film.timeline import Film
-from nospill.film.views import CLOSE, View, arrangement
+from nospill.drawing.colours import SERIES, USE_STOPS, rgb, use_colours
+from nospill.drawing.stage import camera, occupied, side_by_side, swept_box
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import CLOSE, View, arrangement
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.viewer.live import aim, running_server, short_titles, show_plans

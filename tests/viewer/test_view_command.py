@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from nospill.cli import app
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 from nospill.plans.approach import judged
 from nospill.viewer.words import title_of
 from tests.waiting import finished, first_line

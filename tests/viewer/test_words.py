@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 from nospill.laws.constraints.base import RowId
 from nospill.viewer.words import introduction
 

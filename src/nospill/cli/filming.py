@@ -10,7 +10,7 @@ import typer
 from nospill.cli.progress import ProgressLine
 
 if TYPE_CHECKING:  # for annotations only: everything heavy is imported inside the command
-    from nospill.film.views import View
+    from nospill.drawing.views import View
 
 _AFTER_END = 0.4
 """s of the motion; how long the liquids are seen swinging freely."""
@@ -41,7 +41,7 @@ def film(
 ) -> int:
     """Film a plan, or two side by side on one clock: arm, tray, liquids, time and verdict."""
     with ProgressLine() as progress:
-        from nospill.film.timeline import load_films
+        from nospill.drawing.timeline import load_films
         from nospill.film.writing import Format, require_film, save_film
 
         form = Format(chosen_view(view), speed, _size(size), rate)
@@ -63,7 +63,7 @@ def chosen_view(name: str) -> View:
         ScenarioError: there is none.
     """
     from nospill.errors import ScenarioError
-    from nospill.film.views import View
+    from nospill.drawing.views import View
 
     if name not in list(View):
         raise ScenarioError(f'--view "{name}" is no view; there are {", ".join(View)}')

@@ -14,7 +14,7 @@ from nospill.cli.filming import VIEWS, chosen_view
 from nospill.cli.tables import say
 
 if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
-    from nospill.film.timeline import Film
+    from nospill.drawing.timeline import Film
     from nospill.viewer.meshes import Visuals
 
 _AFTER_END = 0.5
@@ -38,7 +38,7 @@ def view(
     start: Annotated[str, typer.Option("--view", metavar="VIEW", help=f"{VIEWS} Live there are buttons.")] = "tray",
 ) -> int:
     """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
-    from nospill.film.timeline import load_films
+    from nospill.drawing.timeline import load_films
     from nospill.viewer.library import require_viser
 
     require_viser()

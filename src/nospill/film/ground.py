@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.film.stage import Camera
+from nospill.drawing.stage import Camera
 
 _NEAR, _FAR = np.array([246.0, 247.0, 248.0]), np.array([252.0, 253.0, 254.0])
 _LINE, _MAIN = np.array([214.0, 217.0, 221.0]), np.array([180.0, 185.0, 191.0])

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from nospill.film.colours import RED, use_colours
-from nospill.film.timeline import Film
+from nospill.drawing.colours import RED, use_colours
+from nospill.drawing.timeline import Film
 
 HEIGHT = 720.0
 """px; of the picture that the sizes below are for."""

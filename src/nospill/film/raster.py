@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.film.stage import Camera
+from nospill.drawing.stage import Camera
 
 NEAREST = 0.05
 """m from the camera; what is nearer is not drawn."""

@@ -17,9 +17,9 @@ from nospill.core.files import atomic_file
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.overlay import caption, write_over
 from nospill.film.picture import draw
-from nospill.film.props import Placed, Stagehand
-from nospill.film.timeline import Film
-from nospill.film.views import CLOSE, View, carriage, viewpoint
+from nospill.drawing.props import Placed, Stagehand
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import CLOSE, View, carriage, viewpoint
 
 SUFFIXES = (".mp4", ".webp", ".gif")
 """Kinds of film."""

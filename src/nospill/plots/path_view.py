@@ -11,7 +11,7 @@ from matplotlib.ticker import MultipleLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from nospill.film.obstacles import OBSTACLE, obstacle_mesh
+from nospill.drawing.obstacles import OBSTACLE, obstacle_mesh
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, GREY, ORANGE, SMALL, WIDTH, headline
 from nospill.plots.tray_plan import footprint_outline

@@ -8,9 +8,9 @@ import numpy as np
 from PIL import Image
 
 from nospill.film.picture import draw
-from nospill.film.props import Stagehand
-from nospill.film.timeline import make_film
-from nospill.film.views import CLOSE, View, carriage, viewpoint
+from nospill.drawing.props import Stagehand
+from nospill.drawing.timeline import make_film
+from nospill.drawing.views import CLOSE, View, carriage, viewpoint
 from nospill.plots.evidence import Evidence
 
 MOMENT = 0.35

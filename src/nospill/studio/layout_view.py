@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nospill.errors import NospillError
-from nospill.film.robot_model import read_chain
+from nospill.drawing.robot_model import read_chain
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.path_search.candidates import has_free_way, ways
 from nospill.scene.scene import Scene

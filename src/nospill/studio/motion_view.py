@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
-from nospill.film.timeline import make_film
+from nospill.drawing.timeline import make_film
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.viewer.charts import draw_charts

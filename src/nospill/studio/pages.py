@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from nospill.core.short_names import short_names
-from nospill.film.colours import use_colours
+from nospill.drawing.colours import use_colours
 from nospill.judge.verdict import Row
 from nospill.judge.wording import integrity_line, row_text
 from nospill.plans.plan import Plan

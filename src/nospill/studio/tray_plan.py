@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from nospill.film.colours import BLUE, RED
+from nospill.drawing.colours import BLUE, RED
 from nospill.studio.placing import GRID, Placed
 
 WIDTH = 400

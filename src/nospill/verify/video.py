@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from nospill.film.props import Placed
-from nospill.film.timeline import make_film
+from nospill.drawing.props import Placed
+from nospill.drawing.timeline import make_film
 from nospill.film.writing import Format, save_film
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan

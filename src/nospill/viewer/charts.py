@@ -16,8 +16,8 @@ from html import escape
 import numpy as np
 
 from nospill.core.short_names import cut, cut_apart
-from nospill.film.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS, use_colours
-from nospill.film.timeline import Film
+from nospill.drawing.colours import GREY, RED, SERIES, SVG_DASHES, USE_STOPS, use_colours
+from nospill.drawing.timeline import Film
 from nospill.viewer.panels import Lanes, Panel, contents
 
 WIDTH = 320

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from nospill.film.geometry import Mesh, joined, tube, widest_outline
+from nospill.drawing.geometry import Mesh, joined, tube, widest_outline
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
 

@@ -7,8 +7,8 @@ from html import escape
 from pathlib import Path
 
 from nospill.core.files import atomic_text
-from nospill.film.timeline import Film
-from nospill.film.views import View
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import View
 from nospill.viewer.charts import Charts, colour_key
 from nospill.viewer.live import running_server, show_plans
 from nospill.viewer.meshes import Visuals

@@ -10,8 +10,8 @@ from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from nospill.film.timeline import Film
-from nospill.film.views import CLOSE, View, arrangement
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import CLOSE, View, arrangement
 from nospill.viewer.charts import Charts, draw_charts
 from nospill.viewer.library import require_viser
 from nospill.viewer.meshes import Visuals

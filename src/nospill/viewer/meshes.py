@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.film.robot_model import DrawnChain, origin_of, parsed_urdf, read_chain, three_numbers
+from nospill.drawing.robot_model import DrawnChain, origin_of, parsed_urdf, read_chain, three_numbers
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
 from nospill.viewer.library import require_viser

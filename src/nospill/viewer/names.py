@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
-from nospill.film.stage import Camera, axes_facing
-from nospill.film.timeline import Film
-from nospill.film.views import View, carriage
+from nospill.drawing.stage import Camera, axes_facing
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import View, carriage
 
 ABOVE_RIM = 0.012
 """m; height of a name above its object."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nospill.film.geometry import Mesh
+from nospill.drawing.geometry import Mesh
 
 if TYPE_CHECKING:
     import viser

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.short_names import short_names
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 from nospill.judge.limiting import limiting_names, limiting_rows
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.scene.cargo import titles_of

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING
 
-from nospill.film.views import VIEW_NAMES, View
+from nospill.drawing.views import VIEW_NAMES, View
 from nospill.viewer.charts import Charts, colour_key
 from nospill.viewer.scene_view import PlanView
 

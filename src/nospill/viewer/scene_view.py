@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from nospill.film.arm_bodies import arm_bodies, holder
-from nospill.film.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
-from nospill.film.geometry import board, contact_collar, container_body, creased
-from nospill.film.props import followed_line, limit_ring
-from nospill.film.robot_model import DrawnChain, read_chain
-from nospill.film.surfaces import LiquidSurface, liquid_surface
-from nospill.film.timeline import Film
-from nospill.film.views import CLOSE, View, carriage
+from nospill.drawing.arm_bodies import arm_bodies, holder
+from nospill.drawing.colours import BLACK, GREEN, PURPLE, RED, rgb, use_colours
+from nospill.drawing.geometry import board, contact_collar, container_body, creased
+from nospill.drawing.props import followed_line, limit_ring
+from nospill.drawing.robot_model import DrawnChain, read_chain
+from nospill.drawing.surfaces import LiquidSurface, liquid_surface
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import CLOSE, View, carriage
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import TRAY_THICKNESS, Tray

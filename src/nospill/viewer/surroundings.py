@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nospill.core.shapes import box_shape
-from nospill.film.colours import GREEN, GREY, rgb
-from nospill.film.obstacles import OBSTACLE, obstacle_mesh
+from nospill.drawing.colours import GREEN, GREY, rgb
+from nospill.drawing.obstacles import OBSTACLE, obstacle_mesh
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.scene.places import Region
 from nospill.scene.scene import Scene

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-from nospill.film.timeline import Film
+from nospill.drawing.timeline import Film
 from nospill.judge.limiting import held_back, limiting_rows
 from nospill.scene.cargo import titles_of
 from nospill.scene.scene import Scene

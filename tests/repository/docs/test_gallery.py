@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from nospill.film.props import Stagehand
-from nospill.film.timeline import load_films
-from nospill.film.views import View
+from nospill.drawing.props import Stagehand
+from nospill.drawing.timeline import load_films
+from nospill.drawing.views import View
 from nospill.scenario.examples import EXAMPLES
-from tests.film.test_views import share_of_objects
+from tests.drawing.test_views import share_of_objects
 
 CACHE = Path(__file__).parents[3] / "docs" / "_build" / "cache"
 RATE = 2.0

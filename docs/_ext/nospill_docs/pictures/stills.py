@@ -9,15 +9,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nospill.film.arm_bodies import arm_bodies
-from nospill.film.geometry import Mesh
+from nospill.drawing.arm_bodies import arm_bodies
+from nospill.drawing.geometry import Mesh
 from nospill.film.picture import draw
-from nospill.film.props import ARM, Body, Kind, Stagehand
+from nospill.drawing.props import ARM, Body, Kind, Stagehand
 from nospill.film.raster import Canvas
-from nospill.film.robot_model import read_chain
-from nospill.film.stage import axes_facing, framed
-from nospill.film.timeline import Film, make_film
-from nospill.film.views import CLOSE, VIEW_NAMES, Carriage, View, carriage, viewpoint
+from nospill.drawing.robot_model import read_chain
+from nospill.drawing.stage import axes_facing, framed
+from nospill.drawing.timeline import Film, make_film
+from nospill.drawing.views import CLOSE, VIEW_NAMES, Carriage, View, carriage, viewpoint
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.robots.description.catalog import ROBOTS, load_robot

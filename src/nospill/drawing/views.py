@@ -14,10 +14,10 @@ from itertools import combinations
 
 import numpy as np
 
-from nospill.film.geometry import widest_outline
-from nospill.film.robot_model import read_chain
-from nospill.film.stage import Camera, axes_facing, camera, framed, occupied, side_by_side
-from nospill.film.timeline import Film
+from nospill.drawing.geometry import widest_outline
+from nospill.drawing.robot_model import read_chain
+from nospill.drawing.stage import Camera, axes_facing, camera, framed, occupied, side_by_side
+from nospill.drawing.timeline import Film
 from nospill.scene.cargo import Cargo
 
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.film.geometry import wall_thickness
-from nospill.film.surfaces import liquid_surface
-from nospill.film.timeline import Film, make_film
+from nospill.drawing.geometry import wall_thickness
+from nospill.drawing.surfaces import liquid_surface
+from nospill.drawing.timeline import Film, make_film
 from nospill.judge.verdict import Trace
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.film.geometry import Mesh, drawn_section, half_width, shrunk, wall_thickness
+from nospill.drawing.geometry import Mesh, drawn_section, half_width, shrunk, wall_thickness
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.footprints import Footprint
 

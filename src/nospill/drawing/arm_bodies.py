@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.shapes import capsule_shape
-from nospill.film.geometry import Mesh, joined, moved, tube
-from nospill.film.obstacles import shape_surface
-from nospill.film.packaged_meshes import packaged_meshes
-from nospill.film.robot_model import DrawnChain
+from nospill.drawing.geometry import Mesh, joined, moved, tube
+from nospill.drawing.obstacles import shape_surface
+from nospill.drawing.packaged_meshes import packaged_meshes
+from nospill.drawing.robot_model import DrawnChain
 from nospill.robots.capsules import PlacedCapsule, placed_capsules
 from nospill.robots.kinematics.bodies import z_to
 from nospill.robots.robot import Robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.film.surfaces import liquid_surface
+from nospill.drawing.surfaces import liquid_surface
 from nospill.scenario import read_scenario
 
 

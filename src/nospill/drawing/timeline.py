@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
-from nospill.film.surfaces import liquid_surface
+from nospill.drawing.surfaces import liquid_surface
 from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints import CONSTRAINTS

@@ -15,8 +15,8 @@ from nospill.core.shapes import (
     polyhedron,
     sphere_shape,
 )
-from nospill.film.geometry import Mesh
-from nospill.film.obstacles import obstacle_mesh
+from nospill.drawing.geometry import Mesh
+from nospill.drawing.obstacles import obstacle_mesh
 from nospill.scene.obstacles import Obstacle
 
 

@@ -8,7 +8,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.film.geometry import (
+from nospill.drawing.geometry import (
     Mesh,
     board,
     contact_collar,

@@ -9,11 +9,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nospill.film.picture import draw
-from nospill.film.props import Kind, Stagehand, limit_ring
+from nospill.drawing.props import Kind, Stagehand, limit_ring
 from nospill.film.raster import Canvas, Triangles, clipped, nearest
-from nospill.film.stage import axes_facing, framed
-from nospill.film.timeline import Film
-from nospill.film.views import CLOSE, View, arrangement, carriage, headings, load_outline, viewpoint
+from nospill.drawing.stage import axes_facing, framed
+from nospill.drawing.timeline import Film
+from nospill.drawing.views import CLOSE, View, arrangement, carriage, headings, load_outline, viewpoint
 
 SIZE = (96, 72)
 ASPECT = SIZE[0] / SIZE[1]

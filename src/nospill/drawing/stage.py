@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.film.robot_model import read_chain
-from nospill.film.timeline import Film
+from nospill.drawing.robot_model import read_chain
+from nospill.drawing.timeline import Film
 
 _GAP = 0.35
 """m between the spaces that two plans need."""

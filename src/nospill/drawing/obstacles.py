@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.shapes import Shape, polyhedron
-from nospill.film.geometry import TUBE_SIDES, Mesh, capsule, prism
+from nospill.drawing.geometry import TUBE_SIDES, Mesh, capsule, prism
 from nospill.scene.obstacles import Obstacle
 
 OBSTACLE = (122, 138, 158)

@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.film.arm_bodies import arm_bodies
-from nospill.film.colours import GREEN, GREY, PURPLE, RED, rgb, use_colours
-from nospill.film.geometry import (
+from nospill.drawing.arm_bodies import arm_bodies
+from nospill.drawing.colours import GREEN, GREY, PURPLE, RED, rgb, use_colours
+from nospill.drawing.geometry import (
     Mesh,
     bands,
     board,
@@ -27,10 +27,10 @@ from nospill.film.geometry import (
     tube,
     wall_thickness,
 )
-from nospill.film.obstacles import OBSTACLE, obstacle_mesh
-from nospill.film.robot_model import read_chain
-from nospill.film.surfaces import LiquidSurface, liquid_surface
-from nospill.film.timeline import Film
+from nospill.drawing.obstacles import OBSTACLE, obstacle_mesh
+from nospill.drawing.robot_model import read_chain
+from nospill.drawing.surfaces import LiquidSurface, liquid_surface
+from nospill.drawing.timeline import Film
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import TRAY_THICKNESS
 

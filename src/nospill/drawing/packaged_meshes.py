@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.core.files import UnreadableError
 from nospill.core.mesh_files import mesh_triangles
-from nospill.film.geometry import Mesh, creased, joined, moved
+from nospill.drawing.geometry import Mesh, creased, joined, moved
 from nospill.robots.robot import PackagedMeshes, Robot
 
 _GRAIN = 0.005
