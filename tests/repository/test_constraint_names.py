@@ -24,7 +24,7 @@ OTHER_MEANINGS = {
     },
     "tilt": {
         "comparison/compared.py": "key of a scenario",
-        "execution/design.py": "key of a scenario",
+        "identification/design.py": "key of a scenario",
         "judge/record_checks.py": "column of a trajectory",
         "judge/traces.py": "name of a symbol",
         "plans/plan.py": "attribute of the largest figures",

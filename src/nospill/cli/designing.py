@@ -33,7 +33,7 @@ def design_test(
     from nospill.core.files import require_replaceable
     from nospill.core.units import quantity
     from nospill.errors import ScenarioError
-    from nospill.execution.design import Records, designed, test_scene
+    from nospill.identification.design import Records, designed, test_scene
     from nospill.plans.names import is_plan_folder
     from nospill.scenario import read_scenario
 

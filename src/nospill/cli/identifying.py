@@ -14,8 +14,8 @@ from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, Sce
 from nospill.cli.tables import print_lines, print_table
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.execution.estimates import Estimate
-    from nospill.execution.identified import Identified
+    from nospill.identification.estimates import Estimate
+    from nospill.identification.identified import Identified
 
 
 def identify(
@@ -45,7 +45,7 @@ def identify(
     Prints the tables "controller" and "tolerance" of a scenario.
     """
     from nospill.core.files import atomic_text
-    from nospill.execution.identified import identified, identified_table, scenario_text
+    from nospill.identification.identified import identified, identified_table, scenario_text
     from nospill.simulation.motion_file import read_heights
 
     files = assigned("--measured", measured or (), "FILE.csv")
@@ -84,7 +84,7 @@ def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, ...]]:
 
 
 def _print(found: Identified) -> None:
-    from nospill.execution.identified import second_order_text
+    from nospill.identification.identified import second_order_text
 
     estimates = [own for fit in found.liquids for own in fit.estimates]
     estimates += [own for fit in found.joints for own in (fit.delay, fit.lag)]

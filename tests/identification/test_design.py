@@ -11,11 +11,11 @@ from typer.testing import CliRunner
 import nospill as ns
 from nospill.cli import app
 from nospill.errors import ScenarioError
-from nospill.execution import design
-from nospill.execution.design import Design, Records, designed
-from nospill.execution.design import test_scene as scene_of_the_test
-from nospill.execution.liquid_fit import fit_liquid
-from nospill.execution.liquid_law import LiquidLaw
+from nospill.identification import design
+from nospill.identification.design import Design, Records, designed
+from nospill.identification.design import test_scene as scene_of_the_test
+from nospill.identification.liquid_fit import fit_liquid
+from nospill.identification.liquid_law import LiquidLaw
 from nospill.motion.interpolation import planned_motion
 from nospill.scene.scene import Scene
 from nospill.simulation.motion_file import Heights

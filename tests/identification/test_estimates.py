@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.execution.estimates import Estimate, fitted, profile_ends
+from nospill.identification.estimates import Estimate, fitted, profile_ends
 
 T = np.linspace(0.0, 1.0, 200)
 

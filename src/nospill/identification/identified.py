@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.execution.estimates import WIDE, Estimate
+from nospill.identification.estimates import WIDE, Estimate
 from nospill.execution.executed import require_liquids
-from nospill.execution.joint_fit import JointFit, against_the_first, fit_joints
-from nospill.execution.liquid_fit import LiquidFit, fit_liquid
+from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
+from nospill.identification.liquid_fit import LiquidFit, fit_liquid
 from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples
 from nospill.judge.certificate import judge_joints

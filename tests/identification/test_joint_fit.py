@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nospill.execution.joint_fit import JointFit, against_the_first, fit_joints
+from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.execution.log import JointLog
 from nospill.execution.motion import recorded_motion
 from nospill.motion.control import followed

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.execution.estimates import Estimate, Fit, Residuals, fitted, profile_ends
-from nospill.execution.liquid_law import FILL_STEP, NUMBERS, STEP, LiquidLaw
+from nospill.identification.estimates import Estimate, Fit, Residuals, fitted, profile_ends
+from nospill.identification.liquid_law import FILL_STEP, NUMBERS, STEP, LiquidLaw
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.scene import Scene
 from nospill.simulation.compare import compare

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.execution.estimates import Estimate, fitted
+from nospill.identification.estimates import Estimate, fitted
 
 _STEP = 5e-4
 """s, of the grid; a command of 10 rad/s^2 is 3e-7 rad from its chords."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.execution.estimates import Estimate, fitted
+from nospill.identification.estimates import Estimate, fitted
 from nospill.execution.motion import RecordedMotion
-from nospill.execution.second_order import SecondOrder, fit_second_order
+from nospill.identification.second_order import SecondOrder, fit_second_order
 from nospill.execution.tracking import delays
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion

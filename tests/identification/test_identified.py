@@ -11,7 +11,7 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.execution.executed import executed
-from nospill.execution.identified import Identified, identified, identified_table, scenario_text
+from nospill.identification.identified import Identified, identified, identified_table, scenario_text
 from nospill.execution.log import JointLog
 from nospill.motion.control import followed
 from nospill.motion.interpolation import planned_motion

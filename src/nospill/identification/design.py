@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
-from nospill.execution.estimates import Estimate
-from nospill.execution.liquid_fit import TOLD as LIQUIDS_TOLD
-from nospill.execution.liquid_law import NUMBERS, LiquidLaw
+from nospill.identification.estimates import Estimate
+from nospill.identification.liquid_fit import TOLD as LIQUIDS_TOLD
+from nospill.identification.liquid_law import NUMBERS, LiquidLaw
 from nospill.judge.certificate import judge
 from nospill.judge.tracks import with_recorded_modes
 from nospill.motion.control import followed

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.execution.liquid_fit import LiquidFit, fit_liquid
+from nospill.identification.liquid_fit import LiquidFit, fit_liquid
 from nospill.judge.certificate import judge_joints
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import planned_motion
