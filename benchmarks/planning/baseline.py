@@ -26,7 +26,7 @@ import numpy as np
 import nospill as ns
 from nospill.core.paths import PRESETS
 from nospill.robots.joint_paths.search import joint_paths
-from nospill.scene.containers.modes import STANDARD_GRAVITY as G
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY as G
 from nospill.scene.scene import Scene
 
 MX = ca.MX

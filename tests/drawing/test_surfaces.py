@@ -16,7 +16,7 @@ from nospill.judge.verdict import Trace
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Cylinder
-from nospill.scene.containers.tension import ContactLine, liquid_modes
+from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 from tests.builders import VESSELS
 
 FILMS = ("tilting_film", "level_film", "mixed_film")

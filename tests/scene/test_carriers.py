@@ -21,7 +21,7 @@ from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import CARRIED_MODES, lumped, single_oscillators, with_modes
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from tests.builders import changed_table

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import nospill as ns
 from nospill.cli import app
 from nospill.errors import ModelError, ScenarioError
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.simulation.motion_file import read_heights, read_motion
 from nospill.simulation.simulate import SloshSimulation, simulate_slosh
 

@@ -17,7 +17,7 @@ import numpy as np
 from nospill.laws.parameters import ObjectNumbers, flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
 
 _DIGITS = 12

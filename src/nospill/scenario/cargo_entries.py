@@ -32,7 +32,7 @@ from nospill.scenario.profile_files import MOST_POINTS, read_profile
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
-from nospill.scene.containers.prism import MOST_DAMPING
+from nospill.scene.sloshing.prism import MOST_DAMPING
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.scene import FULL_MODES

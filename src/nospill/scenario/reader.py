@@ -33,7 +33,7 @@ from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
 from nospill.scene.tolerances import greatest_mass

@@ -9,8 +9,8 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.containers.modes import Oscillator, SloshModes
-from nospill.scene.containers.tension import ContactLine
+from nospill.scene.sloshing.modes import Oscillator, SloshModes
+from nospill.scene.surface_tension.tension import ContactLine
 from nospill.scene.liquids import Liquid
 from nospill.scene.swing import Swing, coordinates
 

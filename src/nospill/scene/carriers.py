@@ -21,8 +21,8 @@ from nospill.errors import ScenarioError
 from nospill.scene.cargo import Cargo, Carried, Filling, frozen_liquid, joined
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.containers.modes import Oscillator
-from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.sloshing.modes import Oscillator
+from nospill.scene.surface_tension.tension import liquid_modes
 
 CARRIED_MODES = 3
 """Most modes of a liquid in each direction that push its carrier: all the others have a thousandth of its mass."""

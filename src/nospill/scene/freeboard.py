@@ -8,8 +8,8 @@ import numpy as np
 
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.containers.meniscus import meniscus_in
-from nospill.scene.containers.tension import ContactLine
+from nospill.scene.surface_tension.meniscus import meniscus_in
+from nospill.scene.surface_tension.tension import ContactLine
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
 

@@ -12,8 +12,8 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.carriers import with_content
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.containers.prism import MOST_DAMPING
-from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.sloshing.prism import MOST_DAMPING
+from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.scene import Fidelity
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.scene.containers.modes import Oscillator
+from nospill.scene.sloshing.modes import Oscillator
 
 _AXES = {"x": 0, "y": 1}
 

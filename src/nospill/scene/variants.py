@@ -28,7 +28,7 @@ from itertools import product
 import numpy as np
 
 from nospill.scene.cargo import Cargo, Filling, Tolerance
-from nospill.scene.containers.tension import liquid_modes
+from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Fidelity, Scene
 

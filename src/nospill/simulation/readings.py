@@ -13,7 +13,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.scene.containers.meniscus import capillary_length
+from nospill.scene.surface_tension.meniscus import capillary_length
 from nospill.scene.liquids import Liquid
 
 Model = Literal["surface", "contact-line"]

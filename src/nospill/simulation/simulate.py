@@ -26,7 +26,7 @@ from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step, s
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
-from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup
 from nospill.simulation.motion_file import Heights, Motion, checked_motion

@@ -15,7 +15,7 @@ from nospill.laws.slosh.motion import OscillatorState
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]

@@ -16,7 +16,7 @@ from nospill.laws.parameters import OscillatorNumbers
 from nospill.laws.sample import tray_motion
 from nospill.laws.slosh.motion import OscillatorState, modal_acceleration, modal_place, motion_residual
 from nospill.scene.containers import Box, Cylinder
-from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
 from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]

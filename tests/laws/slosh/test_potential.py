@@ -28,7 +28,7 @@ from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]

@@ -21,7 +21,7 @@ from nospill.plans.warnings.arm import no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
 from nospill.scenario import read_scenario
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessels import Profile
 
 NAME = "mixed-tray"

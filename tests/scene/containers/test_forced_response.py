@@ -12,7 +12,7 @@ from scipy.special import ive, jv, jvp
 
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]

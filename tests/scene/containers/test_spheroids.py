@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
-from nospill.scene.containers.meridian import Meridian, arc
-from nospill.scene.containers.revolved_modes import solve_modes
+from nospill.scene.meridian import Meridian, arc
+from nospill.scene.sloshing.revolved_modes import solve_modes
 
 DEGREE, NODES = 18, 40
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import eigsh
 
-from nospill.scene.containers.revolved_modes import solve_modes
+from nospill.scene.sloshing.revolved_modes import solve_modes
 from tests.builders import VESSELS
 
 pytestmark = pytest.mark.oracle

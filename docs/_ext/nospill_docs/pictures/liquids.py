@@ -9,7 +9,7 @@ from matplotlib.patches import Polygon
 
 from nospill.plots.style import BLACK, BLUE, DARK_RED, GREEN, GREY, ORANGE, PURPLE, RED
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.containers.modes import SloshModes
+from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.liquids import LIQUIDS
 from nospill.simulation.simulate import simulate_slosh
 from nospill_docs.pictures.paper import GLASS, LIQUID, arrow, note, sheet, sketch, words

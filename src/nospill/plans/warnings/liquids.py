@@ -14,9 +14,9 @@ from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.containers.meniscus import WETTED, meniscus_in
-from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator
-from nospill.scene.containers.tension import ContactLine, liquid_modes
+from nospill.scene.surface_tension.meniscus import WETTED, meniscus_in
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
+from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 from nospill.scene.liquids import Liquid
 
 LINEAR_CREST = 1.0 / 3.0

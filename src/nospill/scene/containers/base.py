@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from nospill.scene.containers.footprints import Footprint
-from nospill.scene.containers.modes import SloshModes
+from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.liquids import Liquid
 
 

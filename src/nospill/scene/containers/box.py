@@ -10,8 +10,8 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import RectangleFootprint
-from nospill.scene.containers.modes import SloshModes
-from nospill.scene.containers.prism import (
+from nospill.scene.sloshing.modes import SloshModes
+from nospill.scene.sloshing.prism import (
     EMPIRICAL_DAMPING,
     FrozenLiquid,
     PrismMode,

@@ -13,9 +13,9 @@ from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.containers.meridian import Meridian
-from nospill.scene.containers.modes import STANDARD_GRAVITY, SloshModes
-from nospill.scene.containers.prism import (
+from nospill.scene.meridian import Meridian
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
+from nospill.scene.sloshing.prism import (
     EMPIRICAL_DAMPING,
     FrozenLiquid,
     check_filling,
@@ -172,7 +172,7 @@ class Vessel(ABC):
                 f"(height {format_quantity(self.meridian.bottom, 'length', digits=4)}): heights count from the tray"
             )
         # Only a vessel with liquid needs the solver, and SciPy with it.
-        from nospill.scene.containers.revolved_modes import revolved_modes
+        from nospill.scene.sloshing.revolved_modes import revolved_modes
 
         found = revolved_modes(self.meridian, liquid_height, count)
         volume, centre, _ = self.meridian.body(liquid_height)

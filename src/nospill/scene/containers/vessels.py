@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
-from nospill.scene.containers.meridian import Meridian, arc, check_meridian, polyline, smooth_pieces
-from nospill.scene.containers.prism import check_size
+from nospill.scene.meridian import Meridian, arc, check_meridian, polyline, smooth_pieces
+from nospill.scene.sloshing.prism import check_size
 from nospill.scene.containers.vessel import Vessel, check_base
 
 _WIDEST_AT = 0.45

@@ -24,9 +24,9 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.containers.meniscus import capillary_length
-from nospill.scene.containers.meridian import Meridian
-from nospill.scene.containers.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.surface_tension.meniscus import capillary_length
+from nospill.scene.meridian import Meridian
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
 
@@ -120,7 +120,7 @@ def _meridian(container: Container) -> Meridian | None:
 
 def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool) -> SloshModes:
     """Modes below the curved surface at rest, with the damping of the flat one; the rest of the liquid follows."""
-    from nospill.scene.containers.curved_modes import curved_modes  # only few vessels need the solver
+    from nospill.scene.surface_tension.curved_modes import curved_modes  # only few vessels need the solver
 
     found = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
     squares = STANDARD_GRAVITY * (found.pinned if pinned else found.curvature + found.tension)

@@ -18,7 +18,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.containers.modes import STANDARD_GRAVITY
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
 

@@ -22,8 +22,8 @@ from scipy.sparse.linalg import splu
 
 from nospill.core.arrays import read_only
 from nospill.errors import ModelError
-from nospill.scene.containers.meridian import Meridian
-from nospill.scene.containers.meridian_mesh import MeridianMesh, mesh_liquid
+from nospill.scene.meridian import Meridian
+from nospill.scene.sloshing.meridian_mesh import MeridianMesh, mesh_liquid
 
 _FEW, _MANY = 40, 80
 """Elements along the surface's radius: for the first modes, and for many."""

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import Delaunay, KDTree
 
 from nospill.errors import ModelError
-from nospill.scene.containers.meridian import Meridian
+from nospill.scene.meridian import Meridian
 
 _GROWTH = 0.3
 """Growth of the distance of nodes per depth below the surface."""
