@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.campaign.distributions import Distributions
-from nospill.core.paths import PRESETS, Path
+from nospill.paths.path import PRESETS, Path
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import joint_paths

@@ -24,7 +24,7 @@ import casadi as ca
 import numpy as np
 
 import nospill as ns
-from nospill.core.paths import PRESETS
+from nospill.paths.path import PRESETS
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY as G
 from nospill.scene.scene import Scene

@@ -20,7 +20,7 @@ from benchmarks.campaign.distributions import (
 )
 from benchmarks.campaign.scenes import Case, draw_case
 from benchmarks.campaign.vessels import draw_vessel
-from nospill.core.paths import Path as TrayPath
+from nospill.paths.path import Path as TrayPath
 from nospill.robots.description.catalog import ROBOTS
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table

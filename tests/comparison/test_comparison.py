@@ -11,7 +11,7 @@ import pytest
 
 from nospill.comparison import compared, trapezoid_motion
 from nospill.comparison.compared import LEVEL, TRAPEZOID
-from nospill.core.paths import straight_line
+from nospill.paths.path import straight_line
 from nospill.judge.certificate import certify
 from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario

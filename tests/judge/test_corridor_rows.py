@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import Trajectory

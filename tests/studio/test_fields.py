@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.core.paths import PRESETS
+from nospill.paths.path import PRESETS
 from nospill.robots.description.catalog import ROBOTS
 from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.core.paths import preset_path
+from nospill.paths.path import preset_path
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scene_from_table

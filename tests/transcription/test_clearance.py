@@ -14,7 +14,7 @@ from nospill.collisions.distances import Distances, separation
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import reaching
 from nospill.core.attitudes import matrices, tray_quaternions
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_row
 from nospill.robots.description.catalog import moved_robot

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.scenario import read_scenario
 from nospill.transcription.collocation import POINTS, advance_chain, gauss_step, interior
 from nospill.transcription.path_expression import PathPiece, path_table, piece_size, span_of

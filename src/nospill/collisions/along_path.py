@@ -9,7 +9,7 @@ import numpy as np
 
 from nospill.collisions.distances import Distances, ball_gap
 from nospill.collisions.pairs import Pair, scene_pairs
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import format_quantity, quantity
 from nospill.diagnosis.joint_relaxations import own_robot
 from nospill.errors import Change, Reason

@@ -9,7 +9,7 @@ import numpy as np
 from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
 from nospill.collisions.bodies import LOAD, TRAY, Body
 from nospill.collisions.configurations import Configurations
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance

@@ -10,7 +10,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.description.urdf import base_pose

@@ -11,9 +11,9 @@ import numpy as np
 from nospill.path_search.level_arm import LEVER, METRIC, LevelArm
 from nospill.path_search.over_the_base import base_axis, led_over, passes
 from nospill.path_search.sampled_paths import SampledWay, cut, joined, sampled_way, shortened, time_along
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.processes import shared_out
-from nospill.core.smoothing import smooth_curve
+from nospill.paths.smoothing import smooth_curve
 from nospill.path_search.branches import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import base_pose

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from nospill.core.paths import (
+from nospill.paths.path import (
     Path,
     circular_arc,
     path_from_bspline,
@@ -16,8 +16,8 @@ from nospill.core.paths import (
     straight_line,
 )
 from nospill.core.units import format_quantity
-from nospill.core.waypoint_files import read_waypoints
-from nospill.core.waypoint_paths import SMOOTHING, path_through_waypoints
+from nospill.paths.waypoint_files import read_waypoints
+from nospill.paths.waypoint_paths import SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import FREE, Angle, Measured, Point
 from nospill.scenario.free_path_entry import FreeTable

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 from typing import Self
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import Table

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.robots.robot import Robot

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes

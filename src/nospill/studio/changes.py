@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
 from nospill.studio.draft import Draft, Key, millimetres

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from nospill.core.paths import PRESETS
+from nospill.paths.path import PRESETS
 from nospill.robots.description.catalog import ROBOTS
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS

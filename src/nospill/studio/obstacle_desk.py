@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.studio.controls import NEW_OBSTACLES, Controls
 from nospill.studio.draft import Draft, choices_of
 from nospill.studio.obstacles import new_obstacle, place_of

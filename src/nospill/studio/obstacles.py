@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
 from nospill.scenario.obstacle_entries import OBSTACLE_TABLES, MeshObstacle, ObstacleTable

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene

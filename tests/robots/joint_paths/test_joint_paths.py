@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.core.paths import preset_path, straight_line
+from nospill.paths.path import preset_path, straight_line
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.following import tray_poses

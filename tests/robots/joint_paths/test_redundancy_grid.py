@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.core.paths import straight_line
+from nospill.paths.path import straight_line
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.following import tray_poses, tray_rates

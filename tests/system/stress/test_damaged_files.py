@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from nospill.core.waypoint_files import read_waypoints
+from nospill.paths.waypoint_files import read_waypoints
 from nospill.errors import NospillError, PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory

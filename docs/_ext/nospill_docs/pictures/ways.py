@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from nospill.approach.search import find_approach
-from nospill.core.waypoint_paths import path_through_waypoints
+from nospill.paths.waypoint_paths import path_through_waypoints
 from nospill.plans.plan import Plan
 from nospill.plots.style import BLACK, BLUE, DARK_RED, GREEN, GREY, ORANGE, RED, series_look
 from nospill.scenario import scene_from_table

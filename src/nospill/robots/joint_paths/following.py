@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.batches import evaluate
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.piecewise import Pieces
 from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, aim_columns, newton, pose_columns

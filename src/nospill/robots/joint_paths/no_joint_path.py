@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.batches import evaluate
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.errors import ROBOT, Reason, ScenarioError
 from nospill.robots.joint_paths.following import Followed, tray_poses
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, with_turns

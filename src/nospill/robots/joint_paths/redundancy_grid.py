@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import MAX_PREDICTION, tray_poses
 from nospill.robots.kinematics.closed_form import approximate_solutions, with_turns
 from nospill.robots.kinematics.forward import kinematics

@@ -20,7 +20,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.core.batches import evaluate
 from nospill.core.hermite import cubic_hermite
-from nospill.core.paths import Path
+from nospill.paths.path import Path
 from nospill.core.piecewise import Pieces
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates

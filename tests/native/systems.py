@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.transcription.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, Entries, Factor
+from tests.native.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, Entries, Factor
 
 
 def of_upper(matrix: np.ndarray) -> Entries:

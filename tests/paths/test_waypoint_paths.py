@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.core.paths import Path, preset_path
-from nospill.core.smoothing import smooth_curve
-from nospill.core.waypoint_paths import MAX_WAYPOINTS, SMOOTHING, path_through_waypoints
+from nospill.paths.path import Path, preset_path
+from nospill.paths.smoothing import smooth_curve
+from nospill.paths.waypoint_paths import MAX_WAYPOINTS, SMOOTHING, path_through_waypoints
 from nospill.errors import ScenarioError
 
 GRID = np.linspace(0.0, 1.0, 2001)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nospill.core.waypoint_files import read_waypoints
+from nospill.paths.waypoint_files import read_waypoints
 from nospill.errors import ScenarioError
 
 

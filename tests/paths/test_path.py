@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
-from nospill.core.paths import (
+from nospill.paths.path import (
     ARC_TOLERANCE,
     MAX_INTERPOLATED,
     PRESETS,
@@ -14,7 +14,7 @@ from nospill.core.paths import (
     preset_path,
     straight_line,
 )
-from nospill.core.waypoint_paths import path_through_waypoints
+from nospill.paths.waypoint_paths import path_through_waypoints
 from nospill.errors import ScenarioError
 
 GRID = np.linspace(0.0, 1.0, 1001)

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.core.path_checks import checked_numbers, checked_points, point_text
-from nospill.core.paths import MAX_INTERPOLATED, Path, assembled, yaw_pieces
+from nospill.paths.path_checks import checked_numbers, checked_points, point_text
+from nospill.paths.path import MAX_INTERPOLATED, Path, assembled, yaw_pieces
 from nospill.core.piecewise import SAME_KNOT, Pieces, interpolating_pieces
-from nospill.core.smoothing import SmoothCurve, closest_curve, smooth_curve
+from nospill.paths.smoothing import SmoothCurve, closest_curve, smooth_curve
 from nospill.errors import ScenarioError
 
 MAX_WAYPOINTS = 20_000
