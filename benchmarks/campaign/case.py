@@ -24,18 +24,18 @@ import numpy as np
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.judge.wording import describe
+from nospill.path_search.base_yaw import choose_base_yaw
 from nospill.planning import planner
 from nospill.planning.active_set import Task
+from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import best_of, found_motion
-from nospill.planning.log import Log
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
 from nospill.scenario import scene_from_table
-from nospill.path_search.base_yaw import choose_base_yaw
 from nospill.scene.scene import Scene
-from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.transcription.starting_motions import Start
 from nospill.verify import verify
 

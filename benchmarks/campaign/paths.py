@@ -15,8 +15,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.campaign.distributions import Distributions
-from nospill.paths.path import PRESETS, Path
 from nospill.errors import ScenarioError
+from nospill.paths.path import PRESETS, Path
 from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.robots.kinematics.closed_form import inverse_solutions

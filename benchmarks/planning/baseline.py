@@ -26,8 +26,8 @@ import numpy as np
 import nospill as ns
 from nospill.paths.path import PRESETS
 from nospill.robots.joint_paths.search import joint_paths
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY as G
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY as G
 
 MX = ca.MX
 SX = ca.SX

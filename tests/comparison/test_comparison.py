@@ -11,8 +11,8 @@ import pytest
 
 from nospill.comparison import compared, trapezoid_motion
 from nospill.comparison.compared import LEVEL, TRAPEZOID
-from nospill.paths.path import straight_line
 from nospill.judge.certificate import certify
+from nospill.paths.path import straight_line
 from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario
 from nospill.transcription.trapezoids import PIECES, along, profile

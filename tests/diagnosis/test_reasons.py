@@ -16,14 +16,14 @@ from nospill.cli import app
 from nospill.diagnosis import last_resort, not_found, with_change
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.search import Searcher
-from nospill.planning.log import Log
+from nospill.planning.task import Task
 from nospill.robots.joint_paths.search import preferred_path
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import USUAL_START
-from nospill.planning.task import Task
 from tests.builders import joint_paths_of
 
 pytestmark = pytest.mark.slow

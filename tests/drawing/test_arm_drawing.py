@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from nospill.errors import ScenarioError
 from nospill.drawing.arm_bodies import arm_bodies
 from nospill.drawing.packaged_meshes import packaged_meshes
 from nospill.drawing.robot_model import read_chain
+from nospill.errors import ScenarioError
 from nospill.robots.capsules import PlacedCapsule, placed_capsules
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.bodies import z_to

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nospill.film.picture import draw
 from nospill.drawing.props import Kind, Stagehand, limit_ring
-from nospill.film.raster import Canvas, Triangles, clipped, nearest
 from nospill.drawing.stage import axes_facing, framed
 from nospill.drawing.timeline import Film
 from nospill.drawing.views import CLOSE, View, arrangement, carriage, headings, load_outline, viewpoint
+from nospill.film.picture import draw
+from nospill.film.raster import Canvas, Triangles, clipped, nearest
 
 SIZE = (96, 72)
 ASPECT = SIZE[0] / SIZE[1]

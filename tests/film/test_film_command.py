@@ -11,8 +11,8 @@ from PIL import Image
 from typer.testing import CliRunner, Result
 
 from nospill.cli import app
-from nospill.film.overlay import caption, titles_of
 from nospill.drawing.timeline import Film
+from nospill.film.overlay import caption, titles_of
 
 SMALL = ["--size", "96x64", "--rate", "4", "--speed", "0.5"]
 

@@ -11,8 +11,8 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.execution.executed import executed
-from nospill.identification.identified import Identified, identified, identified_table, scenario_text
 from nospill.execution.log import JointLog
+from nospill.identification.identified import Identified, identified, identified_table, scenario_text
 from nospill.motion.control import followed
 from nospill.motion.interpolation import planned_motion
 from nospill.plans.plan import Plan

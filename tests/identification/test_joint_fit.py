@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.execution.log import JointLog
 from nospill.execution.motion import recorded_motion
+from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.motion.control import followed
 from nospill.motion.interpolation import planned_motion
 from nospill.scene.controller import Controller

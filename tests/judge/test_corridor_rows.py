@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.paths.path import Path
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate, Row
 from nospill.motion.trajectory import Trajectory
+from nospill.paths.path import Path
 from nospill.scene.scene import Scene
 
 WIDTH = 0.05

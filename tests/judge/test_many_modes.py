@@ -16,15 +16,15 @@ from nospill.judge.wording import full_model_note
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.candidate import exported
-from nospill.planning.search import found_motion
-from nospill.plans.loading import load_plan
 from nospill.planning.log import Log
+from nospill.planning.search import found_motion
+from nospill.planning.task import Task
+from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scenario import read_scenario
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import FULL_MODES
-from nospill.planning.task import Task
 
 HEIGHT, RESIDUAL = "slosh height", "residual height"
 

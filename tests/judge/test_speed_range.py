@@ -13,11 +13,11 @@ from nospill.judge.certificate import judge_motion
 from nospill.judge.corners import _LOOKS, _at_speeds, closer, vertices
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
-from nospill.planning.variant_rows import far_peaks, missing
 from nospill.judge.verdict import Row
-from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
+from nospill.planning.variant_rows import far_peaks, missing
+from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object

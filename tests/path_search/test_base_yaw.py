@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
+from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scenario import scenario_text, scene_from_table
-from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.scene.scene import Scene
 
 

@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.carry.draw import PROBLEMS, read_problems
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.scenario import read_scenario, scene_from_table
 from nospill.path_search.candidates import has_free_way, possible_ways, ways
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 
 START: dict[str, Any] = {"position": ["154 mm", "-600 mm", "1220 mm"], "yaw": "10 deg"}

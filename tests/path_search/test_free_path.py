@@ -12,20 +12,20 @@ from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
 from nospill.diagnosis import freest_way
-from nospill.path_search import free_path as free_ways
-from nospill.path_search.branches import are_clear, tray_is_clear
 from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.planning.search import Searcher
+from nospill.path_search import candidates as free_way
+from nospill.path_search import free_path as free_ways
+from nospill.path_search.branches import are_clear, tray_is_clear
+from nospill.path_search.candidates import PossibleWay, along, ways
 from nospill.planning.log import Log
+from nospill.planning.search import Searcher
+from nospill.planning.task import Task
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.path_search import candidates as free_way
-from nospill.path_search.candidates import PossibleWay, along, ways
 from nospill.scene.scene import Scene
-from nospill.planning.task import Task
 
 pytest.importorskip("coal")
 pytestmark = pytest.mark.slow

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.carry.draw import PROBLEMS, read_problems
+from nospill.path_search import free_path as free_ways
 from nospill.path_search.level_arm import LevelArm
 from nospill.path_search.over_the_base import base_axis, beyond, led_over, passes
 from nospill.path_search.sampled_paths import cut, joined, sampled_way
-from nospill.path_search import free_path as free_ways
 from nospill.robots.joint_paths.search import try_joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table

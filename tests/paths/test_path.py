@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
+from nospill.errors import ScenarioError
 from nospill.paths.path import (
     ARC_TOLERANCE,
     MAX_INTERPOLATED,
@@ -15,7 +16,6 @@ from nospill.paths.path import (
     straight_line,
 )
 from nospill.paths.waypoint_paths import path_through_waypoints
-from nospill.errors import ScenarioError
 
 GRID = np.linspace(0.0, 1.0, 1001)
 

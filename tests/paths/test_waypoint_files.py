@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nospill.paths.waypoint_files import read_waypoints
 from nospill.errors import ScenarioError
+from nospill.paths.waypoint_files import read_waypoints
 
 
 def written(text: str, folder: FilePath) -> FilePath:

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.errors import ScenarioError
 from nospill.paths.path import Path, preset_path
 from nospill.paths.smoothing import smooth_curve
 from nospill.paths.waypoint_paths import MAX_WAYPOINTS, SMOOTHING, path_through_waypoints
-from nospill.errors import ScenarioError
 
 GRID = np.linspace(0.0, 1.0, 2001)
 ARC = preset_path("arc").at(np.linspace(0.0, 1.0, 200))[:, :3]

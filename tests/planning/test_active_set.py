@@ -19,13 +19,13 @@ from nospill.laws.like_objects import delicate_objects
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
+from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certified_by_refinement, solved_from, started_from
-from nospill.planning.log import Log
+from nospill.planning.task import Task
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import smooth_start
-from nospill.planning.task import Task
 from tests.builders import joint_path_of, one_mode
 
 Q = np.zeros((2, 6))

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from nospill.planning.attempts import attempts
+from nospill.planning.task import Task
 from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
-from nospill.planning.attempts import attempts
 from nospill.transcription.starting_motions import USUAL_START
-from nospill.planning.task import Task
 
 
 @pytest.mark.parametrize(("compared", "first"), [(1, 3), (3, 3), (6, 6)])

@@ -9,12 +9,12 @@ import pytest
 
 from nospill.core.attitudes import matrices, yaw_of
 from nospill.judge.certificate import certify
+from nospill.path_search.candidates import has_free_way
 from nospill.planning import planner as planning
 from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
 from nospill.plans.loading import load_plan
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.path_search.candidates import has_free_way
 
 pytestmark = pytest.mark.slow
 

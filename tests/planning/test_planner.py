@@ -18,10 +18,10 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.scene_parameters import structure_of
 from nospill.planning import planner
 from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log
 from nospill.planning.planner import Planner, PlanningProgress, plan
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.plans.loading import load_plan
-from nospill.planning.log import Log
 from nospill.plans.plan import Plan
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.scene.scene import Scene

@@ -8,17 +8,17 @@ from dataclasses import replace
 import pytest
 
 from nospill.laws.constraints.base import RowId
-from nospill.planning.tightening import relaxed_backoff
 from nospill.planning import refinement
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved
+from nospill.planning.log import Log
 from nospill.planning.planner import plan
 from nospill.planning.refinement import Judged, certified_by_refinement, solved_from, started_from
-from nospill.planning.log import Log
+from nospill.planning.task import Task
+from nospill.planning.tightening import relaxed_backoff
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import saving_of
 from nospill.transcription.solvers.options import near_optimum
-from nospill.planning.task import Task
 
 _TOO_MUCH = 0.08
 

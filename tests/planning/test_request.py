@@ -11,8 +11,8 @@ import pytest
 
 import nospill as ns
 from nospill.errors import NospillError, ScenarioError
-from nospill.plans.plan import Plan
 from nospill.planning.request import ignored_constraints, requested_scene
+from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scenario_text
 
 

@@ -10,13 +10,13 @@ import pytest
 from nospill.laws.constraints.base import RowId
 from nospill.planning import candidate, search
 from nospill.planning.active_set import ActiveSet
+from nospill.planning.attempts import attempts
 from nospill.planning.candidate import Candidate, problem_about
 from nospill.planning.log import Log
+from nospill.planning.task import Task
 from nospill.scenario import read_scenario
-from nospill.planning.attempts import attempts
 from nospill.transcription.solvers import Solution
 from nospill.transcription.starting_motions import coarse_start
-from nospill.planning.task import Task
 from tests.builders import joint_path_of
 
 

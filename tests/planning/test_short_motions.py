@@ -12,11 +12,11 @@ from nospill.laws.constraints import CONSTRAINTS
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.planner import plan
+from nospill.planning.task import Task
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
-from nospill.planning.task import Task
 from tests.builders import joint_path_of
 
 NAMES = {constraint.name for constraint in CONSTRAINTS}

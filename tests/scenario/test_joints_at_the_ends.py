@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nospill.errors import ScenarioError
 from nospill.path_search.level_arm import LevelArm
 from nospill.path_search.sampled_paths import joined, sampled_way
-from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scene_from_table

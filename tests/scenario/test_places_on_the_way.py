@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from nospill.core.shapes import point_distance
 from nospill.errors import ScenarioError
-from nospill.scenario import read_scenario, scene_from_table
 from nospill.path_search.candidates import ways
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.places import Region
 from nospill.scene.scene import Scene
 

@@ -23,8 +23,8 @@ from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import overhang, overlap
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers import CONTAINERS
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.waiting import run_python
 
 VALID: dict[str, Any] = tomllib.loads(

@@ -21,9 +21,9 @@ from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import CARRIED_MODES, lumped, single_oscillators, with_modes
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.builders import changed_table
 
 STEPS, STEP = 300, 2e-3

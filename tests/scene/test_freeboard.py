@@ -9,10 +9,10 @@ import pytest
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.surface_tension.meniscus import meniscus
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.surface_tension.meniscus import meniscus
 from tests.builders import VESSELS
 
 WATER = LIQUIDS["water"]

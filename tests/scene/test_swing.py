@@ -19,8 +19,8 @@ from nospill.motion.trajectory import Trajectory
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.described import described
 from nospill.scene.carriers import with_modes
-from nospill.scene.sloshing.modes import Oscillator
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import Oscillator
 from nospill.scene.swing import coordinates, swing_of
 from nospill.verify.bodies import bodies_of
 from nospill.verify.engine import Stepper, build

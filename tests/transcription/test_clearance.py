@@ -14,9 +14,10 @@ from nospill.collisions.distances import Distances, separation
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import reaching
 from nospill.core.attitudes import matrices, tray_quaternions
-from nospill.paths.path import Path
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_row
+from nospill.paths.path import Path
+from nospill.planning.task import Task
 from nospill.robots.description.catalog import moved_robot
 from nospill.robots.description.urdf import WORLD, BasePose
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
@@ -33,7 +34,6 @@ from nospill.transcription.clearance_block import (
 )
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
-from nospill.planning.task import Task
 
 pytest.importorskip("coal")
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.scene.scene import Scene
 from nospill.planning.task import Task
+from nospill.scene.scene import Scene
 
 
 def test_slow_liquids_carry_the_modes_that_their_motion_excites(changed_scene: Callable[..., Scene]) -> None:

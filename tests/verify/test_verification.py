@@ -15,8 +15,8 @@ import pytest
 from typer.testing import CliRunner
 
 from nospill.cli import app
-from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.drawing.props import standing
+from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.writing import Format
 from nospill.judge.certificate import judge
 from nospill.planning.planner import plan

@@ -10,8 +10,8 @@ import trimesh
 
 pytest.importorskip("viser", reason="viser is not installed")
 
-from nospill.errors import ScenarioError
 from nospill.drawing.timeline import Film
+from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.viewer.live import running_server, show_plans
 from nospill.viewer.meshes import load_visuals

@@ -62,8 +62,8 @@ def chosen_view(name: str) -> View:
     Raises:
         ScenarioError: there is none.
     """
-    from nospill.errors import ScenarioError
     from nospill.drawing.views import View
+    from nospill.errors import ScenarioError
 
     if name not in list(View):
         raise ScenarioError(f'--view "{name}" is no view; there are {", ".join(View)}')

@@ -16,10 +16,10 @@ from nospill.diagnosis.search import SLOW, Answer, Trials, is_possible
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.judge.verdict import Row
 from nospill.laws.constraints.clearance import Clearance
+from nospill.path_search.candidates import has_found_way
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
-from nospill.path_search.candidates import has_found_way
 from nospill.scene.scene import Scene
 from nospill.transcription.solvers import Solution
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from nospill.paths.path import Path
 from nospill.core.units import format_quantity, quantity
 from nospill.diagnosis.joint_relaxations import own_robot
 from nospill.errors import Change, Reason
 from nospill.laws.constraints.joint_position import JointPosition
+from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import FREE

@@ -1,1 +1,1 @@
-"""Back from the run: joint logs, what they say of limits and liquids, and what can be learnt from them."""
+"""Joint logs of executed motions: readers, clock, smoothing, and the verdict on what was executed."""

@@ -1,1 +1,1 @@
-"""A judged motion as pictures: meshes, surfaces of the liquids, colours, cameras; a film drawn without OpenGL."""
+"""A judged motion as a film, drawn without OpenGL."""

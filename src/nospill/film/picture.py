@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.drawing.geometry import corner_normals, unit_vectors
-from nospill.film.ground import ground_colours
 from nospill.drawing.props import Body, Kind, Stagehand
+from nospill.drawing.stage import Camera, axes_facing
+from nospill.drawing.views import Carriage
+from nospill.film.ground import ground_colours
 from nospill.film.raster import (
     Canvas,
     Triangles,
@@ -16,8 +18,6 @@ from nospill.film.raster import (
     layer,
     nearest,
 )
-from nospill.drawing.stage import Camera, axes_facing
-from nospill.drawing.views import Carriage
 
 SAMPLES = 2
 """Samples a pixel along each side."""

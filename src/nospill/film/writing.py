@@ -14,12 +14,12 @@ import numpy as np
 from PIL import Image
 
 from nospill.core.files import atomic_file
-from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
-from nospill.film.overlay import caption, write_over
-from nospill.film.picture import draw
 from nospill.drawing.props import Placed, Stagehand
 from nospill.drawing.timeline import Film
 from nospill.drawing.views import CLOSE, View, carriage, viewpoint
+from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
+from nospill.film.overlay import caption, write_over
+from nospill.film.picture import draw
 
 SUFFIXES = (".mp4", ".webp", ".gif")
 """Kinds of film."""

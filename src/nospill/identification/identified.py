@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.identification.estimates import WIDE, Estimate
 from nospill.execution.executed import require_liquids
-from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
-from nospill.identification.liquid_fit import LiquidFit, fit_liquid
 from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples
+from nospill.identification.estimates import WIDE, Estimate
+from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
+from nospill.identification.liquid_fit import LiquidFit, fit_liquid
 from nospill.judge.certificate import judge_joints
 from nospill.laws.constraints.slip import Slip
 from nospill.motion.control import commanded

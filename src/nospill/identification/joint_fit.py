@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.identification.estimates import Estimate, fitted
 from nospill.execution.motion import RecordedMotion
-from nospill.identification.second_order import SecondOrder, fit_second_order
 from nospill.execution.tracking import delays
+from nospill.identification.estimates import Estimate, fitted
+from nospill.identification.second_order import SecondOrder, fit_second_order
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.controller import Controller

@@ -17,8 +17,8 @@ import numpy as np
 from nospill.laws.parameters import ObjectNumbers, flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 _DIGITS = 12
 

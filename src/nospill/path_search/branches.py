@@ -9,10 +9,10 @@ import numpy as np
 from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
 from nospill.collisions.bodies import LOAD, TRAY, Body
 from nospill.collisions.configurations import Configurations
-from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene

@@ -10,9 +10,9 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from nospill.paths.path import Path
 from nospill.core.piecewise import interpolating_pieces
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.paths.path import Path
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths

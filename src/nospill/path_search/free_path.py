@@ -8,21 +8,21 @@ from itertools import product
 
 import numpy as np
 
+from nospill.core.processes import shared_out
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.path_search.branches import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
+from nospill.path_search.candidates import PossibleWay, along, possible_ways, ways
 from nospill.path_search.level_arm import LEVER, METRIC, LevelArm
 from nospill.path_search.over_the_base import base_axis, led_over, passes
 from nospill.path_search.sampled_paths import SampledWay, cut, joined, sampled_way, shortened, time_along
 from nospill.paths.path import Path
-from nospill.core.processes import shared_out
 from nospill.paths.smoothing import smooth_curve
-from nospill.path_search.branches import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
-from nospill.errors import NoSolutionError, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, TriedPaths, try_joint_paths
 from nospill.robots.kinematics.closed_form import has_closed_form
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import redundant_joint, self_motion
-from nospill.path_search.candidates import PossibleWay, along, possible_ways, ways
 from nospill.scene.scene import Scene
 
 SEEDS = (0, 1, 2, 3)

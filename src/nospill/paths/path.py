@@ -10,9 +10,9 @@ from functools import lru_cache
 import numpy as np
 
 from nospill.core.arrays import read_only
-from nospill.paths.path_checks import checked_knots, checked_numbers, checked_point, checked_points, point_text
 from nospill.core.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolating_pieces, refined, spline_of_curve
 from nospill.errors import ScenarioError
+from nospill.paths.path_checks import checked_knots, checked_numbers, checked_point, checked_points, point_text
 
 MAX_INTERPOLATED = 500
 """More interpolated points than this make planning needlessly slow: every span costs time in each of its steps."""

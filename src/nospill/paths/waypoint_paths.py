@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.paths.path_checks import checked_numbers, checked_points, point_text
-from nospill.paths.path import MAX_INTERPOLATED, Path, assembled, yaw_pieces
 from nospill.core.piecewise import SAME_KNOT, Pieces, interpolating_pieces
-from nospill.paths.smoothing import SmoothCurve, closest_curve, smooth_curve
 from nospill.errors import ScenarioError
+from nospill.paths.path import MAX_INTERPOLATED, Path, assembled, yaw_pieces
+from nospill.paths.path_checks import checked_numbers, checked_points, point_text
+from nospill.paths.smoothing import SmoothCurve, closest_curve, smooth_curve
 
 MAX_WAYPOINTS = 20_000
 """Most points that are smoothed."""

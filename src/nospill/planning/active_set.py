@@ -14,17 +14,17 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.judge.certificate import Judgement
-from nospill.planning.variant_rows import attributed, far_peaks, missing, spent_at_end, tightened, uses_of
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.planning.task import Task
 from nospill.planning.tightening import ROUGH, beyond_backoff, heavier_jerks, relaxed_backoff, shared_backoff
+from nospill.planning.variant_rows import attributed, far_peaks, missing, spent_at_end, tightened, uses_of
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
-from nospill.planning.task import Task
 
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nospill.planning.task import Task
 from nospill.transcription.solvers.options import FROM_AFAR, Options
 from nospill.transcription.starting_motions import Start, starting_motions
-from nospill.planning.task import Task
 
 _FIRST_STARTS, _LAST_STARTS = 3, 4
 STEP_BY_STEP = {**FROM_AFAR, "max_iterations": 150}

@@ -13,22 +13,22 @@ from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning.candidate import Candidate
-from nospill.planning.refinement import Judged, certified_by_refinement
-from nospill.planning.search import Searcher, found_motion, search_elsewhere
-from nospill.planning.warm_start import restarted, restarted_on, started_beside
-from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
-from nospill.planning.log import Log, OnProgress
-from nospill.planning.log import PlanningProgress as PlanningProgress
-from nospill.plans.plan import Plan, judged_plan
-from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
-from nospill.robots.joint_paths.search import branch_in_words, preferred_path
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.candidates import has_free_way
+from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log, OnProgress
+from nospill.planning.log import PlanningProgress as PlanningProgress
+from nospill.planning.refinement import Judged, certified_by_refinement
+from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
+from nospill.planning.search import Searcher, found_motion, search_elsewhere
+from nospill.planning.task import Task
+from nospill.planning.warm_start import restarted, restarted_on, started_beside
+from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
+from nospill.plans.plan import Plan, judged_plan
+from nospill.robots.joint_paths.search import branch_in_words, preferred_path
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
-from nospill.planning.task import Task
 
 
 def plan(

@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 from nospill import diagnosis
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
+from nospill.planning.attempts import Attempt, attempts
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
-from nospill.planning.refinement import to_fine_grid
 from nospill.planning.log import Log
+from nospill.planning.refinement import to_fine_grid
+from nospill.planning.task import Task
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
-from nospill.planning.attempts import Attempt, attempts
 from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, coarse_start, estimate_duration
-from nospill.planning.task import Task
 
 _LONG = 0.79
 """Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""

@@ -12,10 +12,10 @@ from itertools import groupby, islice
 import numpy as np
 
 from nospill.judge.verdict import Row, condensed
-from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
 from nospill.laws.constraints import BY_NAME, END_NAMES, LIQUID_NAMES, OBJECT_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.planning.tightening import is_spent, tightened_backoff
+from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
 

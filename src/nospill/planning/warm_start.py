@@ -12,15 +12,15 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solved
-from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
 from nospill.planning.log import Log
+from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
+from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
-from nospill.planning.task import Task
 from nospill.transcription.time_scaling import is_broken, slow_enough
 from nospill.transcription.trajectory_start import on_branch
 

@@ -7,10 +7,10 @@ import io
 import numpy as np
 from PIL import Image
 
-from nospill.film.picture import draw
 from nospill.drawing.props import Stagehand
 from nospill.drawing.timeline import make_film
 from nospill.drawing.views import CLOSE, View, carriage, viewpoint
+from nospill.film.picture import draw
 from nospill.plots.evidence import Evidence
 
 MOMENT = 0.35

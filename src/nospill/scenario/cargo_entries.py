@@ -32,10 +32,10 @@ from nospill.scenario.profile_files import MOST_POINTS, read_profile
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
-from nospill.scene.sloshing.prism import MOST_DAMPING
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
 from nospill.scene.scene import FULL_MODES
+from nospill.scene.sloshing.prism import MOST_DAMPING
 
 _PLACE = Measured(dimension="length", at_least=-10.0, at_most=10.0)
 _SWING = Measured(dimension="length", at_least=-1.0, at_most=1.0)

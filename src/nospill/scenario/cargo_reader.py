@@ -17,11 +17,11 @@ from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.surface_tension.meniscus import meniscus_in
-from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
+from nospill.scene.surface_tension.meniscus import meniscus_in
+from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.swing import Swing, coordinates
 
 FREEBOARD_RESERVE = 0.1

@@ -12,10 +12,10 @@ import numpy as np
 from pydantic import Field
 
 from nospill.core.arrays import read_only
-from nospill.paths.path import Path, straight_line
 from nospill.core.units import as_written, format_quantity
-from nospill.paths.waypoint_paths import path_through_poses, path_through_waypoints
 from nospill.errors import ScenarioError
+from nospill.paths.path import Path, straight_line
+from nospill.paths.waypoint_paths import path_through_poses, path_through_waypoints
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Table, Vector

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
+from nospill.paths.path import Path
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.robot import Robot
 from nospill.scenario.messages import Fault, entry_place, report

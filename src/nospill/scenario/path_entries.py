@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from nospill.core.units import format_quantity
+from nospill.errors import ScenarioError
 from nospill.paths.path import (
     Path,
     circular_arc,
@@ -15,10 +17,8 @@ from nospill.paths.path import (
     preset_path,
     straight_line,
 )
-from nospill.core.units import format_quantity
 from nospill.paths.waypoint_files import read_waypoints
 from nospill.paths.waypoint_paths import SMOOTHING, path_through_waypoints
-from nospill.errors import ScenarioError
 from nospill.scenario.fields import FREE, Angle, Measured, Point
 from nospill.scenario.free_path_entry import FreeTable
 from nospill.scenario.freedom_entries import Yaw

@@ -17,9 +17,9 @@ from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
 from nospill.core.files import atomic_text
-from nospill.paths.path import Path
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
+from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
@@ -33,9 +33,9 @@ from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 

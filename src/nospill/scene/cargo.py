@@ -9,9 +9,9 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import Oscillator, SloshModes
 from nospill.scene.surface_tension.tension import ContactLine
-from nospill.scene.liquids import Liquid
 from nospill.scene.swing import Swing, coordinates
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.surface_tension.meniscus import meniscus_in
-from nospill.scene.surface_tension.tension import ContactLine
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
+from nospill.scene.surface_tension.meniscus import meniscus_in
+from nospill.scene.surface_tension.tension import ContactLine
 
 _SAME = 2e-6
 """m; to which `edge_of_plane` is met."""

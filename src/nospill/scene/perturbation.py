@@ -12,10 +12,10 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.carriers import with_content
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.sloshing.prism import MOST_DAMPING
-from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.scene import Fidelity
+from nospill.scene.sloshing.prism import MOST_DAMPING
+from nospill.scene.surface_tension.tension import liquid_modes
 
 _ROUNDING = 1e-9
 

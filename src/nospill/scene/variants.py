@@ -28,9 +28,9 @@ from itertools import product
 import numpy as np
 
 from nospill.scene.cargo import Cargo, Filling, Tolerance
-from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Fidelity, Scene
+from nospill.scene.surface_tension.tension import liquid_modes
 
 FREQUENCY_STEP = 0.01
 """Largest part by which the frequency may differ from one level that is tried to the next: over a motion of 2 s a mode

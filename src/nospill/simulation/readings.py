@@ -13,8 +13,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from nospill.errors import ScenarioError
-from nospill.scene.surface_tension.meniscus import capillary_length
 from nospill.scene.liquids import Liquid
+from nospill.scene.surface_tension.meniscus import capillary_length
 
 Model = Literal["surface", "contact-line"]
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from nospill.paths.path import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
+from nospill.paths.path import Path
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import NO_LIQUID, OWN_LIQUID, OWN_ROBOT, Field
 from nospill.studio.obstacles import choose_shape

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nospill.errors import NospillError
 from nospill.drawing.robot_model import read_chain
-from nospill.robots.joint_paths.search import joint_paths
+from nospill.errors import NospillError
 from nospill.path_search.candidates import has_free_way, ways
+from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
 from nospill.viewer.surroundings import add_surroundings

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from nospill.paths.path import Path
 from nospill.core.units import quantity
 from nospill.errors import ScenarioError
+from nospill.paths.path import Path
 from nospill.scenario.obstacle_entries import OBSTACLE_TABLES, MeshObstacle, ObstacleTable
 from nospill.studio.draft import Draft, Key, millimetres
 from nospill.studio.fields import Field, field_of

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nospill.paths.path import Path
 from nospill.motion.trajectory import Trajectory
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from nospill.errors import ScenarioError
 from nospill.drawing.robot_model import DrawnChain, origin_of, parsed_urdf, read_chain, three_numbers
+from nospill.errors import ScenarioError
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
 from nospill.viewer.library import require_viser

@@ -15,8 +15,8 @@ from nospill.laws.slosh.motion import OscillatorState
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 WATER = LIQUIDS["water"]
 DEPTH = 0.049

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.scene.containers import CONTAINERS, Box, Cylinder
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.builders import VESSELS
 
 WATER = LIQUIDS["water"]

@@ -16,8 +16,8 @@ from nospill.laws.parameters import OscillatorNumbers
 from nospill.laws.sample import tray_motion
 from nospill.laws.slosh.motion import OscillatorState, modal_acceleration, modal_place, motion_residual
 from nospill.scene.containers import Box, Cylinder
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
 
 WATER = LIQUIDS["water"]
 CUP = Cylinder(0.035, 0.0991).slosh_modes(WATER, 0.049, 3)

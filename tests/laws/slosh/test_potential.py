@@ -28,8 +28,8 @@ from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 WATER = LIQUIDS["water"]
 DEPTH = 0.049

@@ -11,9 +11,9 @@ from nospill.laws.slosh.residual import free_states, residual_bound
 from nospill.plans.settling import _decay
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessels import Tapered
 from nospill.scene.liquids import LIQUIDS, Liquid
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 OMEGA = 22.6
 

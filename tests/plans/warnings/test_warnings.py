@@ -21,8 +21,8 @@ from nospill.plans.warnings.arm import no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
 from nospill.scenario import read_scenario
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessels import Profile
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 NAME = "mixed-tray"
 """Its first object is a cup of 35 mm radius and 99.1 mm height, 49 mm of water, limit 15 mm; the third is a box."""

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.paths.path import preset_path, straight_line
 from nospill.errors import ScenarioError
+from nospill.paths.path import preset_path, straight_line
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.following import tray_poses
 from nospill.robots.joint_paths.search import inverse_solutions, joint_paths, solve_joints

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.paths.path import straight_line
 from nospill.errors import ScenarioError
+from nospill.paths.path import straight_line
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.following import tray_poses, tray_rates
 from nospill.robots.joint_paths.redundancy_grid import paths_on_grid

@@ -8,9 +8,9 @@ from scipy.integrate import dblquad, quad
 from scipy.special import ive, j1, jnp_zeros, jvp
 
 from nospill.scene.containers.cylinder import Cylinder, bessel_roots, enclosed_liquid_inertia, published_damping
+from nospill.scene.liquids import LIQUIDS
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.sloshing.prism import EMPIRICAL_DAMPING, LARGEST_DAMPING, PrismMode
-from nospill.scene.liquids import LIQUIDS
 
 WATER = LIQUIDS["water"]
 CUP = Cylinder(0.035, 0.0991)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from nospill.scene.containers.cylinder import Cylinder, bessel_roots, published_damping
+from nospill.scene.liquids import LIQUIDS
 from nospill.scene.sloshing.prism import EMPIRICAL_DAMPING
 from nospill.scene.sloshing.revolved_modes import revolved_modes
 from nospill.scene.surface_tension.tension import liquid_modes
-from nospill.scene.liquids import LIQUIDS
 from tests.builders import VESSELS
 
 WATER = LIQUIDS["water"]

@@ -12,8 +12,8 @@ from scipy.special import ive, jv, jvp
 
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 WATER = LIQUIDS["water"]
 DEPTH = 0.049

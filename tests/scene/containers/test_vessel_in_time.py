@@ -13,9 +13,9 @@ import pytest
 from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import splu
 
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.builders import VESSELS
 
 pytestmark = pytest.mark.oracle

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
 from nospill.scene.containers.cylinder import Cylinder, published_damping
+from nospill.scene.containers.vessel import Vessel
+from nospill.scene.containers.vessels import Profile, Tapered, WineGlass
+from nospill.scene.liquids import LIQUIDS
 from nospill.scene.meridian import Meridian, arc
 from nospill.scene.sloshing.meridian_mesh import mesh_liquid
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
 from nospill.scene.sloshing.revolved_modes import solve_modes
-from nospill.scene.containers.vessel import Vessel
-from nospill.scene.containers.vessels import Profile, Tapered, WineGlass
-from nospill.scene.liquids import LIQUIDS
 from tests.builders import VESSELS
 
 WATER = LIQUIDS["water"]

@@ -11,14 +11,14 @@ from scipy.linalg import eigh
 from scipy.special import jnp_zeros, jv, jvp
 
 from nospill.errors import ModelError
-from nospill.scene.surface_tension.curved_modes import CurvedModes, curved_modes, solve_curved
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.surface_tension.meniscus import capillary_length, rest_surface
-from nospill.scene.meridian import Meridian
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 from nospill.scene.containers.vessels import Profile, Tapered, TestTube
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.meridian import Meridian
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from nospill.scene.surface_tension.curved_modes import CurvedModes, curved_modes, solve_curved
+from nospill.scene.surface_tension.meniscus import capillary_length, rest_surface
+from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 
 WATER = LIQUIDS["water"]
 LENGTH = capillary_length(WATER)

@@ -10,10 +10,10 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.surface_tension.meniscus import meniscus, meniscus_in, plane_wall_rise, slope_at_wall
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessels import Profile, Tapered
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from nospill.scene.surface_tension.meniscus import meniscus, meniscus_in, plane_wall_rise, slope_at_wall
 
 WATER = LIQUIDS["water"]
 LENGTH = math.sqrt(WATER.surface_tension / (WATER.density * STANDARD_GRAVITY))

@@ -9,11 +9,11 @@ import pytest
 
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.surface_tension.meniscus import plane_wall_rise
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.containers.vessels import Profile, Tapered
 from nospill.scene.liquids import LIQUIDS, Liquid
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from nospill.scene.surface_tension.meniscus import plane_wall_rise
+from nospill.scene.surface_tension.tension import liquid_modes
 
 WATER = LIQUIDS["water"]
 RATIO = WATER.surface_tension / WATER.density

@@ -14,10 +14,10 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from nospill.paths.waypoint_files import read_waypoints
 from nospill.errors import NospillError, PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory
+from nospill.paths.waypoint_files import read_waypoints
 from nospill.plans.handover import hand_over, read_samples
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan

@@ -9,8 +9,8 @@ from matplotlib.patches import Polygon
 
 from nospill.plots.style import BLACK, BLUE, DARK_RED, GREEN, GREY, ORANGE, PURPLE, RED
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.modes import SloshModes
 from nospill.simulation.simulate import simulate_slosh
 from nospill_docs.pictures.paper import GLASS, LIQUID, arrow, note, sheet, sketch, words
 

@@ -11,13 +11,13 @@ from PIL import Image
 
 from nospill.drawing.arm_bodies import arm_bodies
 from nospill.drawing.geometry import Mesh
-from nospill.film.picture import draw
 from nospill.drawing.props import ARM, Body, Kind, Stagehand
-from nospill.film.raster import Canvas
 from nospill.drawing.robot_model import read_chain
 from nospill.drawing.stage import axes_facing, framed
 from nospill.drawing.timeline import Film, make_film
 from nospill.drawing.views import CLOSE, VIEW_NAMES, Carriage, View, carriage, viewpoint
+from nospill.film.picture import draw
+from nospill.film.raster import Canvas
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
 from nospill.robots.description.catalog import ROBOTS, load_robot

@@ -12,9 +12,9 @@ from nospill.plots.style import BLUE, GREY
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.sloshing.meridian_mesh import mesh_liquid
 from nospill.scene.containers.vessels import Bowl, ConicalFlask, RoundFlask, Tapered, TestTube, WineGlass
 from nospill.scene.liquids import LIQUIDS
+from nospill.scene.sloshing.meridian_mesh import mesh_liquid
 from nospill_docs.pictures.paper import GLASS, LIQUID, note, sheet, sketch, words
 
 SHAPES: dict[str, tuple[Container, float]] = {

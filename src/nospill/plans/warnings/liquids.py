@@ -14,10 +14,10 @@ from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.leaning import edge_of_plane
-from nospill.scene.surface_tension.meniscus import WETTED, meniscus_in
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
-from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 from nospill.scene.liquids import Liquid
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
+from nospill.scene.surface_tension.meniscus import WETTED, meniscus_in
+from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 
 LINEAR_CREST = 1.0 / 3.0
 """Part of the radius, or of half the side of a box, up to which a linear surface is believed (docs/slosh-model.md)."""

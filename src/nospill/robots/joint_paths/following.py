@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.batches import evaluate
-from nospill.paths.path import Path
 from nospill.core.piecewise import Pieces
+from nospill.paths.path import Path
 from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, aim_columns, newton, pose_columns
 from nospill.robots.kinematics.newton_steps import step_functions

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.batches import evaluate
-from nospill.paths.path import Path
 from nospill.errors import ROBOT, Reason, ScenarioError
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import Followed, tray_poses
 from nospill.robots.kinematics.closed_form import TURN, has_closed_form, solutions_anywhere, with_turns
 from nospill.robots.kinematics.forward import Kinematics, kinematics

@@ -20,9 +20,9 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.core.batches import evaluate
 from nospill.core.hermite import cubic_hermite
-from nospill.paths.path import Path
 from nospill.core.piecewise import Pieces
 from nospill.errors import ScenarioError
+from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
 from nospill.robots.joint_paths.no_joint_path import arrives_elsewhere, explain
 from nospill.robots.joint_paths.redundancy_grid import PLACES, POSITIONS, paths_on_grid

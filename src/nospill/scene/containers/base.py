@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from nospill.scene.containers.footprints import Footprint
-from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.liquids import Liquid
+from nospill.scene.sloshing.modes import SloshModes
 
 
 @dataclass(frozen=True, slots=True)

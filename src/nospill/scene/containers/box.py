@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import RectangleFootprint
+from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.sloshing.prism import (
     EMPIRICAL_DAMPING,
@@ -23,7 +24,6 @@ from nospill.scene.sloshing.prism import (
     slosh_model,
     thick_damping,
 )
-from nospill.scene.liquids import Liquid
 
 _TORSION_TERMS = 400
 

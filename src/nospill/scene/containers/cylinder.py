@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
+from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
 from nospill.scene.sloshing.prism import (
     FrozenLiquid,
@@ -22,7 +23,6 @@ from nospill.scene.sloshing.prism import (
     slosh_model,
     thick_damping,
 )
-from nospill.scene.liquids import Liquid
 
 _OUTLINE_POINTS = 64
 _INERTIA_TERMS = 200

@@ -13,6 +13,7 @@ from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
+from nospill.scene.liquids import Liquid
 from nospill.scene.meridian import Meridian
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
 from nospill.scene.sloshing.prism import (
@@ -23,7 +24,6 @@ from nospill.scene.sloshing.prism import (
     slosh_model,
     thick_damping,
 )
-from nospill.scene.liquids import Liquid
 
 _OUTLINE_POINTS = 64
 _STEM = 0.004

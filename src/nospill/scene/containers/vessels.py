@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
+from nospill.scene.containers.vessel import Vessel, check_base
 from nospill.scene.meridian import Meridian, arc, check_meridian, polyline, smooth_pieces
 from nospill.scene.sloshing.prism import check_size
-from nospill.scene.containers.vessel import Vessel, check_base
 
 _WIDEST_AT = 0.45
 """Part of its bowl's height at which a wine glass is widest."""

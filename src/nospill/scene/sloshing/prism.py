@@ -16,8 +16,8 @@ import numpy as np
 
 from nospill.core.arrays import read_only
 from nospill.errors import ScenarioError
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 from nospill.scene.liquids import Liquid
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 
 _FIRST_ROOT = 1.8411837813406595
 

@@ -23,10 +23,10 @@ from scipy.sparse.linalg import splu
 from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError
-from nospill.scene.surface_tension.meniscus import RestSurface, rest_surface, slope_at_wall
 from nospill.scene.meridian import Meridian
 from nospill.scene.sloshing.meridian_mesh import MeridianMesh, mesh_liquid
 from nospill.scene.sloshing.revolved_modes import surface_elements, surface_terms, volume_terms
+from nospill.scene.surface_tension.meniscus import RestSurface, rest_surface, slope_at_wall
 
 _REACH = 2.0
 """Depth, in radii of the surface, down to which the mesh is raised with it."""

@@ -18,9 +18,9 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 
 WETTED = 0.0
 """rad; contact angle of a wall that is wholly wet: the highest meniscus of all."""

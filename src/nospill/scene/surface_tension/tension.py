@@ -24,11 +24,11 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.surface_tension.meniscus import capillary_length
-from nospill.scene.meridian import Meridian
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
+from nospill.scene.meridian import Meridian
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.surface_tension.meniscus import capillary_length
 
 ContactLine = Literal["", "free", "pinned"]
 """How the rim of the surface meets the wall; empty: surface tension is left out."""

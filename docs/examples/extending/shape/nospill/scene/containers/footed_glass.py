@@ -11,9 +11,9 @@ from nospill.errors import ScenarioError
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.containers.footprints import DiscFootprint
+from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.sloshing.prism import check_size
-from nospill.scene.liquids import Liquid
 
 
 @dataclass(frozen=True, slots=True)
