@@ -45,6 +45,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
+"""Compiled functions are kept between runs: their key is the source they are made of. `make clean` removes them."""
+
 
 @pytest.fixture(scope="session")
 def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -55,7 +58,7 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def hasty(run_folder: Path) -> Iterator[Path | None]:
-    """A hasty compiler, with which the largest functions are compiled for all tests of this run; one thread each.
+    """A hasty compiler, with which the largest functions are compiled for all tests; one thread each.
 
     The others are compiled where an example is planned and interpreted elsewhere: most scenes of the tests are planned
     once, and to compile their functions takes longer than to interpret them. None of the user's compiled functions are
@@ -64,9 +67,10 @@ def hasty(run_folder: Path) -> Iterator[Path | None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")
         patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
-        patch.setenv("NOSPILL_CACHE", str(run_folder / "nospill-cache"))
-        with FileLock(run_folder / "compiler.lock"):
-            compiler = hasty_compiler(run_folder)
+        patch.setenv("NOSPILL_CACHE", str(COMPILED))
+        COMPILED.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with FileLock(COMPILED / "compiler.lock"):
+            compiler = hasty_compiler(COMPILED)
             if compiler is not None:
                 patch.setenv("CC", str(compiler))
                 # What every worker needs: one that comes while another compiles goes on without.
