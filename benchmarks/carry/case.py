@@ -23,7 +23,6 @@ from benchmarks.campaign.case import PLANNED, REFUSED, UNCERTIFIED, failure_of
 from nospill.collisions.configurations import Configurations
 from nospill.errors import NospillError
 from nospill.judge.wording import describe
-from nospill.motion.interpolation import planned_motion
 from nospill.planning import planner
 from nospill.plans.plan import Plan
 from nospill.scenario import scene_from_table
@@ -90,7 +89,7 @@ def looked_at(plan: Plan) -> dict[str, Any]:
 def touching_samples(plan: Plan) -> int:
     """Samples at 20 kHz, both ends with them, at which coal finds a pair of bodies nearer than it must be."""
     t = np.arange(0.0, plan.duration, 1.0 / FINE_RATE)
-    q = planned_motion(plan.trajectory)(np.append(t, plan.duration))
+    q = plan.trajectory.motion(np.append(t, plan.duration))
     configurations = Configurations(plan.scene)
     parts = np.array_split(q, max(1, len(q) // _LOOKS))
     return sum(int(np.sum(~configurations.clear(part))) for part in parts)

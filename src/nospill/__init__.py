@@ -3,7 +3,7 @@
 import nospill as ns
 scene = ns.load("matrix-liquid")
 plan = ns.plan(scene)
-plan.duration, plan.certificate.ok, plan.trajectory.at(1.2)
+plan.duration, plan.certificate.ok, plan.trajectory(1.2)
 plan.save("out")
 """
 

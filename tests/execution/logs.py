@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from nospill.execution.log import JointLog
-from nospill.motion.interpolation import planned_motion
 from nospill.plans.plan import Plan
 
 
@@ -23,7 +22,7 @@ def log_of(
     """A plan as it was recorded: the log's clock, delays of the joints (s), noise (rad), jitter of the stamps (s)."""
     generator = np.random.default_rng(3)
     t = np.arange(round((plan.duration + 1.0) * rate)) / rate
-    motion = planned_motion(plan.trajectory)
+    motion = plan.trajectory.motion
     late = np.broadcast_to(delays, len(plan.scene.robot.joints))
     position = np.column_stack([motion(t - clock - own)[:, index] for index, own in enumerate(late)])
     position = position + noise * generator.standard_normal(position.shape)

@@ -24,7 +24,8 @@ from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.export.base import number
 from nospill.export.message import MESSAGE_TYPE, UNITS
-from nospill.motion.interpolation import INTERPOLATIONS, JointSamples, resampled
+from nospill.motion.interpolation import INTERPOLATIONS, JointSamples
+from nospill.motion.resampling import resampled
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 RECORDING = ("joint-trajectory", "rosbag2", "mat")

@@ -16,7 +16,6 @@ from nospill.identification.design import Design, Records, designed
 from nospill.identification.design import test_scene as scene_of_the_test
 from nospill.identification.liquid_fit import fit_liquid
 from nospill.identification.liquid_law import LiquidLaw
-from nospill.motion.interpolation import planned_motion
 from nospill.scene.scene import Scene
 from nospill.simulation.motion_file import Heights
 
@@ -47,7 +46,7 @@ def test_it_is_certified_and_swings_on(found: Design) -> None:
 
 @pytest.mark.slow
 def test_what_is_expected_is_what_a_fit_finds(found: Design, scene: Scene) -> None:
-    motion, end = planned_motion(found.plan.trajectory), found.plan.duration
+    motion, end = found.plan.trajectory.motion, found.plan.duration
     law = LiquidLaw(motion, scene, 0.0, end + RECORDS.rest)
     t = np.arange(0.0, end + RECORDS.rest, 1.0 / RECORDS.rate)
     noise = RECORDS.height_noise * np.random.default_rng(1).standard_normal(len(t))

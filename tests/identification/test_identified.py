@@ -14,7 +14,6 @@ from nospill.execution.executed import executed
 from nospill.execution.log import JointLog
 from nospill.identification.identified import Identified, identified, identified_table, scenario_text
 from nospill.motion.control import followed
-from nospill.motion.interpolation import planned_motion
 from nospill.plans.plan import Plan
 from nospill.scenario import scene_from_table
 from nospill.scene.controller import Controller
@@ -35,7 +34,7 @@ def plan(gentle_plan: Callable[..., Plan]) -> Plan:
 @pytest.fixture(scope="module")
 def log(plan: Plan) -> JointLog:
     """A run with its command in the log, as RTDE records it."""
-    command, length = planned_motion(plan.trajectory), float(plan.trajectory.t[-1])
+    command, length = plan.trajectory.motion, float(plan.trajectory.t[-1])
     controller = Controller(DELAY, LAG, compensate=False)
     t = np.arange(0.0, length + 1.5, 0.002)
     done = followed(command, controller, 0.0, length)(t - 0.5 - controller.latest)

@@ -11,7 +11,6 @@ from nospill.execution.log import JointLog
 from nospill.execution.motion import recorded_motion
 from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.motion.control import followed
-from nospill.motion.interpolation import planned_motion
 from nospill.scene.controller import Controller
 from tests.conftest import SmoothMotion
 
@@ -29,7 +28,7 @@ def fits_of(
 ) -> tuple[JointFit, ...]:
     """What is learnt from the log of an arm that follows so; the log's clock is `CLOCK` ahead of the plan's."""
     generator = np.random.default_rng(seed)
-    command, length = planned_motion(plan.trajectory), float(plan.trajectory.t[-1])
+    command, length = plan.trajectory.motion, float(plan.trajectory.t[-1])
     controller = Controller(delay, lag, compensate=False)
     t = np.arange(0.0, length + 1.2, 0.002)
     done = followed(command, controller, 0.0, length)(t - CLOCK - controller.latest)
@@ -66,7 +65,7 @@ def test_a_lag_of_second_order_is_told_where_the_first_leaves_more_than_noise(pl
     """The arm is integrated by an outside solver, in steps of its own."""
     from scipy.integrate import solve_ivp
 
-    command, length = planned_motion(plan.trajectory), float(plan.trajectory.t[-1])
+    command, length = plan.trajectory.motion, float(plan.trajectory.t[-1])
     period, ratio, delay, noise = 0.012, 0.6, 0.004, 2e-6
     t = np.arange(0.0, length + 1.2, 0.002)
     done = command(t - CLOCK)

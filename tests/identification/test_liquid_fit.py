@@ -10,7 +10,6 @@ import pytest
 from nospill.identification.liquid_fit import LiquidFit, fit_liquid
 from nospill.judge.certificate import judge_joints
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
@@ -31,7 +30,7 @@ def height_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the judge sees of a cup with another fill and damping: times and heights."""
     cup = perturbed(scene.cargo[0], Perturbation(liquid_height=rise, damping=factor), fidelity=scene.fidelity)
-    motion = planned_motion(trajectory)
+    motion = trajectory.motion
     t = np.arange(0.0, trajectory.end_time + RECORD, 0.002)
     record = Trajectory.of_joints(t, trajectory.joints, *(motion(t, order) for order in range(3)))
     traces = judge_joints(record, replace(scene, cargo=(cup,)), motion=motion, rate=500.0).traces
@@ -44,7 +43,7 @@ def fit(lively, t: np.ndarray, height: np.ndarray, *, clock: float, gauge: float
     generator = np.random.default_rng(seed)
     shown = np.arange(0.0, RECORD, 1 / 60) + clock - 0.3
     seen = np.interp(shown - clock, t, height, left=0.0) + gauge + noise * generator.standard_normal(len(shown))
-    motion = planned_motion(lively.trajectory)
+    motion = lively.trajectory.motion
     return fit_liquid(motion, lively.scene, "c1", Heights(shown, seen), begin=0.0, end=lively.trajectory.end_time)
 
 
@@ -66,7 +65,7 @@ def test_a_record_without_decay_tells_neither_fill_nor_damping(lively) -> None: 
     generator = np.random.default_rng(0)
     shown = t[short][::8]
     seen = Heights(shown, height[short][::8] + 2e-3 * generator.standard_normal(len(shown)))
-    motion = planned_motion(lively.trajectory)
+    motion = lively.trajectory.motion
     found = fit_liquid(motion, lively.scene, "c1", seen, begin=0.0, end=lively.trajectory.end_time)
     assert not found.of("fill").told
     assert found.of("fill").value == found.stated[0]

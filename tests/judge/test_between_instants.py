@@ -15,7 +15,6 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.motion.interpolation import planned_motion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 from tests.conftest import SmoothMotion
@@ -41,7 +40,7 @@ def test_peaks_are_what_a_finer_grid_sees(
     fast: tuple[Trajectory, Scene], point: EvaluationPoint, constraints: set[str]
 ) -> None:
     trajectory, scene = fast
-    motion = planned_motion(trajectory)
+    motion = trajectory.motion
     coarse, fine = (replay(trajectory, scene, rate=rate) for rate in (MINIMUM_RATE, 4 * MINIMUM_RATE))
     traces = constraint_traces(trajectory, scene, coarse, points=[point])
     on_fine = {(one.constraint, one.subject): one for one in constraint_traces(trajectory, scene, fine, points=[point])}
@@ -69,7 +68,7 @@ def test_nothing_is_looked_at_far_from_the_limits(fast: tuple[Trajectory, Scene]
     played = replay(trajectory, scene)
     traces = constraint_traces(trajectory, scene, played, points=[EvaluationPoint.OBJECT, EvaluationPoint.JOINT])
     far = tuple(replace(one, margin=0.1 * _size(one)) for one in traces)
-    assert peaks_between(trajectory, scene, played, far, planned_motion(trajectory)) == ()
+    assert peaks_between(trajectory, scene, played, far, trajectory.motion) == ()
 
 
 def test_the_certificate_has_the_peak_between_two_instants(fast: tuple[Trajectory, Scene]) -> None:

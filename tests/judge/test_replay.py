@@ -12,7 +12,8 @@ from scipy.interpolate import make_interp_spline
 
 from nospill.errors import ModelError
 from nospill.judge.replay import MINIMUM_RATE, replay, tray_from_joints
-from nospill.motion.interpolation import QUINTIC_HERMITE, planned_motion, resampled
+from nospill.motion.interpolation import QUINTIC_HERMITE
+from nospill.motion.resampling import resampled
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.description.catalog import moved_robot
 from nospill.robots.description.urdf import BasePose
@@ -196,7 +197,7 @@ def test_a_receivers_own_motion_is_played_as_it_is(smooth_motion):
     np.testing.assert_array_equal(played.t, planned.t)
     apart = np.abs(played.slosh_displacement - planned.slosh_displacement).max()
     assert 1e-9 < apart < 1e-4
-    again = replay(trajectory, scene, motion=planned_motion(trajectory))
+    again = replay(trajectory, scene, motion=trajectory.motion)
     np.testing.assert_array_equal(again.slosh_displacement, planned.slosh_displacement)
     # The same positions as samples of a trajectory of their own, where only the interpolation differs.
     own = played_joints(samples.t, samples.position, scene)

@@ -16,7 +16,6 @@ from nospill.laws.sample import object_motion, object_states, sample_objects
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.at_speed import SlowedMotion, at_speed
-from nospill.motion.interpolation import planned_motion
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 
@@ -76,8 +75,8 @@ def _with_tension(cargo: Cargo) -> Cargo:
 
 def test_a_slowed_motion_is_that_of_the_slowed_record(smooth_motion: Callable) -> None:
     trajectory = smooth_motion("matrix-liquid", stretch=1.0).trajectory
-    slow = SlowedMotion(planned_motion(trajectory), SPEED)
-    other = planned_motion(at_speed(trajectory, SPEED))
+    slow = SlowedMotion(trajectory.motion, SPEED)
+    other = at_speed(trajectory, SPEED).motion
     t = np.linspace(0.0, trajectory.end_time / SPEED, 50)
     for order in range(3):
         np.testing.assert_allclose(slow(t, order), other(t, order), rtol=1e-9, atol=1e-9)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nospill.motion.control import command_for, commanded, commanded_at, followed, settling_after
-from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples, planned_motion
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
 
@@ -47,7 +47,7 @@ def integrated(command: Any, controller: Controller, t: np.ndarray) -> np.ndarra
 
 def test_what_is_not_compensated_is_followed_as_the_equation_says() -> None:
     plan, controller = record(), Controller(DELAYS, LAGS, compensate=False)
-    asked = planned_motion(plan)
+    asked = plan.motion
     t = np.arange(-0.1, 1.4, 5e-5)
     theirs = integrated(asked, controller, t)
     ours = followed(asked, controller, 0.0, 1.0)(t - controller.latest)
@@ -60,12 +60,12 @@ def test_the_command_makes_the_joints_do_what_was_planned(order: int, least: flo
     plan, controller = record(), Controller(DELAYS, LAGS)
     samples = commanded(plan, controller)
     done = followed(QUINTIC_SPLINE.motion(samples), controller, float(samples.t[0]), float(samples.t[-1]))
-    assert np.max(np.abs(done(T, order) - planned_motion(plan)(T, order))) < least
+    assert np.max(np.abs(done(T, order) - plan.motion(T, order))) < least
 
 
 def test_derivatives_of_what_is_followed_agree() -> None:
     controller = Controller(DELAYS, LAGS, compensate=False)
-    done = followed(planned_motion(record()), controller, 0.0, 1.0)
+    done = followed(record().motion, controller, 0.0, 1.0)
     t, step = np.linspace(0.1, 1.1, 200), 1e-5
     for order in (0, 1):
         difference = (done(t + step, order) - done(t - step, order)) / (2 * step)
@@ -95,5 +95,5 @@ def test_without_a_controller_the_record_is_the_command() -> None:
 
 def test_the_command_leads_by_lag_times_speed() -> None:
     controller = Controller(np.zeros(3), LAGS)
-    asked, planned = command_for(planned_motion(record()), controller), planned_motion(record())
+    asked, planned = command_for(record().motion, controller), record().motion
     assert asked(T) == pytest.approx(planned(T) + LAGS * planned(T, 1), abs=1e-12)

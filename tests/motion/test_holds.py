@@ -15,7 +15,7 @@ from nospill.export import EXPORTERS
 from nospill.export.plan_files import compare_plan_files
 from nospill.judge.certificate import certify, judge
 from nospill.motion.holds import held_samples, held_trajectory, hold_periods
-from nospill.motion.interpolation import resampled
+from nospill.motion.resampling import resampled
 from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan

@@ -1,4 +1,4 @@
-"""The exported trajectory: file and back to the bit, damaged files in one line, end time, values in between."""
+"""The exported trajectory: file and back to the bit, damaged files in one line, end time, the motion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from nospill.errors import PlanFolderError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.motion.trajectory import SloshTrack, Trajectory, read_trajectory, trajectory_text
 
 SINGLE = ("t", "s", "s_rate", "s_acceleration")
@@ -232,41 +232,57 @@ def test_end_time_whatever_else_is_recorded():
     assert replace(trajectory, joint_position=1.0 + 0 * trajectory.joint_position).end_time == trajectory.t[-1]
 
 
-def test_values_in_between(smooth_motion):
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_a_motion_is_the_integral_of_its_derivative(smooth_motion, order):
+    """Boole's rule over every piece between two samples is exact for its polynomials, of the fifth degree at most."""
+    trajectory = smooth_motion("matrix-rigid", cargo=1).trajectory
+    h = np.diff(trajectory.t)
+    nodes = trajectory.t[:-1, None] + h[:, None] * np.linspace(0.0, 1.0, 5)
+    rates = trajectory(nodes.ravel(), order + 1).reshape(*nodes.shape, -1)
+    risen = h[:, None] * np.einsum("k,mkn->mn", np.array([7, 32, 12, 32, 7]) / 90, rates)
+    size = np.max(np.abs(trajectory(trajectory.t, order)))
+    np.testing.assert_allclose(np.diff(trajectory(trajectory.t, order), axis=0), risen, atol=1e-10 * size)
+
+
+@pytest.mark.parametrize(("order", "size"), [(0, 1e-8), (1, 1e-7), (2, 1e-5), (3, 1e-3)])
+def test_a_motion_and_its_derivatives_are_continuous_at_the_samples(smooth_motion, order, size):
+    trajectory, aside = smooth_motion("matrix-rigid", cargo=1).trajectory, 1e-9
+    inner = trajectory.t[1:-1]
+    np.testing.assert_allclose(trajectory(inner - aside, order), trajectory(inner + aside, order), atol=size)
+
+
+def test_a_motion_passes_through_its_samples_and_stands_at_both_ends(smooth_motion):
     trajectory = smooth_motion("mixed-tray", tilt=(0.1, 0.1)).trajectory
-    for index in (0, 1, 700, len(trajectory.t) - 1):
-        sample = trajectory.at(float(trajectory.t[index]))
-        for name in ("s", "joint_position", "joint_speed", "joint_acceleration", "tray_position", "tilt"):
-            np.testing.assert_allclose(getattr(sample, name), getattr(trajectory, name)[index], atol=1e-12)
-        np.testing.assert_allclose(sample.tray_quaternion, trajectory.tray_quaternion[index], atol=1e-12)
-        heights = {name: track.height[index] for name, track in trajectory.slosh.items()}
-        assert sample.slosh_height == pytest.approx(heights, abs=1e-15)
-    # Every other sample left out: the cubic and the lines find it again.
-    coarse = replace(
-        trajectory,
-        **{name: getattr(trajectory, name)[::2] for name in (*SINGLE, *WIDE)},
-        slosh={
-            name: SloshTrack(track.displacement[::2], track.velocity[::2], track.height[::2])
-            for name, track in trajectory.slosh.items()
-        },
-    )
-    sample = coarse.at(float(trajectory.t[701]))
-    np.testing.assert_allclose(sample.joint_position, trajectory.joint_position[701], atol=1e-7)
-    np.testing.assert_allclose(sample.tray_position, trajectory.tray_position[701], atol=2e-5)
-    assert np.linalg.norm(sample.tray_quaternion) == pytest.approx(1.0)
+    np.testing.assert_allclose(trajectory(trajectory.t), trajectory.joint_position, atol=1e-13)
+    for end in trajectory.t[[0, -1]]:
+        assert np.max(np.abs(trajectory(end, 1))) < 1e-4
 
 
-@pytest.mark.parametrize("t", [-1e-9, 100.0, float("nan")])
-def test_nothing_is_known_outside(smooth_motion, t):
-    with pytest.raises(ValueError, match="outside the trajectory"):
-        smooth_motion("matrix-rigid").trajectory.at(t)
+def test_one_time_gives_one_row(smooth_motion):
+    trajectory = smooth_motion("matrix-rigid").trajectory
+    for order in range(4):
+        many = trajectory([0.2, 0.7], order)
+        assert many.shape == (2, len(trajectory.joints))
+        np.testing.assert_array_equal(trajectory(0.7, order), many[1])
+    assert trajectory(np.empty(0)).shape == (0, len(trajectory.joints))
+    # counted in steps, a last time may be behind the last sample by what rounding makes of it
+    np.testing.assert_allclose(trajectory(trajectory.t[-1] + 1e-12), trajectory.joint_position[-1], atol=1e-12)
 
 
-def test_neighbouring_quaternions_of_opposite_sign_are_the_same_turn():
-    """q and -q are one attitude: halfway between them is not nothing."""
-    trajectory = random_trajectory()
-    quaternions = np.tile((0.0, 0.0, np.sin(0.3), np.cos(0.3)), (20, 1))
-    quaternions[1::2] *= -1
-    trajectory = replace(trajectory, t=np.arange(20.0), tray_quaternion=quaternions)
-    middle = trajectory.at(4.5).tray_quaternion
-    assert abs(middle @ quaternions[0]) == pytest.approx(1.0)
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((-1e-3,), r"t = -0.001 s is outside the motion: 0 to"),
+        (([0.1, 100.0],), "t = 100 s is outside the motion"),
+        ((float("nan"),), "t = nan s is outside the motion"),
+        (("noon",), "t = 'noon' is no time"),
+        (([[0.1], [0.2]],), r"t has the shape \(2, 1\)"),
+        ((0.1, 4), "order 4 of a motion: 0"),
+        ((0.1, -1), "order -1 of a motion"),
+        ((0.1, 1.5), "order 1.5 of a motion"),
+    ],
+)
+def test_what_is_no_time_and_no_order_is_refused_in_one_line(smooth_motion, arguments, message):
+    with pytest.raises(ScenarioError, match=message) as caught:
+        smooth_motion("matrix-rigid").trajectory(*arguments)
+    assert "\n" not in str(caught.value)

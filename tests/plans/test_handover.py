@@ -13,7 +13,8 @@ from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.export.base import Exporter
 from nospill.judge.certificate import certify
-from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples, planned_motion, resampled
+from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
+from nospill.motion.resampling import resampled
 from nospill.plans.handover import certified, exporter_named, hand_over, judge_file, rate_that_would_do
 from nospill.plans.plan import Plan
 from nospill.robots.description.catalog import load_robot
@@ -88,9 +89,9 @@ def test_no_rate_would_do_for_a_motion_that_is_too_fast(gentle_plan):
 def test_the_planned_motion_as_its_own_receiver_changes_no_verdict(gentle_plan):
     plan = gentle_plan("matrix-liquid-soft-end", 1)
     record = plan.trajectory
-    assert certify(record, plan.scene, motion=planned_motion(record)) == certify(record, plan.scene)
+    assert certify(record, plan.scene, motion=record.motion) == certify(record, plan.scene)
     own = JointSamples(record.t, record.joint_position)
-    assert certified(plan, own, planned_motion(record)).ok
+    assert certified(plan, own, record.motion).ok
 
 
 def test_jerk_of_a_file_is_that_of_its_own_samples(gentle_plan):
@@ -99,7 +100,7 @@ def test_jerk_of_a_file_is_that_of_its_own_samples(gentle_plan):
     robot = replace(plan.scene.robot, max_jerk=np.full(6, 1e3))
     limited = replace(plan, scene=replace(plan.scene, robot=robot))
     samples = resampled(plan.trajectory, 1000.0)
-    rows = certified(limited, samples, planned_motion(plan.trajectory)).rows
+    rows = certified(limited, samples, plan.trajectory.motion).rows
     position = np.pad(samples.position, ((2, 2), (0, 0)), mode="edge")
     jerks = np.max(np.abs(np.diff(position, n=3, axis=0)), axis=0) * 1000.0**3
     found = {row.subject: abs(row.worst_value) for row in rows if row.constraint == "joint jerk"}
@@ -163,7 +164,7 @@ def test_samples_must_come_evenly(gentle_plan, tmp_path, name):
 
 def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, tmp_path):
     plan, path = gentle_plan("matrix-rigid", 1), tmp_path / "dense.mat"
-    motion, t = planned_motion(plan.trajectory), np.arange(round(plan.trajectory.t[-1] * 4000) + 1) / 4000
+    motion, t = plan.trajectory.motion, np.arange(round(plan.trajectory.t[-1] * 4000) + 1) / 4000
     dense = JointSamples(t, motion(t), motion(t, 1), motion(t, 2))
     EXPORTERS["mat"].write(dense, plan.scene, path)
     with pytest.raises(PlanFolderError, match="4000 samples per second; at most 1000 can be judged"):

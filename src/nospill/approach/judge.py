@@ -21,7 +21,7 @@ from nospill.judge.verdict import APPROACH, Certificate, Row, condensed, limit_r
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role
 from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import ApproachRules, Scene
 
@@ -48,7 +48,7 @@ def judge_segment(
         ModelError: the tray is loaded and its liquids cannot be integrated (one would leave its cup).
     """
     record = segment.record()
-    played = motion or planned_motion(record)
+    played = motion or record.motion
     per_sample = int(np.ceil(MINIMUM_RATE / record.rate - 1e-9))
     grid = np.linspace(record.t[0], record.t[-1], (len(record.t) - 1) * per_sample + 1)
     rows = [*_joint_rows(record, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]

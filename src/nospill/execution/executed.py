@@ -19,7 +19,7 @@ from nospill.judge.verdict import Trace, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples, planned_motion
+from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.simulation.compare import Comparison, compare
@@ -143,7 +143,7 @@ def executed(
         height_bands=_height_bands(rough, drawn, judgement.replay.t),
         tracking=followed,
         planned=None if plan is None else judge(plan.trajectory, plan.scene),
-        peaks=() if plan is None else _peaks(motion, rough, planned_motion(plan.trajectory), scene, span),
+        peaks=() if plan is None else _peaks(motion, rough, plan.trajectory.motion, scene, span),
         measured={
             name: compare(_from_rest(judgement.replay.t, heights[name], _longer(own, recorded)), own)
             for name, own in given.items()
@@ -158,7 +158,7 @@ def _tracking(recorded: RecordedMotion, scene: Scene, plan: Plan | None) -> Trac
         kept = recorded.sampling.kept
         command = QUINTIC_SPLINE.motion(JointSamples(recorded.sampling.t, log.command[kept]))
     if plan is not None:
-        found = tracking(recorded, scene, planned_motion(plan.trajectory), plan.duration)
+        found = tracking(recorded, scene, plan.trajectory.motion, plan.duration)
         if command is None:
             return found
         of_command = followed_command(recorded, scene, command)

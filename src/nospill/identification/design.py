@@ -20,7 +20,7 @@ from nospill.identification.liquid_law import NUMBERS, LiquidLaw
 from nospill.judge.certificate import judge
 from nospill.judge.tracks import with_recorded_modes
 from nospill.motion.control import followed
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.records import PlanningReport, Starts
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
@@ -140,7 +140,7 @@ def _certified(scene: Scene, way: JointPath, own: _Member) -> Plan | None:
 
 def _members(scene: Scene, way: JointPath, records: Records) -> Iterator[_Member]:
     for ramp in RAMPS:
-        base = planned_motion(played(scene, way, _BASE, ramp))
+        base = played(scene, way, _BASE, ramp).motion
         duration = _shortest(scene, base)
         last = SLOWEST * duration
         while duration <= last:

@@ -17,7 +17,7 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -155,7 +155,7 @@ def _judged(
     points: Collection[EvaluationPoint],
 ) -> Judgement:
     """The rows of the constraints, with their evidence."""
-    motion = motion or planned_motion(held)
+    motion = motion or held.motion
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
     peaks = peaks_between(held, scene, played, traces, motion)

@@ -18,7 +18,7 @@ from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
 from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.like_objects import outer_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import Corner, corner_scenes, is_uncertain
@@ -88,7 +88,7 @@ def _played(
     """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
-        motion = motion or planned_motion(trajectory)
+        motion = motion or trajectory.motion
         own = replay(trajectory, scene, motion=motion, rate=rate)
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
         traces = (*traces, *peaks_between(trajectory, scene, own, traces, motion))

@@ -18,7 +18,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Role
 from nospill.laws.like_objects import outer_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
 
@@ -52,7 +52,7 @@ def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEE
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
-    scene, motion = replace(scene, cargo=outer_objects(scene)), planned_motion(trajectory)
+    scene, motion = replace(scene, cargo=outer_objects(scene)), trajectory.motion
     return tuple(_use(trajectory, scene, motion, speed) for speed in speeds)
 
 

@@ -23,7 +23,7 @@ from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.laws.slosh.integrate import SHARED, STEPS, integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
-from nospill.motion.interpolation import JointMotion, planned_motion
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import ToolMotions, kinematics
 from nospill.scene.scene import Scene
@@ -78,7 +78,7 @@ def replay(
     Raises:
         ModelError: the slosh integration does not converge (the liquid would leave its cup).
     """
-    spline, count = motion or planned_motion(trajectory), coordinate_count(structure_of(scene))
+    spline, count = motion or trajectory.motion, coordinate_count(structure_of(scene))
     per_sample = int(np.ceil(_coarsest_rate(scene, rate) / trajectory.rate - 1e-9))
     grid, joints, tray, body, finest = np.empty(0), [], None, np.empty((9, 0)), 0
 

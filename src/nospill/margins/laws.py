@@ -37,7 +37,7 @@ from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.integrate import runge_kutta_step
 from nospill.motion.control import commanded, followed
-from nospill.motion.interpolation import QUINTIC_SPLINE, planned_motion
+from nospill.motion.interpolation import QUINTIC_SPLINE
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
@@ -75,7 +75,7 @@ def tray_motion(
         after: s of rest that are added to the end, in which a late arm comes to rest.
     """
     run = run_of(trajectory, scene.controller)
-    motion = run.motion or planned_motion(trajectory)
+    motion = run.motion or trajectory.motion
     if arm is not None:
         samples = commanded(trajectory, scene.controller)
         motion = followed(QUINTIC_SPLINE.motion(samples), arm, float(samples.t[0]), float(samples.t[-1]))

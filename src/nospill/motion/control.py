@@ -20,15 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.piecewise import Pieces
-from nospill.motion.interpolation import (
-    QUINTIC_SPLINE,
-    HeldMotion,
-    JointMotion,
-    JointSamples,
-    planned_motion,
-    resampled,
-    sampled,
-)
+from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples
+from nospill.motion.resampling import resampled, sampled
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
 
@@ -70,7 +63,7 @@ def commanded(trajectory: Trajectory, controller: Controller | None) -> JointSam
     count = math.ceil(controller.spread * trajectory.rate - _SAME_INSTANT)
     late = trajectory.t[-1] + np.arange(1, count + 1) / trajectory.rate
     t = np.concatenate([trajectory.t, late])
-    asked = command_for(planned_motion(trajectory), controller)
+    asked = command_for(trajectory.motion, controller)
     return JointSamples(t, *(asked(t, order) for order in range(3)))
 
 
@@ -79,7 +72,7 @@ def commanded_at(trajectory: Trajectory, controller: Controller | None, rate: fl
     if controller is None or not controller.compensate:
         return resampled(trajectory, rate)
     resampled(trajectory, rate)  # refuses what is no rate
-    asked = command_for(planned_motion(trajectory), controller)
+    asked = command_for(trajectory.motion, controller)
     return sampled(asked, float(trajectory.t[0]), float(trajectory.t[-1]) + controller.spread, rate)
 
 

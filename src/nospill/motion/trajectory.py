@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import io
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path as FilePath
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from nospill.core.hermite import cubic_hermite
-from nospill.errors import PlanFolderError
+from nospill.errors import PlanFolderError, ScenarioError
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
 
 _STANDING = 1e-7
 """rad; joints that are all this near to where they stop are taken to stand."""
@@ -19,7 +21,7 @@ _SLOWEST_STOP = 0.01
 """s; longest time that may remain once they are, where two periods are shorter."""
 
 _SAME_INSTANT = 1e-6
-"""Of a period; an end that is this little after a sample is at it, but for rounding."""
+"""Of a period; a time that is this little after a sample is at it, but for rounding."""
 
 _TRAY_COLUMNS = 7
 _FEWEST_ROWS = 10
@@ -40,22 +42,7 @@ class SloshTrack:
     height: np.ndarray
 
 
-@dataclass(frozen=True, slots=True)
-class TrajectorySample:
-    """The trajectory at one instant; fields as in `Trajectory`."""
-
-    t: float
-    s: float
-    joint_position: np.ndarray
-    joint_speed: np.ndarray
-    joint_acceleration: np.ndarray
-    tray_position: np.ndarray
-    tray_quaternion: np.ndarray
-    tilt: np.ndarray
-    slosh_height: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: the spline is worked out once
 class Trajectory:
     """Samples at a fixed rate, from rest to rest; the last ones may already stand still.
 
@@ -149,37 +136,48 @@ class Trajectory:
         """Time of the first sample from `end_time` on, s: what is interpolated between samples is at rest there."""
         return float(self.t[np.searchsorted(self.t, self.end_time - _SAME_INSTANT / self.rate)])
 
-    def at(self, t: float) -> TrajectorySample:
-        """The trajectory at time `t` in s: joints by the cubic through positions and speeds, the rest linearly.
+    @cached_property
+    def motion(self) -> JointMotion:
+        """What the joints do: the quintic spline through their positions, at rest before and after."""
+        return QUINTIC_SPLINE.motion(JointSamples(self.t, self.joint_position))
+
+    def __call__(self, t: ArrayLike, order: int = 0) -> np.ndarray:
+        """The joints at any time of the motion, as the judge plays them: `motion` within its record.
+
+        Args:
+            t: one time or many, (m,), s.
+            order: 0 for positions, rad; 1 for speeds, rad/s; 2 for accelerations, rad/s^2; 3 for jerks, rad/s^3.
+
+        Returns:
+            (n,) at one time, (m, n) at many; joints in the order of `joints`.
 
         Raises:
-            ValueError: outside the trajectory.
+            ScenarioError: a time that is outside the record or no number; another order.
         """
-        if not self.t[0] <= t <= self.t[-1]:
-            raise ValueError(f"t = {t:.4g} s is outside the trajectory ({self.t[0]:.4g} to {self.t[-1]:.4g} s)")
-        left = int(np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2))
-        width = self.t[left + 1] - self.t[left]
-        u = (t - self.t[left]) / width
+        if not isinstance(order, int | np.integer) or order not in range(4):
+            raise ScenarioError(f"order {order!r} of a motion: 0 (position), 1 (speed), 2 (acceleration) or 3 (jerk)")
+        times = self.require_times(t)
+        found = self.motion(np.atleast_1d(times), int(order))
+        return found if times.ndim else found[0]
 
-        def linear(values: np.ndarray) -> np.ndarray:
-            return (1 - u) * values[left] + u * values[left + 1]
+    def require_times(self, t: ArrayLike) -> np.ndarray:
+        """Times as an array, () or (m,), within the record but for rounding.
 
-        nearest = slice(left, left + 2)
-        cubic = cubic_hermite(u, width, self.joint_position[nearest], self.joint_speed[nearest])
-        start, end = self.tray_quaternion[left], self.tray_quaternion[left + 1]
-        # q and -q are the same attitude: the way goes to the nearer one.
-        quaternion = (1 - u) * start + u * (end if start @ end >= 0 else -end)
-        return TrajectorySample(
-            t=float(t),
-            s=float(linear(self.s)),
-            joint_position=cubic,
-            joint_speed=linear(self.joint_speed),
-            joint_acceleration=linear(self.joint_acceleration),
-            tray_position=linear(self.tray_position),
-            tray_quaternion=quaternion / np.linalg.norm(quaternion),
-            tilt=linear(self.tilt),
-            slosh_height={name: float(linear(track.height)) for name, track in self.slosh.items()},
-        )
+        Raises:
+            ScenarioError: a time is outside the record or no number.
+        """
+        first, last, rounding = float(self.t[0]), float(self.t[-1]), _SAME_INSTANT / self.rate
+        try:
+            times = np.asarray(t, dtype=float)
+        except (TypeError, ValueError):
+            raise ScenarioError(f"t = {t!r} is no time: {first:g} to {last:g} s, one number or an array") from None
+        if times.ndim > 1:
+            raise ScenarioError(f"t has the shape {times.shape}: one number, or an array of shape (m,)")
+        outside = ~((times >= first - rounding) & (times <= last + rounding))  # no number is outside too
+        if np.any(outside):
+            wrong = float(times[outside][0])
+            raise ScenarioError(f"t = {wrong:g} s is outside the motion: {first:g} to {last:g} s")
+        return times
 
 
 def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, str, int | None]]:

@@ -16,7 +16,7 @@ from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.motion.interpolation import resampled
+from nospill.motion.resampling import resampled
 from nospill.plans.handover import Handover, read_samples, require_exportable
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene

@@ -19,13 +19,8 @@ from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
 from nospill.motion.control import commanded_at, followed
 from nospill.motion.holds import held_samples, hold_periods
-from nospill.motion.interpolation import (
-    HIGHEST_RATE,
-    JointMotion,
-    JointSamples,
-    interpolated,
-    planned_motion,
-)
+from nospill.motion.interpolation import JointMotion, JointSamples
+from nospill.motion.resampling import HIGHEST_RATE, interpolated
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
@@ -75,7 +70,7 @@ class Handover:
         """
         start = planned.t[0]
         t = np.linspace(0.0, samples.t[-1], _FINENESS * max(len(samples.t), len(planned.t)))
-        return float(np.max(np.abs(motion(t) - planned_motion(planned)(start + t - lead))))
+        return float(np.max(np.abs(motion(t) - planned.motion(start + t - lead))))
 
 
 def exporter_named(name: str) -> Exporter:

@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from nospill.execution.executed import executed
 from nospill.execution.log import JointLog
 from nospill.motion.control import followed
-from nospill.motion.interpolation import planned_motion
 from nospill.plans.plan import Plan
 from nospill.plots.executed import executed_figure
 from nospill.scene.controller import Controller
@@ -28,7 +27,7 @@ def run_of_a_late_arm(plan: Plan) -> Figure:
     late = Controller(np.full(len(joints), _DELAY), np.full(len(joints), _LAG), compensate=False)
     length = float(plan.trajectory.t[-1])
     t = np.arange(0.0, length + 1.0, 0.002)
-    done = followed(planned_motion(plan.trajectory), late, 0.0, length)(t - 0.3)
+    done = followed(plan.trajectory.motion, late, 0.0, length)(t - 0.3)
     log = JointLog("simulated", t, joints, done + 1e-5 * generator.standard_normal(done.shape))
     bare = executed(log, plan.scene, plan=plan)
     shown = np.arange(-0.2, length + 0.6, _CAMERA)
