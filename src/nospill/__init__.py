@@ -22,6 +22,10 @@ from nospill.errors import ScenarioError as ScenarioError
 
 if TYPE_CHECKING:
     from nospill.judge.certificate import certify as certify
+    from nospill.judge.certificate import certify_joints as certify_joints
+    from nospill.judge.histories import ContactLoad as ContactLoad
+    from nospill.judge.histories import History as History
+    from nospill.judge.histories import ModalStates as ModalStates
     from nospill.judge.verdict import Certificate as Certificate
     from nospill.motion.trajectory import Trajectory as Trajectory
     from nospill.planning.planner import Planner as Planner
@@ -36,6 +40,10 @@ if TYPE_CHECKING:
 _PLACES = {
     "Certificate": ("nospill.judge.verdict", "Certificate"),
     "certify": ("nospill.judge.certificate", "certify"),
+    "certify_joints": ("nospill.judge.certificate", "certify_joints"),
+    "ContactLoad": ("nospill.judge.histories", "ContactLoad"),
+    "History": ("nospill.judge.histories", "History"),
+    "ModalStates": ("nospill.judge.histories", "ModalStates"),
     "Plan": ("nospill.plans.plan", "Plan"),
     "load_plan": ("nospill.plans.loading", "load_plan"),
     "Planner": ("nospill.planning.planner", "Planner"),
@@ -51,7 +59,10 @@ _PLACES = {
 __all__ = [
     "Certificate",
     "Change",
+    "ContactLoad",
+    "History",
     "MissingExtraError",
+    "ModalStates",
     "ModelError",
     "NoSolutionError",
     "NospillError",
@@ -62,6 +73,7 @@ __all__ = [
     "Scene",
     "Trajectory",
     "certify",
+    "certify_joints",
     "load",
     "load_plan",
     "plan",

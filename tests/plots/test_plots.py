@@ -24,7 +24,6 @@ from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.plans import approach
 from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
@@ -93,12 +92,12 @@ def series(axes: Axes) -> list:
 @pytest.mark.slow
 def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
-    monkeypatch.setattr(approach, "judge", lambda *given: calls.append(given) or tilting.judgement)
+    monkeypatch.setattr("nospill.plans.plan.judge", lambda *given: calls.append(given) or tilting.judgement)
     before = dict(matplotlib.rcParams)
     pyplot = "matplotlib.pyplot" in sys.modules
     (tmp_path / "deep" / "figures").mkdir(parents=True)
     (tmp_path / "deep" / "figures" / "mine.txt").write_text("kept")
-    written = save_figures(tilting.plan, tmp_path / "deep" / "figures", pdf=True)
+    written = save_figures(dataclasses.replace(tilting.plan), tmp_path / "deep" / "figures", pdf=True)
     assert calls == [(tilting.plan.trajectory, tilting.plan.scene)]
     applying = [name for name in figures.FIGURES if name in {*APPLYING, *(["limits"] if tilting.limiting else [])}]
     assert [path.name for path in written] == [f"{name}.{end}" for name in applying for end in ("png", "pdf")]
@@ -123,7 +122,7 @@ def test_files_are_written_and_readable(tilting: Evidence, tmp_path: Path, monke
 
 
 def test_folder_that_cannot_be_made(tilting: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(approach, "judge", lambda *_: tilting.judgement)
+    monkeypatch.setattr("nospill.plans.plan.judge", lambda *_: tilting.judgement)
     (tmp_path / "taken").write_text("")
     with pytest.raises(PlanFolderError, match="figures cannot be written"):
         save_figures(tilting.plan, tmp_path / "taken")
@@ -350,7 +349,7 @@ def test_a_judgement_at_hand_is_shown_and_not_made_again(
     def never(*_: object) -> None:
         raise AssertionError("judged again")
 
-    monkeypatch.setattr(approach, "judge", never)
+    monkeypatch.setattr("nospill.plans.plan.judge", never)
     monkeypatch.setattr(figures, "FIGURES", {"joints": figures.FIGURES["joints"]})
     plan = dataclasses.replace(tilting.plan, judgement=tilting.judgement)
     told: list[tuple[int, int]] = []

@@ -13,11 +13,11 @@ import numpy as np
 
 from nospill.approach.segment import Segment
 from nospill.judge.clearance import clearance_rows
-from nospill.judge.corners import corner_rows
+from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import SPEED_TOLERANCE
 from nospill.judge.replay import MINIMUM_RATE, replay
 from nospill.judge.traces import constraint_traces, control_inputs, evaluated_traces
-from nospill.judge.verdict import APPROACH, Certificate, Row, condensed, limit_row, worst_row
+from nospill.judge.verdict import APPROACH, Certificate, Row, fullest, limit_trace, worst_row
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role
 from nospill.laws.constraints.residual_height import EndDisplacement
@@ -53,7 +53,7 @@ def judge_segment(
     grid = np.linspace(record.t[0], record.t[-1], (len(record.t) - 1) * per_sample + 1)
     rows = [*_joint_rows(record, scene, rules, grid, played), *_end_rows(segment, rules, end, played)]
     uneven = np.abs(np.diff(record.t) * record.rate - 1.0)
-    rows.append(limit_row("even sampling", "time", "1", 1e-4, record.t[1:], uneven))
+    rows.append(worst_row(limit_trace("even sampling", "time", "1", 1e-4, record.t[1:], uneven)))
     bare = replace(scene, regions=())  # they are about the motion
     rows += clearance_rows(bare, grid, *(played(grid, order) for order in range(3)), loaded=segment.loaded)
     published, modes = False, None  # of an empty tray
@@ -85,20 +85,20 @@ def _end_rows(segment: Segment, rules: ApproachRules, end: np.ndarray, played: J
     both = samples.t[[0, -1]]
     apart = np.max(np.abs(samples.position[[0, -1]] - np.array([rules.start, end])), axis=1)
     rest = np.max(np.abs(played(both, 1)), axis=1)
-    rows = [
-        limit_row("start", "joints", "rad", END_TOLERANCE, both[:1], apart[:1]),
-        limit_row("end", "joints", "rad", END_TOLERANCE, both[1:], apart[1:]),
-        limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, rest),
+    traces = [
+        limit_trace("start", "joints", "rad", END_TOLERANCE, both[:1], apart[:1]),
+        limit_trace("end", "joints", "rad", END_TOLERANCE, both[1:], apart[1:]),
+        limit_trace("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, rest),
     ]
     if samples.speed is not None:
         off = np.max(np.abs(played(samples.t, 1) - samples.speed), axis=1)
-        rows.append(limit_row("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, samples.t, off))
-    return rows
+        traces.append(limit_trace("recorded speed", "joints", "rad/s", SPEED_TOLERANCE, samples.t, off))
+    return [worst_row(trace) for trace in traces]
 
 
 def _cargo_rows(segment: Segment, scene: Scene, played: JointMotion) -> list[Row]:
     record = segment.record()
     traces = constraint_traces(record, scene, replay(record, scene, motion=played), points=OF_OBJECTS)
-    rows = condensed([*map(worst_row, traces), *corner_rows(record, scene, motion=played)])
+    rows = map(worst_row, fullest([*traces, *corner_traces(record, scene, motion=played)]).values())
     # the end condition is one of the motion; here the liquids have to keep to the height that may remain
     return [row for row in rows if row.constraint != EndDisplacement.name]

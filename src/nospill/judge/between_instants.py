@@ -7,6 +7,7 @@ seen; of a slosh height 0.07 %, of a joint's speed a few millionths. Everywhere 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,6 +53,19 @@ def peaks_between(
     return tuple(found)
 
 
+def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:
+    """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each."""
+    between = {peak.id: peak for peak in peaks}
+    return tuple(_merged(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
+
+
+def _merged(trace: Trace, peak: Trace) -> Trace:
+    at = np.searchsorted(trace.t, peak.t)
+    own, others = ((item.t, item.value, item.limit, item.margin) for item in (trace, peak))
+    t, value, limit, margin = (np.insert(column, at, more) for column, more in zip(own, others, strict=True))
+    return replace(trace, t=t, value=value, limit=limit, margin=margin)
+
+
 def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
     """Numbers of the grid's intervals on both sides of every peak."""
     peaks = np.zeros(len(played.t), dtype=bool)
@@ -68,5 +82,5 @@ def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.nd
 
 def _worst_instant(trace: Trace) -> Trace:
     worst = slice(index := int(np.argmax(trace.use)), index + 1)
-    columns = (trace.t, trace.value, trace.limit, trace.margin)
-    return Trace(trace.constraint, trace.subject, trace.unit, *(column[worst] for column in columns))
+    t, value, limit, margin = (column[worst] for column in (trace.t, trace.value, trace.limit, trace.margin))
+    return replace(trace, t=t, value=value, limit=limit, margin=margin)

@@ -6,15 +6,22 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from nospill.judge.between_instants import peaks_between
+from nospill.judge.between_instants import peaks_between, with_peaks
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
-from nospill.judge.record_checks import record_rows, require_motion, require_record, require_same_joints_and_liquids
+from nospill.judge.record_checks import (
+    joint_record,
+    record_traces,
+    require_motion,
+    require_record,
+    require_same_joints_and_liquids,
+)
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
-from nospill.judge.run import Run, command_rows, run_of
+from nospill.judge.run import command_traces, run_of
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Certificate, Row, Trace, condensed, worst_row
+from nospill.judge.verdict import Certificate, Row, Trace, fullest, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
@@ -23,6 +30,8 @@ from nospill.scene.scene import Scene
 
 _OF_JOINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.CONTROL)
 """What follows from the joints alone; controls are those of the record."""
+_NEAR = 0.9
+"""Use of the limit above which a pair of bodies is followed over time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +45,8 @@ class Judgement:
         end_time: of the motion without its holds, which begins at 0, s.
         corners: where numbers of the objects may be off, the rows of every variant; the certificate has the worst.
         corner_use: likewise the largest use over the variants at every instant of the replay, (m,), by row.
+        fullest: of every row but those of clearance the trace it is the worst instant of: of the variant that uses most
+            of the limit, with the instants between those of the replay that were looked at.
     """
 
     certificate: Certificate
@@ -44,6 +55,7 @@ class Judgement:
     end_time: float
     corners: tuple[Row, ...] = ()
     corner_use: Mapping[RowId, np.ndarray] = field(default_factory=dict)
+    fullest: Mapping[RowId, Trace] = field(default_factory=dict)
 
     @property
     def leaves_room(self) -> bool:
@@ -119,23 +131,49 @@ def judge_motion(
         if run.described is run.motion
         else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
     )
-    rows = (
-        *condensed([*found.certificate.rows, *map(worst_row, controls), *_of_command(run, scene)]),
-        *record_rows(trajectory, held, scene, recorded),
+    of_command = [] if run.command is None else command_traces(scene, run.command)
+    worst = fullest([*found.fullest.values(), *controls, *of_command])
+    of_record = fullest(record_traces(trajectory, held, scene, recorded))
+    distances = [row for row in found.certificate.rows if row.id not in worst]
+    rows = (*map(worst_row, worst.values()), *distances, *map(worst_row, of_record.values()))
+    return replace(
+        found,
+        certificate=replace(found.certificate, ok=all(row.ok for row in rows), rows=rows),
+        traces=(*found.traces, *controls),
+        end_time=trajectory.end_time,
+        fullest=worst | of_record,
     )
-    verdict = replace(found.certificate, ok=all(row.ok for row in rows), rows=rows)
-    traces = (*found.traces, *controls)
-    return replace(found, certificate=verdict, traces=traces, end_time=trajectory.end_time)
 
 
-def _of_command(run: Run, scene: Scene) -> list[Row]:
-    return [] if run.command is None else command_rows(scene, run.command)
+def certify_joints(t: ArrayLike, q: ArrayLike, scene: Scene, *, rate: float = MINIMUM_RATE) -> Certificate:
+    """Judge joint samples, wherever they come from, from rest to rest; what the joints do, whatever was asked for.
+
+    Between the samples the joints move on the quintic spline through them, before and after they stand still; tray and
+    liquids follow as in `certify`. Judged are position, speed, acceleration and torque of the joints, speed and
+    acceleration of the tray, every limit on objects and liquids, places that are passed, and distances to obstacles.
+    Left out is what joint samples do not say: whether the tray is on its path, level or within its tilt, and at the
+    goal; jerks; and the checks of a record.
+
+    Args:
+        t: (m,) increasing times, s.
+        q: (m, n) joint positions in the order of `scene.robot.joints`, rad.
+        scene: what they must keep to.
+        rate: Hz, the least rate of the grid.
+
+    Raises:
+        ScenarioError: no scene, or arrays that are no samples of a motion of its joints.
+        ModelError: the liquids cannot be integrated.
+        MissingExtraError: the scene has obstacles, and the library coal is not installed.
+    """
+    return judge_joints(joint_record(t, q, scene), scene, rate=rate).certificate
 
 
 def judge_joints(
     trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
 ) -> Judgement:
-    """`judge` of what joints did, whatever was planned: without the rows on the record of a plan and on its controls.
+    """`judge` of what joints did, whatever was planned.
+
+    Without the rows on the record of a plan, on its controls, and on the corridor, which needs the place on the path.
 
     Args:
         trajectory: the joints as samples (`Trajectory.of_joints`), from rest to rest.
@@ -143,7 +181,8 @@ def judge_joints(
         motion: what they do between and beside the samples.
         rate: Hz, the least rate of the grid.
     """
-    return _judged(trajectory, scene, motion=motion, rate=rate, points=_OF_JOINTS)
+    bare = replace(scene, motion=replace(scene.motion, corridor=None, corridor_shares=()))
+    return _judged(trajectory, bare, motion=motion, rate=rate, points=_OF_JOINTS)
 
 
 def _judged(
@@ -159,18 +198,20 @@ def _judged(
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
     peaks = peaks_between(held, scene, played, traces, motion)
+    worst = fullest(with_peaks(traces, peaks))
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
-    for trace, variant in corner_traces(held, scene, motion=motion, rate=rate, played=played):
-        corners.append(replace(worst_row(trace), variant=variant))
-        own = RowId(trace.constraint, trace.subject)
+    for trace in corner_traces(held, scene, motion=motion, rate=rate, played=played):
+        corners.append(worst_row(trace))
+        worst = fullest([*worst.values(), trace])
         if len(trace.t) > 1:
             use = np.interp(played.t, trace.t, trace.use)
-            corner_use[own] = np.maximum(corner_use.get(own, use), use)
+            corner_use[trace.id] = np.maximum(corner_use.get(trace.id, use), use)
     joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
     distances = clearance_rows(scene, played.t, *joints)
-    rows = [*condensed([*map(worst_row, (*traces, *peaks)), *corners]), *distances]
-    traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, distances))
+    rows = [*map(worst_row, worst.values()), *distances]
+    near = [row for row in distances if row.use >= _NEAR]
+    traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, near))
     published = scene.fidelity == "deliverable"
     verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published, scene.fewer_modes)
-    return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use)
+    return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use, worst)

@@ -18,8 +18,6 @@ from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
 
-_NEAR = 0.9
-"""Use of the limit above which a pair is followed over time."""
 _INSTANTS = 301
 
 
@@ -46,25 +44,25 @@ def clearance_rows(
 
 
 def clearance_traces(scene: Scene, t: np.ndarray, q: np.ndarray, rows: Iterable[Row]) -> tuple[Trace, ...]:
-    """Distances over time of the pairs that come near their limits, at some instants; the rows hold between them too.
+    """Distances over time of some pairs, at some instants; the rows hold between them too.
 
     Args:
         scene: with the obstacles.
         t: (m,) s.
         q: (m, n) joint positions, rad.
-        rows: of the pairs.
+        rows: of the pairs that are followed.
 
     Raises:
         MissingExtraError: the library coal is not installed.
     """
-    near = {row.subject for row in rows if row.use >= _NEAR}
-    if not near:
+    subjects = {row.subject for row in rows}
+    if not subjects:
         return ()
     some = np.unique(np.linspace(0, len(t) - 1, _INSTANTS).astype(int))
     frames, every = joint_frames(arm_chain(scene.robot), q[some]), np.arange(len(some))
     found: dict[str, tuple[np.ndarray, float]] = {}
     for pair in scene_pairs(scene):
-        if pair.subject in near:
+        if pair.subject in subjects:
             distance = Distances(pair.first, pair.second).at(frames, every)[0]
             before = found.get(pair.subject, (distance, pair.limit))[0]
             found[pair.subject] = np.minimum(distance, before), pair.limit

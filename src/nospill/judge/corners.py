@@ -9,11 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from nospill.judge.between_instants import peaks_between
-from nospill.judge.load_extremes import WORST_LOAD, worst_load_traces
+from nospill.judge.between_instants import peaks_between, with_peaks
+from nospill.judge.load_extremes import worst_load_traces
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Row, Trace, worst_row
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
 from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.like_objects import outer_objects
@@ -38,15 +38,17 @@ _BROKEN = 0.05
 """Part of a limit; where one is broken by more at a speed of the grid, nothing is looked at between them."""
 
 
-def corner_rows(
+def corner_traces(
     trajectory: Trajectory,
     scene: Scene,
     *,
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
     played: Replay | None = None,
-) -> tuple[Row, ...]:
-    """Rows of every constraint on every variant of the objects; none where all numbers are certain at one speed.
+) -> Iterator[Trace]:
+    """Traces of every constraint on every variant of the objects, one at a time.
+
+    There are none where all numbers are certain at one speed.
 
     Args:
         trajectory: the record, with its holds.
@@ -55,22 +57,14 @@ def corner_rows(
         rate: Hz, the least rate of the grid.
         played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
-    traces = corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
-    return tuple(replace(worst_row(trace), variant=variant) for trace, variant in traces)
-
-
-def corner_traces(
-    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None, rate: float, played: Replay | None
-) -> Iterator[tuple[Trace, str]]:
-    """The traces behind `corner_rows`, one at a time, each with the variant it is of."""
     corners, uses = list(corner_scenes(scene)), dict[RowId, dict[float, float]]()
 
-    def looked_at(some: Iterable[Corner]) -> Iterator[tuple[Trace, str]]:
+    def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
-            for trace, text in _played(trajectory, corner, motion, rate):
-                use = uses.setdefault(RowId(trace.constraint, trace.subject), {})
+            for trace in _played(trajectory, corner, motion, rate):
+                use = uses.setdefault(trace.id, {})
                 use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
-                yield trace, text
+                yield trace
 
     yield from looked_at(corners)
     if max((max(use.values()) for use in uses.values()), default=0.0) < 1.0 + _BROKEN:
@@ -79,19 +73,17 @@ def corner_traces(
     if scene.motion.speeds:
         yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
     if is_uncertain(scene) and played is not None:
-        yield from ((trace, WORST_LOAD) for trace in worst_load_traces(scene, played))
+        yield from worst_load_traces(scene, played)
 
 
-def _played(
-    trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float
-) -> Iterator[tuple[Trace, str]]:
+def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
     """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
         motion = motion or trajectory.motion
         own = replay(trajectory, scene, motion=motion, rate=rate)
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
-        traces = (*traces, *peaks_between(trajectory, scene, own, traces, motion))
+        traces = with_peaks(traces, peaks_between(trajectory, scene, own, traces, motion))
     else:
         scene = replace(scene, cargo=outer_objects(scene))
         slow, own = _slowed(trajectory, scene, speed, motion, rate)
@@ -99,7 +91,7 @@ def _played(
         traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
     for trace in traces:
         if trace.subject in corner.texts:
-            yield trace, corner.texts[trace.subject]
+            yield replace(trace, variant=corner.texts[trace.subject])
 
 
 def _slowed(
@@ -113,7 +105,7 @@ def _slowed(
 
 def _torques(
     trajectory: Trajectory, scene: Scene, least: float, motion: JointMotion | None, rate: float
-) -> Iterator[tuple[Trace, str]]:
+) -> Iterator[Trace]:
     """Torques at the least speed: they are linear in its square, so that between it and the planned one they are less.
 
     Under the worst load where masses may be off.
@@ -123,7 +115,7 @@ def _torques(
     traces = (*traces, *worst_load_traces(scene, own)) if is_uncertain(scene) else traces
     for trace in traces:
         if trace.constraint == JointTorque.name:
-            yield replace(trace, t=trace.t * least), speed_text(least)
+            yield replace(trace, t=trace.t * least, variant=speed_text(least))
 
 
 def _at_speeds(

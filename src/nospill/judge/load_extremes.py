@@ -52,7 +52,16 @@ def worst_load_traces(scene: Scene, played: Replay) -> tuple[Trace, ...]:
     assert limit is not None  # it has subjects
     values = np.where(highest >= -lowest, highest, lowest)
     return tuple(
-        Trace(JointTorque.name, name, JointTorque.unit, played.t, value, np.copysign(bound, value), bound - abs(value))
+        Trace(
+            JointTorque.name,
+            name,
+            JointTorque.unit,
+            played.t,
+            value,
+            np.copysign(bound, value),
+            bound - abs(value),
+            WORST_LOAD,
+        )
         for name, value, bound in zip(subjects, values.T, limit, strict=True)
     )
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.beside_path import between_samples
 from nospill.judge.replay import Replay
-from nospill.judge.verdict import Row, limit_row
+from nospill.judge.verdict import Trace, limit_trace
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
 from nospill.motion.trajectory import Trajectory
@@ -57,12 +58,40 @@ def require_record(trajectory: object, scene: object) -> None:
         shape = f" of shape {np.shape(trajectory)}" if isinstance(trajectory, np.ndarray) else ""
         raise ScenarioError(
             f"certify judges a Trajectory, as plan.trajectory or read_trajectory(file) gives it, not a value of type "
-            f"{type(trajectory).__name__}{shape}: joint samples alone have no times, path parameter or liquids"
+            f"{type(trajectory).__name__}{shape}: for times and joint samples there is certify_joints(t, q, scene)"
         )
     if not isinstance(scene, Scene):
         raise ScenarioError(
             f"certify judges by a Scene, as ns.load(file) gives it, not by a value of type {type(scene).__name__}"
         )
+
+
+def joint_record(t: ArrayLike, q: ArrayLike, scene: object) -> Trajectory:
+    """Times and joint positions as a record, for a scene.
+
+    Raises:
+        ScenarioError: no scene; or arrays that are no samples of a motion of its joints.
+    """
+    if not isinstance(scene, Scene):
+        raise ScenarioError(f"certify_joints judges by a Scene, not by a value of type {type(scene).__name__}")
+    names = scene.robot.joints
+    try:
+        times, positions = np.asarray(t, dtype=float), np.asarray(q, dtype=float)
+    except (TypeError, ValueError):
+        raise ScenarioError(f"t and q are arrays of numbers: (m,) s, (m, {len(names)}) rad") from None
+    if times.ndim != 1 or len(times) < 2 or positions.shape != (len(times), len(names)):
+        raise ScenarioError(
+            f"t has the shape {times.shape} and q {positions.shape}: (m,) and (m, {len(names)}) are needed, m of 2 or "
+            f"more and a column for each joint: {', '.join(names)}"
+        )
+    for name, values in (("t", times), ("q", positions)):
+        if not np.all(np.isfinite(values)):
+            raise ScenarioError(f"{name} is not a finite number at row {int(np.argwhere(~np.isfinite(values))[0][0])}")
+    backwards = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(backwards):
+        row = int(backwards[0])
+        raise ScenarioError(f"t does not increase from {times[row]:g} s at row {row}")
+    return Trajectory.of_joints(times, names, positions)
 
 
 def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> None:
@@ -112,8 +141,8 @@ def require_motion(trajectory: Trajectory) -> None:
         raise PlanFolderError(f"trajectory: the quaternion at row {row} has length {lengths[row]:.6g}, 1 is needed")
 
 
-def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: Replay) -> list[Row]:
-    """Rows about the record itself: on the path, from end to end, at rest there, columns that agree with each other.
+def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: Replay) -> list[Trace]:
+    """Traces about the record itself: on the path, from end to end, at rest there, columns that agree with each other.
 
     All are judged on the grid of the replay, between the samples too, except those that compare recorded columns.
 
@@ -136,26 +165,26 @@ def record_rows(bare: Trajectory, trajectory: Trajectory, scene: Scene, played: 
     at_samples = slice(None, None, per_sample)
     written = _pose_error(played, trajectory.tray_position, matrices(trajectory.tray_quaternion), at_samples)
     return [
-        *([] if scene.motion.tilt_free else _level_rows(planned, played)),
-        *_path_rows(planned, scene, played),
-        *_end_rows(scene, played),
-        limit_row("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
-        limit_row("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
-        limit_row("rest as played", "joints", "rad/s", jump, both, ends),
-        limit_row("recorded speed", "joints", "rad/s", speeds, trajectory.t, speed),
-        limit_row("recorded acceleration", "joints", "rad/s^2", accelerations, trajectory.t, acceleration),
-        limit_row("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
-        limit_row("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
-        limit_row("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
+        *([] if scene.motion.tilt_free else _level_traces(planned, played)),
+        *_path_traces(planned, scene, played),
+        *_end_traces(scene, played),
+        limit_trace("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
+        limit_trace("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
+        limit_trace("rest as played", "joints", "rad/s", jump, both, ends),
+        limit_trace("recorded speed", "joints", "rad/s", speeds, trajectory.t, speed),
+        limit_trace("recorded acceleration", "joints", "rad/s^2", accelerations, trajectory.t, acceleration),
+        limit_trace("recorded position", "tray", "m", POSITION_TOLERANCE, trajectory.t, written[0]),
+        limit_trace("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
+        limit_trace("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
     ]
 
 
-def _path_rows(planned: np.ndarray, scene: Scene, played: Replay) -> list[Row]:
-    """Rows about the tray that the joints carry on its path, and at the ends of it where it may leave it between them.
+def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trace]:
+    """Traces of the tray that the joints carry on its path, and at the ends of it where it may leave it between them.
 
     The place on the path is the recorded s, and the attitude there the recorded tilt where the tilt is free; where it
     is fixed, the tray is level whatever the record says. Between the samples both are splines, as the joints are. A yaw
-    that is free is the tray's own. A tray that may leave its path has a row of the table about that.
+    that is free is the tray's own. A tray that may leave its path has a trace of the table about that.
     `planned` is the record there, `between_samples`.
     """
     rules, (s, theta_x, theta_y) = scene.motion, planned
@@ -164,31 +193,31 @@ def _path_rows(planned: np.ndarray, scene: Scene, played: Replay) -> list[Row]:
         theta_x, theta_y = np.zeros_like(s), np.zeros_like(s)
     yaw = yaw_of(played.tray.rotation) if rules.yaw_free else pose[:, 3]
     position, attitude = _pose_error(played, pose[:, :3], matrices(tray_quaternions(yaw, theta_y, theta_x)))
-    rows = [limit_row("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude)]
+    traces = [limit_trace("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, attitude)]
     if rules.corridor is None:
-        rows.insert(0, limit_row("path position", "tray", "m", POSITION_TOLERANCE, played.t, position))
+        traces.insert(0, limit_trace("path position", "tray", "m", POSITION_TOLERANCE, played.t, position))
     if rules.corridor is None and not rules.yaw_free:
-        return rows
+        return traces
     both, ends, none = [0, -1], scene.path.at([0.0, 1.0]), np.zeros(2)
     error = _pose_error(played, ends[:, :3], matrices(tray_quaternions(ends[:, 3], none, none)), both)
     return [
-        *rows,
-        limit_row("goal", "tray", "m", POSITION_TOLERANCE, played.t[both], error[0]),
-        limit_row("goal attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t[both], error[1]),
+        *traces,
+        limit_trace("goal", "tray", "m", POSITION_TOLERANCE, played.t[both], error[0]),
+        limit_trace("goal attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t[both], error[1]),
     ]
 
 
-def _end_rows(scene: Scene, played: Replay) -> list[Row]:
-    """The row of joints that the scenario states for the ends of the motion, where it does."""
+def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
+    """The trace of joints that the scenario states for the ends of the motion, where it does."""
     stated = [(at, q) for at, q in zip((0, -1), scene.path.ends, strict=True) if q is not None]
     if not stated:
         return []
     gaps = np.array([np.max(np.abs(played.joint_position[at] - q)) for at, q in stated])
-    return [limit_row("end joints", "joints", "rad", ATTITUDE_TOLERANCE, played.t[[at for at, _ in stated]], gaps)]
+    return [limit_trace("end joints", "joints", "rad", ATTITUDE_TOLERANCE, played.t[[at for at, _ in stated]], gaps)]
 
 
-def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:
-    """Rows of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
+def _level_traces(planned: np.ndarray, played: Replay) -> list[Trace]:
+    """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
 
     With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
     cos theta_y cos theta_x.
@@ -197,7 +226,7 @@ def _level_rows(planned: np.ndarray, played: Replay) -> list[Row]:
     made = (np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0)))
     _, *recorded = planned
     return [
-        limit_row(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
+        limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
         for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
     ]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.judge.traces import evaluated_traces
-from nospill.judge.verdict import Row, worst_row
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.joint_position import JointPosition
@@ -61,11 +61,11 @@ def run_of(trajectory: Trajectory, controller: Controller | None, motion: JointM
     return Run(late, done, asked, samples)
 
 
-def command_rows(scene: Scene, command: JointSamples) -> list[Row]:
-    """Rows of the command: a controller keeps limits of position and speed itself, and stops where they are broken."""
+def command_traces(scene: Scene, command: JointSamples) -> list[Trace]:
+    """Traces of the command: a controller keeps limits of position and speed itself, and stops where one is broken."""
     asked = QUINTIC_SPLINE.motion(command)
     t = np.linspace(command.t[0], command.t[-1], 4 * (len(command.t) - 1) + 1)
     constraints = [BY_NAME[JointPosition.name], BY_NAME[JointSpeed.name]]
     columns = [asked(t, order).T for order in range(3)]
     traces = evaluated_traces(scene, {EvaluationPoint.JOINT: (t, columns)}, constraints=constraints)
-    return [replace(worst_row(trace), variant=COMMAND) for trace in traces]
+    return [replace(trace, variant=COMMAND) for trace in traces]

@@ -202,19 +202,30 @@ def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[An
     """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; names."""
 
     def build() -> tuple[codegen.Functions, list[str]]:
-        (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
-        q, qd = SX.sym("q", count), SX.sym("qd", count)
-        if point is EvaluationPoint.OBJECT:
-            body = SX.sym("body", 9)
-            tray, inputs = body_motion(body), [body, q, qd]
-            accelerations = slosh_accelerations(kind, numbers, tray, q, qd)
-        else:
-            tray, inputs, accelerations = frame_at_rest(numbers.gravity), [q, qd], SX.zeros(count)
-        objects = sample_objects(kind, numbers, tray, split_states(kind, q, qd, accelerations))
-        return _figures(Sample(kind, numbers, objects=objects), point, [*inputs, parameters])
+        inputs, sample = moving_object(kind) if point is EvaluationPoint.OBJECT else _object_at_rest(kind)
+        return _figures(sample, point, inputs)
 
     made, names, _ = codegen.functions(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
     return made["figures"], names
+
+
+def moving_object(kind: Structure) -> tuple[list[SX], Sample]:
+    """Symbols for the columns of `Inputs` of one object and for `numbers_of_object`, and the sample made of them."""
+    (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
+    body, q, qd = SX.sym("body", 9), SX.sym("q", count), SX.sym("qd", count)
+    tray = body_motion(body)
+    states = split_states(kind, q, qd, slosh_accelerations(kind, numbers, tray, q, qd))
+    sample = Sample(kind, numbers, objects=sample_objects(kind, numbers, tray, states))
+    return [body, q, qd, parameters], sample
+
+
+def _object_at_rest(kind: Structure) -> tuple[list[SX], Sample]:
+    """The same at the end of a motion, without the motion of the tray."""
+    (parameters, numbers), count = symbolic_object(kind), coordinate_count(kind)
+    q, qd = SX.sym("q", count), SX.sym("qd", count)
+    states = split_states(kind, q, qd, SX.zeros(count))
+    objects = sample_objects(kind, numbers, frame_at_rest(numbers.gravity), states)
+    return [q, qd, parameters], Sample(kind, numbers, objects=objects)
 
 
 @lru_cache(maxsize=16)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId
 
 APPROACH = "approach "
 """What the constraints of the rows about the approach begin with."""
@@ -53,6 +54,11 @@ class Row:
     at_s: float
     ok: bool
     variant: str = ""
+
+    @property
+    def id(self) -> RowId:
+        """Constraint and subject."""
+        return RowId(self.constraint, self.subject)
 
     @property
     def label(self) -> str:
@@ -167,7 +173,10 @@ def _plain(row: Row) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Trace:
-    """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit."""
+    """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit.
+
+    `variant` as of a row.
+    """
 
     constraint: str
     subject: str
@@ -176,6 +185,12 @@ class Trace:
     value: np.ndarray
     limit: np.ndarray
     margin: np.ndarray
+    variant: str = ""
+
+    @property
+    def id(self) -> RowId:
+        """Constraint and subject."""
+        return RowId(self.constraint, self.subject)
 
     @cached_property
     def use(self) -> np.ndarray:
@@ -198,17 +213,27 @@ def worst_row(trace: Trace) -> Row:
         worst_margin=margin,
         at_s=float(trace.t[index]),
         ok=bool(margin >= 0.0),
+        variant=trace.variant,
     )
 
 
-def limit_row(name: str, subject: str, unit: str, limit: float, t: np.ndarray, values: np.ndarray) -> Row:
-    """The row of values (m,), none below zero, against one limit."""
-    return worst_row(Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values))
+def limit_trace(name: str, subject: str, unit: str, limit: float, t: np.ndarray, values: np.ndarray) -> Trace:
+    """The trace of values (m,), none below zero, against one limit."""
+    return Trace(name, subject, unit, t, values, np.full(len(values), limit), limit - values)
+
+
+def fullest(traces: Iterable[Trace]) -> dict[RowId, Trace]:
+    """Of every constraint and subject the trace that uses most of its limit, in the order of their first ones."""
+    found: dict[RowId, Trace] = {}
+    for trace in traces:
+        if trace.id not in found or _urgency(worst_row(trace)) > _urgency(worst_row(found[trace.id])):
+            found[trace.id] = trace
+    return found
 
 
 def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
     """Of every constraint and subject the row that uses most of its limit, in the order of their first rows."""
-    groups: dict[tuple[str, str], list[Row]] = {}
+    groups: dict[RowId, list[Row]] = {}
     for row in rows:
-        groups.setdefault((row.constraint, row.subject), []).append(row)
+        groups.setdefault(row.id, []).append(row)
     return tuple(max(group, key=_urgency) for group in groups.values())

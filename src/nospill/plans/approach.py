@@ -10,7 +10,7 @@ import numpy as np
 from nospill.approach import find_approach, judge_segment, require_ruckig
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
-from nospill.judge.certificate import Judgement, judge
+from nospill.judge.certificate import Judgement
 from nospill.judge.full_model import with_full_model
 from nospill.judge.verdict import APPROACH
 from nospill.judge.wording import describe
@@ -57,7 +57,7 @@ def judged_motion(plan: Plan) -> Judgement:
         PlanFolderError: the trajectory does not fit the scene, or is no motion.
         ModelError: the liquids cannot be integrated.
     """
-    judgement = plan.judgement or judge(plan.trajectory, plan.scene)
+    judgement = plan.evidence
     noted = with_full_model(plan.certificate if plan.judgement else judgement.certificate, plan.trajectory, plan.scene)
     return replace(judgement, certificate=replace(judgement.certificate, full_model=noted.full_model))
 

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import importlib
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from nospill.approach import Segment
-from nospill.judge.certificate import Judgement
+from nospill.judge.certificate import Judgement, judge
 from nospill.judge.full_model import with_full_model
+from nospill.judge.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
 from nospill.judge.limiting import held_back, would_save
 from nospill.judge.other_speeds import SpeedUse, uses_at
+from nospill.judge.replay import tray_from_joints
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import describe, full_model_note, remedy
+from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
@@ -25,10 +31,11 @@ from nospill.plans.settling import settling_time
 from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plans.warnings.speeds import other_speeds
+from nospill.robots.kinematics.forward import ToolMotions
 from nospill.scene.scene import Scene
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots: what a folder does not hold is judged again once
 class Plan:
     """A planned motion with its verdict.
 
@@ -98,6 +105,82 @@ class Plan:
             for name, other in self.report.compared.items()
         )
 
+    @cached_property
+    def evidence(self) -> Judgement:
+        """`judgement`; for a plan from a folder its trajectory is judged again, once.
+
+        Raises:
+            PlanFolderError: the trajectory does not fit the scene, or is no motion.
+            ModelError: the liquids cannot be integrated.
+        """
+        return self.judgement or judge(self.trajectory, self.scene)
+
+    @property
+    def histories(self) -> tuple[RowId, ...]:
+        """Constraint and subject of every limit that `history` has over time: the rows of the certificate."""
+        return tuple(row.id for row in self.evidence.certificate.rows)
+
+    def history(self, constraint: str, subject: str) -> History:
+        """One limit over the motion at the instants that were judged; its largest use is that of the row.
+
+        Where numbers of an object may be off, or the speed may be lower, it is that of the worst variant, as in the
+        row. Limits on the end and on a place that is passed have one instant; a distance has those at some instants
+        and the least of all. Limits on the approach have none.
+
+        Args:
+            constraint: name of the row, as "slosh height".
+            subject: what it is about, as "c1".
+
+        Raises:
+            ScenarioError: the certificate has no such row.
+        """
+        return history_of(self.evidence, self.scene, RowId(constraint, subject))
+
+    def contact(self, name: str) -> ContactLoad:
+        """Force and moment of the tray on an object, at the instants that were judged, for its numbers as stated.
+
+        Raises:
+            ScenarioError: there is no such object, or it stands in a carrier.
+        """
+        return contact_load(self.evidence, self.scene, name)
+
+    def modes(self, name: str) -> ModalStates:
+        """The slosh modes of an object's liquid, likewise.
+
+        Raises:
+            ScenarioError: there is no such object, or it holds no liquid.
+        """
+        return modal_states(self.evidence, self.scene, name)
+
+    def tray(self, t: ArrayLike) -> ToolMotions:
+        """Pose and motion of the tray at any time of the motion, as the joints of the trajectory carry it.
+
+        Args:
+            t: one time or many, (m,), s.
+
+        Returns:
+            Arrays with samples first; of one time, without them.
+
+        Raises:
+            ScenarioError: a time is outside the motion or no number.
+        """
+        times = np.asarray(self.trajectory.require_times(t))
+        motion = tray_from_joints(self.scene, [self.trajectory(np.atleast_1d(times), order) for order in range(3)])[0]
+        return motion if times.ndim else ToolMotions(*(getattr(motion, item.name)[0] for item in fields(motion)))
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """Names of the figures that `plot` draws, whether or not they apply."""
+        return tuple(_figures().NAMES)
+
+    def plot(self, name: str) -> Any:
+        """A figure of the plan as a `matplotlib.figure.Figure`, which no window and no file has.
+
+        Raises:
+            ScenarioError: there is no such figure, or it does not apply to this plan.
+        """
+        return _figures().figure_of(self, name)
+
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
         return {key: entry.written(self) for key, entry in _SUMMARY.items()}
@@ -139,6 +222,11 @@ class Plan:
             summary=lambda seconds: (plan.timed("write", seconds) if time_writing else plan).summary(),
             extra=extra,
         )
+
+
+def _figures() -> Any:
+    """The package of figures, which lies above this one: it is imported where one is asked for."""
+    return importlib.import_module("nospill.plots.figures")
 
 
 def _sooner(saved: float, whole: float) -> str:

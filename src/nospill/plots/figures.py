@@ -9,7 +9,8 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-from nospill.errors import PlanFolderError
+from nospill.core.suggestions import nearest
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.plans.approach import judged_motion
 from nospill.plans.plan import Plan
 from nospill.plots.contact_use import contact_use_figure
@@ -47,10 +48,32 @@ REPORT_FIGURES: dict[str, Callable[[Evidence], Figure | None]] = {
 }
 """The figures of a report: what the summary sheet shows in small, and the others."""
 
+NAMES = tuple(FIGURES | REPORT_FIGURES)
+"""Of all figures."""
+
 RESOLUTION, SHEET_RESOLUTION = 220, 150
 """Dots per inch of the PNG files; a sheet as wide as a page is sharp with fewer."""
 _PNG: dict[str, Any] = {"compress_level": 1}
 """Twice as fast to write as the usual level, for files a quarter larger."""
+
+
+def figure_of(plan: Plan, name: str) -> Figure:
+    """One figure of a plan, on no canvas but its own.
+
+    Raises:
+        ScenarioError: there is no such figure, or it does not apply to this plan.
+        ModelError: the liquids cannot be integrated along the trajectory.
+    """
+    draw = (FIGURES | REPORT_FIGURES).get(name)
+    if draw is None:
+        near = nearest(name, NAMES)
+        hint = f"did you mean {near!r}?" if near else "this name is not known;"
+        raise ScenarioError(f"no figure {name!r}: {hint} there are {', '.join(NAMES)}")
+    with matplotlib.rc_context(LOOK):
+        figure = draw(evidence_of(plan, judged_motion(plan)))
+    if figure is None:
+        raise ScenarioError(f"the figure {name!r} does not apply to {plan.scene.name}: it has nothing to show")
+    return figure
 
 
 def write_figures(
