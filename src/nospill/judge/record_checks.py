@@ -91,7 +91,8 @@ def joint_record(t: ArrayLike, q: ArrayLike, scene: object) -> Trajectory:
     if len(backwards):
         row = int(backwards[0])
         raise ScenarioError(f"t does not increase from {times[row]:g} s at row {row}")
-    return Trajectory.of_joints(times, names, positions)
+    motion = Trajectory.of_joints(times, names, positions).motion
+    return Trajectory.of_joints(times, names, positions, motion(times, 1), motion(times, 2))
 
 
 def require_same_joints_and_liquids(trajectory: Trajectory, scene: Scene) -> None:

@@ -1,0 +1,86 @@
+"""Joint samples of any origin: the rows of what the joints do, and what is no motion in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nospill.errors import ScenarioError
+from nospill.judge.certificate import certify, certify_joints
+from nospill.judge.verdict import Certificate
+from nospill.laws.constraints import BY_NAME, END_NAMES
+from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.constraints.corridor import Corridor
+from nospill.plans.plan import Plan
+
+
+@pytest.fixture(scope="module")
+def plan(gentle_plan: Callable[..., Plan]) -> Plan:
+    return gentle_plan("matrix-liquid", cargo=1)
+
+
+@pytest.mark.parametrize("name", ["matrix-liquid", "mixed-tray", "matrix-liquid-corridor"])
+def test_the_joints_of_a_record_get_its_rows_but_those_on_the_record(smooth_motion, name: str) -> None:
+    motion = smooth_motion(name)
+    trajectory, scene = motion.trajectory, motion.scene
+    whole = certify(trajectory, scene)
+    found = certify_joints(trajectory.t, trajectory.joint_position, scene)
+    left_out = {row.constraint for row in whole.rows} - {row.constraint for row in found.rows}
+    of_motion = {name for name in left_out if name in BY_NAME}
+    assert all(BY_NAME[name].evaluated_at is EvaluationPoint.CONTROL for name in of_motion - {Corridor.name})
+    theirs = {row.id: row for row in whole.rows}
+    for row in found.rows:
+        if row.constraint in END_NAMES:  # the end is where the speeds say, and those are the spline's here
+            assert row.use == pytest.approx(theirs[row.id].use, abs=1e-2)
+        else:
+            assert row == theirs[row.id]
+    assert isinstance(found, Certificate) and found.ok == all(row.ok for row in found.rows)
+
+
+def test_arrays_of_any_spacing_are_judged(plan: Plan) -> None:
+    """Every second sample, and lists: the spline finds the same motion."""
+    few = [0, *range(1, len(plan.trajectory.t) - 1, 2), len(plan.trajectory.t) - 1]
+    t, q = plan.trajectory.t[few], plan.trajectory.joint_position[few]
+    found, whole = certify_joints(list(t), q.tolist(), plan.scene), plan.certificate
+    uses = {row.id: row.use for row in whole.rows}
+    assert found.ok
+    for row in found.rows:
+        assert row.use == pytest.approx(uses[row.id], abs=1e-2), row.id
+
+
+def test_a_motion_played_too_fast_is_not_certified(plan: Plan) -> None:
+    found = certify_joints(plan.trajectory.t / 4, plan.trajectory.joint_position, plan.scene)
+    assert not found.ok
+    assert "slip" in {row.constraint for row in found.rows if not row.ok}
+
+
+T, Q = np.arange(50) / 100, np.zeros((50, 6))
+BROKEN = Q.copy()
+BROKEN[7, 2] = np.nan
+
+
+@pytest.mark.parametrize(
+    ("t", "q", "message"),
+    [
+        (T, Q[:, :5], r"t has the shape \(50,\) and q \(50, 5\): \(m,\) and \(m, 6\) are needed"),
+        (T[:-1], Q, r"t has the shape \(49,\) and q \(50, 6\)"),
+        (T[:1], Q[:1], "m of 2 or more and a column for each joint: joint_1, "),
+        (T, BROKEN, "q is not a finite number at row 7"),
+        (np.where(T[3] == T, np.inf, T), Q, "t is not a finite number at row 3"),
+        (T[::-1], Q, "t does not increase from 0.49 s at row 0"),
+        (np.round(T, 1), Q, "t does not increase from 0 s at row 0"),
+        ("soon", Q, "t and q are arrays of numbers"),
+        (T, [["a"] * 6] * 50, "t and q are arrays of numbers"),
+    ],
+)
+def test_what_is_no_motion_is_refused_in_one_line(plan: Plan, t, q, message: str) -> None:
+    with pytest.raises(ScenarioError, match=message) as caught:
+        certify_joints(t, q, plan.scene)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_is_wanted(plan: Plan) -> None:
+    with pytest.raises(ScenarioError, match="by a Scene, not by a value of type str"):
+        certify_joints(T, Q, "matrix-liquid")  # pyright: ignore[reportArgumentType]
