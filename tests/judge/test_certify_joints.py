@@ -30,6 +30,7 @@ def test_the_joints_of_a_record_get_its_rows_but_those_on_the_record(smooth_moti
     left_out = {row.constraint for row in whole.rows} - {row.constraint for row in found.rows}
     of_motion = {name for name in left_out if name in BY_NAME}
     assert all(BY_NAME[name].evaluated_at is EvaluationPoint.CONTROL for name in of_motion - {Corridor.name})
+    assert Corridor.name not in {row.constraint for row in found.rows}, "it needs the place on the path"
     theirs = {row.id: row for row in whole.rows}
     for row in found.rows:
         if row.constraint in END_NAMES:  # the end is where the speeds say, and those are the spline's here
