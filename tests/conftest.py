@@ -28,7 +28,7 @@ from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
@@ -201,7 +201,7 @@ def gentle_plan(smooth_motion) -> Callable[..., Plan]:
         motion = smooth_motion(name, cargo=cargo, stretch=0.8 if name == "matrix-rigid" else 1.3)
         judgement = judge(motion.trajectory, motion.scene)
         assert judgement.certificate.ok
-        report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+        report = PlanningReport.empty()
         maxima = motion_maxima(judgement, motion.scene)
         return with_few_speeds(Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report))
 

@@ -11,7 +11,7 @@ import pytest
 from nospill.drawing.timeline import Film, make_film
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
@@ -24,7 +24,7 @@ def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.15, 0.1) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = smooth_record(scene, path, 200, start)
     judgement = judge(trajectory, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
+    report = PlanningReport.empty()
     plan = Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report)
     return make_film(plan, judgement, rate=rate, length=plan.duration + 0.3)
 

@@ -25,7 +25,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.plans.approach import judge_whole
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import ApproachRules, Scene
 from nospill.transcription.starting_motions import Start
@@ -150,7 +150,7 @@ def test_a_folder_whose_obstacle_was_moved_is_not_certified(passing, tmp_path: P
     """The folder's scenario is what its trajectory is judged by, whatever the saved certificate says."""
     scene, _, record = passing
     judgement = judge(record, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+    report = PlanningReport.empty()
     plan = Plan(scene, record, judgement.certificate, motion_maxima(judgement, scene), report)
     plan.save(tmp_path / "plan")
     assert judge_whole(load_plan(tmp_path / "plan")).certificate.ok

@@ -28,7 +28,7 @@ from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import draw
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.controller import Controller
 from tests.builders import one_mode
@@ -60,7 +60,7 @@ def smooth_plan(smooth_motion: Callable[..., Any]) -> Callable[..., Plan]:
     def make(name: str, **options: Any) -> Plan:
         made = smooth_motion(name, **options)
         judgement = judge(made.trajectory, made.scene)
-        report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
+        report = PlanningReport.empty()
         return Plan(
             made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report, judgement
         )

@@ -19,7 +19,7 @@ from nospill.motion.resampling import resampled
 from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.scene import MotionRules, Scene
 from tests.builders import with_few_speeds
@@ -39,7 +39,7 @@ def held_plan(smooth_motion, changed_scene):
         table = dict(scene.source) | {"cargo": scene.source["cargo"][:1]}
         scene = replace(scene, cargo=scene.cargo[:1], source=table)
         judgement = judge(motion.trajectory, scene)
-        report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+        report = PlanningReport.empty()
         maxima = motion_maxima(judgement, scene)
         return with_few_speeds(Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement))
 

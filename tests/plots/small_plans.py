@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nospill.judge.certificate import Judgement, judge
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_path_of, smooth_record
@@ -62,5 +62,5 @@ def plan_of(scene: Scene, stretch: float) -> tuple[Plan, Judgement]:
     start = Start(stretch=stretch, skew=0.2, tilt=(-0.1, 0.05) if scene.motion.tilt_free else (0.0, 0.0))
     trajectory = smooth_record(scene, path, 40, start)
     judgement = judge(trajectory, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (1.0,)), {}, "none", {})
+    report = PlanningReport.empty()
     return Plan(scene, trajectory, judgement.certificate, motion_maxima(judgement, scene), report), judgement

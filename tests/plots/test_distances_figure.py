@@ -12,7 +12,7 @@ from nospill import diagnosis
 from nospill.collisions.over_time import nearest_over_time
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.plots.distances import distances_figure
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import LOOK
@@ -33,7 +33,7 @@ def evidence(changed_scene) -> Evidence:
     path = diagnosis.free_paths(scene, joint_paths_of(scene))[0]
     record = smooth_record(scene, path, 100, Start(1.5))
     judgement = judge(record, scene)
-    report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {"solve": 0.5}, "none", {})
+    report = PlanningReport.empty()
     plan = Plan(scene, record, judgement.certificate, motion_maxima(judgement, scene), report)
     return Evidence(plan, judgement)
 

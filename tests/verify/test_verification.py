@@ -21,7 +21,7 @@ from nospill.film.writing import Format
 from nospill.judge.certificate import judge
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
@@ -34,7 +34,7 @@ def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
     """A gentle motion with two cups, made without a solver."""
     made = smooth_motion("matrix-liquid", cargo=2, stretch=1.3)
     judgement = judge(made.trajectory, made.scene)
-    report = PlanningReport(0.0, 0.0, 0, 0, Starts(1, 1, 1, (2.0,)), {}, "none", {})
+    report = PlanningReport.empty()
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
     return with_few_speeds(plan)
 

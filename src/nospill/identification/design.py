@@ -22,7 +22,7 @@ from nospill.judge.tracks import with_recorded_modes
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion
 from nospill.plans.plan import Plan, judged_plan
-from nospill.plans.records import PlanningReport, Starts
+from nospill.plans.records import PlanningReport
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_paths, preferred_path
 from nospill.scenario import scene_from_table
 from nospill.scene.controller import Controller
@@ -133,7 +133,7 @@ def _certified(scene: Scene, way: JointPath, own: _Member) -> Plan | None:
         return None  # too fast for the liquids to be integrated, or for the joints
     if not judgement.certificate.ok:
         return None
-    report = PlanningReport(0.0, 0.0, 0, 0, Starts(0, 0, 0, ()), {}, "chosen from a family of trapezoids", {})
+    report = PlanningReport.empty("chosen from a family of trapezoids")
     report = replace(report, branch=branch_in_words(trajectory.joint_position[0]))
     return judged_plan(scene, with_recorded_modes(trajectory, scene), judgement, report)
 

@@ -108,6 +108,11 @@ class PlanningReport:
     compared: dict[str, float] = field(default_factory=dict)
     jerk_weight_factor: float = 1.0
 
+    @classmethod
+    def empty(cls, solver_status: str = "none") -> PlanningReport:
+        """The report of a motion that no planner made."""
+        return cls(0.0, 0.0, 0, 0, Starts(0, 0, 0, ()), {}, solver_status, {})
+
     @property
     def ran_out(self) -> bool:
         """Whether planning ended because its time was up."""
