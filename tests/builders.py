@@ -47,10 +47,13 @@ def changed_table(table: Mapping[str, Any], changes: Mapping[str, object]) -> di
     return changed
 
 
-def one_mode(name: str) -> Scene:
-    """An example that states one mode of each liquid: judged and planned in a fraction of the time of twenty."""
-    scene = read_scenario(name)
-    return scene if scene.slosh_modes == 1 else read_scenario(name, settings=["planning.slosh_modes=1"])
+def one_mode(name: str, *settings: str) -> Scene:
+    """An example that states one mode of each liquid: judged and planned in a fraction of the time of twenty.
+
+    Settings are as of the command line.
+    """
+    scene = read_scenario(name, settings=settings)
+    return scene if scene.slosh_modes == 1 else read_scenario(name, settings=["planning.slosh_modes=1", *settings])
 
 
 def joint_paths_of(scene: Scene, *, samples: int = 101) -> list[JointPath]:
