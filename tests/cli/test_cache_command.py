@@ -10,7 +10,7 @@ import pytest
 from nospill.compiled.entries import cache_entries
 from nospill.warmup import warming
 from nospill.warmup.usual import Part
-from tests.cli.stand_in import nospill
+from tests.cli.commands import nospill
 
 
 @pytest.fixture

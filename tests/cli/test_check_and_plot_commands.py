@@ -1,4 +1,4 @@
-"""`nospill check` and `nospill plot`, with stand-ins: what they print and write."""
+"""`nospill check` and `nospill plot` on a real plan folder: what they print and write."""
 
 from __future__ import annotations
 
@@ -7,57 +7,62 @@ from pathlib import Path
 
 import pytest
 
-from nospill.plans.warnings.record import PlanWarning
-from tests.cli.stand_in import StandIn, nospill, row
+from tests.cli.commands import nospill
 from tests.waiting import run_python
 
 
-@pytest.mark.parametrize("ok", [True, False])
-def test_check_judges_again_and_writes_nothing(stand_in: StandIn, plan_folder: Path, ok: bool) -> None:
-    stand_in.ok = ok
-    stand_in.rows[1] = row("slip", "c2", 0.1 if ok else -0.25, ok=ok)
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_check_judges_again_and_writes_nothing(plan_folder: Path) -> None:
+    before = contents(plan_folder)
     result = nospill("check", "tea")
-    assert result.exit_code == (0 if ok else 1)
-    assert stand_in.calls == ["judge trajectory tea"]
-    assert ("certified: all 3 rows" if ok else "not certified: 1 of 3 rows fail") in result.stdout
-    message = "Not certified: slip of c2 is 1.25 N against a limit of 1 N (125.0 % of it) at t = 0.500 s.\n"
-    assert result.stderr == ("" if ok else message)
-    assert os.listdir(plan_folder) == ["summary.json"]
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = result.stdout.splitlines()
+    assert lines[0].startswith("certified as published: all ") and lines[-1] == "certified as published"
+    assert "robot.csv holds the motion of the trajectory" in lines
+    assert any(line.startswith("warning: joint acceleration: ") for line in lines)  # no limit of it is known
+    assert contents(plan_folder) == before
 
 
-def test_check_prints_warnings_and_leaves_the_verdict(stand_in: StandIn, plan_folder: Path) -> None:
-    stand_in.warnings = tuple(PlanWarning("crest", name, "it is high.") for name in ("c1", "c2"))
+def test_check_believes_the_trajectory_and_not_the_certificate(plan_folder: Path) -> None:
+    """The same folder, certificate and all, with a scenario of a smoother tray."""
+    scenario = plan_folder / "scenario.toml"
+    text = scenario.read_text(encoding="utf-8")
+    assert text.count("friction = 0.466308") == 1
+    scenario.write_text(text.replace("friction = 0.466308", "friction = 0.09"), encoding="utf-8")
+    before = contents(plan_folder)
     result = nospill("check", "tea")
-    assert result.exit_code == 0
-    assert "\nwarning: crest: c1: it is high. Likewise: c2.\n" in result.stdout
+    assert result.exit_code == 1
+    assert result.stdout.startswith("not certified: 1 of ") and "FAILS" in result.stdout
+    assert result.stderr.startswith("Not certified: slip of c1 uses ") and result.stderr.count("\n") == 1
+    assert contents(plan_folder) == before
 
 
-def test_check_and_plot_do_not_load_the_optimiser(stand_in: StandIn, plan_folder: Path) -> None:
+def test_plot_replaces_the_figures_whole_and_neither_command_loads_the_optimiser(plan_folder: Path) -> None:
+    (plan_folder / "figures").mkdir()
+    (plan_folder / "figures" / "old.pdf").write_text("old")
     script = (
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parents[2])!r})\n"
-        "from tests.cli.stand_in import StandIn\n"
-        "modules = StandIn().modules(); del modules['nospill.planning.planner']; sys.modules.update(modules)\n"
+        "import sys\n"
         "from typer.testing import CliRunner\n"
         "from nospill.cli import app\n"
         "for name in ('check', 'plot'):\n"
-        "    assert CliRunner().invoke(app, [name, 'tea']).exit_code == 0, name\n"
-        "print([m for m in sys.modules if m.startswith(('nospill.transcription', 'nospill.planning.planner'))])\n"
+        "    result = CliRunner().invoke(app, [name, 'tea'])\n"
+        "    assert result.exit_code == 0, result.output\n"
+        "print(result.stdout, end='')\n"
+        "print([m for m in sys.modules if m.startswith(('nospill.transcription', 'nospill.planning'))])\n"
     )
+    before = contents(plan_folder)
     done = run_python("-c", script)
-    assert done.stdout == "[]\n", done.stderr
+    *drawn, loaded = done.stdout.splitlines()
+    assert loaded == "[]", done.stderr
+    assert "tea/figures/summary.png" in drawn
+    assert sorted(os.listdir(plan_folder / "figures")) == sorted(Path(name).name for name in drawn)
+    assert contents(plan_folder).items() >= {name: text for name, text in before.items() if "old" not in name}.items()
 
 
-def test_plot_replaces_the_figures_whole(stand_in: StandIn, plan_folder: Path) -> None:
-    (plan_folder / "figures").mkdir()
-    (plan_folder / "figures" / "old.pdf").write_text("old")
-    result = nospill("plot", "tea")
-    assert result.exit_code == 0
-    assert result.stdout == "tea/figures/sheet.png\n"
-    assert os.listdir(plan_folder / "figures") == ["sheet.png"]
-    assert (plan_folder / "summary.json").read_text() == "old"
-
-
-def test_plot_leaves_foreign_files_alone(stand_in: StandIn, plan_folder: Path) -> None:
+def test_plot_leaves_foreign_files_alone(plan_folder: Path) -> None:
     (plan_folder / "figures").mkdir()
     (plan_folder / "figures" / "notes.txt").write_text("dear")
     result = nospill("plot", "tea")
@@ -67,6 +72,7 @@ def test_plot_leaves_foreign_files_alone(stand_in: StandIn, plan_folder: Path) -
 
 
 @pytest.mark.parametrize("command", ["check", "plot"])
-def test_not_a_plan_folder(stand_in: StandIn, command: str) -> None:
+def test_not_a_plan_folder(command: str) -> None:
     result = nospill(command, "nowhere")
-    assert (result.exit_code, result.stdout, result.stderr) == (2, "", "nowhere is not a plan folder\n")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith("nowhere: no such folder") and result.stderr.count("\n") == 1

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from nospill.plans.loading import load_plan
-from tests.cli.stand_in import nospill
+from tests.cli.commands import nospill
 
 
 @pytest.mark.slow

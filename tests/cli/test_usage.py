@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from nospill.cli import app
-from tests.cli.stand_in import nospill
+from tests.cli.commands import nospill
 from tests.waiting import run_python, wait_until
 
 # fmt: off
