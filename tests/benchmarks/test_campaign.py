@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
+import subprocess
 import sys
-import types
-from concurrent.futures import Future
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import dask.config
 import pytest
+from dask.distributed import LocalCluster
 
 from benchmarks.campaign import case as campaign_case
 from benchmarks.campaign import process as campaign_process
@@ -18,6 +21,7 @@ from benchmarks.campaign import report as campaign_report
 from benchmarks.campaign import run as campaign
 from benchmarks.campaign.lines import Lines
 from benchmarks.campaign.process import Job, line_of
+from benchmarks.campaign.scenes import draw_case
 from nospill.errors import MOTION, NOT_CONVERGED, REST, NoSolutionError, Reason, ScenarioError
 from nospill.scenario import read_scenario
 from tests.waiting import run_python
@@ -79,8 +83,6 @@ def test_one_campaign_a_file(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import os
-
     file = tmp_path / "campaign.jsonl"
     write = os.write
     with Lines.writer(file) as lines:
@@ -147,15 +149,6 @@ def test_a_case_of_its_own_and_its_starts() -> None:
     )
 
 
-@pytest.mark.slow
-def test_unreachable_case_says_so() -> None:
-    from benchmarks.campaign.scenes import draw_case
-
-    found = campaign_process.run_job(Job(38, 120.0))
-    assert draw_case(38).unreachable and found["unreachable"]
-    assert found["kind"] == "out of reach" and "out of reach of robot" in found["reason"]
-
-
 def stub(seed: int) -> dict[str, Any]:
     return line(seed, scenario={"name": f"campaign-{seed}"})
 
@@ -217,41 +210,54 @@ def test_starts_that_come_to_the_same_are_refined_once() -> None:
     assert {outcome["duration_s"] for outcome in outcomes} == {first["duration_s"]}
 
 
-def test_a_cluster_is_asked_for_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a stand-in for dask.distributed: what is sent to the workers, and that a dead worker is a line."""
-    sent: dict[str, Any] = {"files": [], "folders": []}
+SCHEDULER = {"allowed-failures": 0, "worker-saturation": 1.0}
 
-    class Client:
-        def __init__(self, address: str) -> None:
-            sent["address"] = address
 
-        def __enter__(self) -> Client:
-            return self
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[str]:
+    """The address of a scheduler with two workers, which are started where there is no package `benchmarks`.
 
-        def __exit__(self, *_: object) -> None: ...
+    They are sent one case at a time, and a case at which one dies is not sent again.
+    """
+    with dask.config.set({f"distributed.scheduler.{key}": n for key, n in SCHEDULER.items()}):
+        scheduler = LocalCluster(n_workers=0, dashboard_address=":0", scheduler_port=0)
+    with scheduler:
+        address = scheduler.scheduler_address
+        command = [sys.executable, "-m", "dask", "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        environment = os.environ | {"PYTHONPATH": str(campaign.REPOSITORY / "src")}
+        with (tmp_path / "workers.log").open("w") as log:
+            workers = [
+                subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=log, stderr=log) for _ in range(2)
+            ]
+        try:
+            yield address
+        finally:
+            for worker in workers:
+                worker.terminate()
+                worker.wait()
 
-        def upload_file(self, name: str) -> None:
-            sent["files"].append(Path(name).name)
 
-        def submit(self, function: Any, job: Job, **_: object) -> Future[Any]:
-            future: Future[Any] = Future()
-            sent["folders"].append(job.folder)
-            if job.seed == 1:
-                future.set_exception(RuntimeError("worker died"))
-            else:
-                future.set_result(stub(job.seed))
-            return future
+@pytest.mark.slow
+def test_a_cluster_runs_cases_from_the_archive_and_a_dead_worker_is_a_line(
+    cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The real cluster: what its workers run is what they were sent, and one of them may die."""
 
-    fake = types.ModuleType("dask.distributed")
-    fake.Client, fake.as_completed = Client, iter  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "dask", types.ModuleType("dask"))
-    monkeypatch.setitem(sys.modules, "dask.distributed", fake)
+    def run_or_die(job: Job) -> dict[str, Any]:
+        from benchmarks.campaign import process
+
+        if job.seed == 37:
+            os._exit(1)
+        return process.run_job(job) | {"from": process.ROOT, "folder": job.folder}
+
+    monkeypatch.setattr(campaign, "run_job", run_or_die)  # which goes to the worker by its code, not by its name
     file = tmp_path / "campaign.jsonl"
-    campaign.main(["--out", str(file), "--live", "--cases", "3", "--scheduler", "tcp://there:8786"])
-    assert sent["address"] == "tcp://there:8786" and sent["files"] == ["benchmarks.zip"]
-    assert sent["folders"] == [None] * 3
-    kinds = {found["seed"]: found["kind"] for found in Lines.read(file)}
-    assert kinds == {0: "planned", 1: "crash", 2: "planned"}
+    campaign.main(["--out", str(file), "--live", "--first", "37", "--cases", "39", "--scheduler", cluster])
+    found = {found["seed"]: found for found in Lines.read(file)}
+    assert found[37]["kind"] == "crash" and "KilledWorker" in found[37]["reason"]
+    assert found[38]["kind"] == "out of reach" and "out of reach of robot" in found[38]["reason"]
+    assert draw_case(38).unreachable and found[38]["unreachable"] and found[38]["folder"] is None
+    assert Path(found[38]["from"]).name == "benchmarks.zip"
 
 
 def test_a_worker_starts_cases_from_the_archive_it_was_sent(tmp_path: Path) -> None:

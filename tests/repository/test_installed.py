@@ -22,7 +22,6 @@ DOCS = ROOT / "tests" / "repository" / "docs"
 """Tests of the pages, which `make docs` runs in an environment with the extra `docs`."""
 ALONE = {
     "toppra": "compared with where it is installed; has no wheels",
-    "dask": "a cluster's own, named by an option of the campaign",
 }
 """What a benchmark imports only where somebody has installed it, and why."""
 
