@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-import pickle
 import shutil
 import signal
 import sys
@@ -19,6 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is loaded;
 import numpy as np
 import pytest
 from filelock import FileLock
+from hypothesis import settings
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
@@ -39,25 +39,23 @@ from nospill.warmup.usual import usual_parts
 from nospill.warmup.warming import warm_cache
 from tests.builders import changed_table, joint_path_of, measured_data, one_mode, with_few_speeds
 from tests.compiling import AT_FIRST, forget, hasty_compiler
-from tests.example_plans import keep
+from tests.example_plans import planned_once
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# Of properties that state no number of their own; HYPOTHESIS_PROFILE=thorough, as on the machine for all changes, draws more.
+settings.register_profile("usual", max_examples=60, deadline=None)
+settings.register_profile("thorough", max_examples=300, deadline=None)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "usual"))
+
 COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
 """Compiled functions are kept between runs: their key is the source they are made of. `make clean` removes them."""
 
 
-@pytest.fixture(scope="session")
-def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of this run of the tests, the same for all its processes."""
-    base = tmp_path_factory.getbasetemp()
-    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-
-
 @pytest.fixture(scope="session", autouse=True)
-def hasty(run_folder: Path) -> Iterator[Path | None]:
+def hasty() -> Iterator[Path | None]:
     """A hasty compiler, with which the largest functions are compiled for all tests; one thread each.
 
     The others are compiled where an example is planned and interpreted elsewhere: most scenes of the tests are planned
@@ -127,21 +125,18 @@ def changed_scene() -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
-def example_plan(run_folder: Path, hasty: Path | None) -> Callable[[str], Plan]:
-    """Plan an example, once for all tests, whichever process runs them; it is kept for the documentation."""
+def example_plan(hasty: Path | None) -> Callable[[str], Plan]:
+    """Plan an example, once for all tests until the package changes (`example_plans`)."""
+
+    def planned(name: str) -> Plan:
+        with pytest.MonkeyPatch.context() as patch:
+            if hasty is not None:
+                patch.setenv("CC", str(hasty))
+            return plan(read_scenario(name))
 
     @cache
     def shared(name: str) -> Plan:
-        file = run_folder / f"{name}.pickle"
-        with FileLock(f"{file}.lock"):
-            if not file.exists():
-                with pytest.MonkeyPatch.context() as patch:
-                    if hasty is not None:
-                        patch.setenv("CC", str(hasty))
-                    found = plan(read_scenario(name))
-                keep(found, name)
-                file.write_bytes(pickle.dumps(found))
-        return pickle.loads(file.read_bytes())
+        return planned_once(name, lambda: planned(name))
 
     return shared
 

@@ -75,7 +75,7 @@ def test_a_record_without_decay_tells_neither_fill_nor_damping(lively) -> None: 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say(lively) -> None:  # type: ignore[no-untyped-def]
     generator, inside, apart = np.random.default_rng(3), [], []
-    for seed in range(15):
+    for seed in range(7):
         rise, factor = generator.uniform(-3e-3, 3e-3), generator.uniform(0.7, 2.0)
         clock, gauge = generator.uniform(0.2, 1.0), generator.uniform(-1e-3, 1e-3)
         t, height = height_of(lively.scene, lively.trajectory, rise=rise, factor=factor)

@@ -179,7 +179,6 @@ def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: C
         assert item.least <= item.nominal <= item.greatest
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.integers(1, 400), st.floats(0.0, 1.0))
 def test_bounds_are_those_of_the_exact_binomial_interval(samples: int, share: float) -> None:
     count = round(share * samples)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
@@ -87,7 +87,6 @@ VALUES = st.one_of(
         st.sampled_from(["name", "shape", "at", "size", "radius", "height", "clearance", "yaw", "colour"]), VALUES
     ),
 )
-@settings(max_examples=300, deadline=None)
 def test_any_entry_is_read_or_refused_in_one_line(entry: dict[str, Any], changes: dict[str, Any]) -> None:
     table = {**VALID, "obstacle": [{**entry, **changes}]}
     try:
@@ -99,7 +98,6 @@ def test_any_entry_is_read_or_refused_in_one_line(entry: dict[str, Any], changes
 
 
 @given(st.floats(0.01, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0))
-@settings(max_examples=100, deadline=None)
 def test_the_foot_of_the_arm_stays_outside(side: float, x: float, yaw: float) -> None:
     entry = {"name": "block", "shape": "box", "at": [x, 0.0, 0.0], "size": [side, side, side], "yaw": yaw}
     try:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.cli import app
@@ -300,7 +300,6 @@ ANYTHING = st.one_of(
 
 
 @given(st.data())
-@settings(max_examples=150, deadline=None)
 def test_any_value_of_any_key_is_read_or_refused_in_one_line(data: st.DataObject) -> None:
     robot = copy.deepcopy(EVERYTHING)
     holder = data.draw(st.sampled_from([robot, robot["limits"]]))

@@ -284,7 +284,6 @@ sizes = st.floats(min_value=0.02, max_value=0.12)
 
 
 @given(numbers, numbers, sizes, sizes, st.floats(min_value=-4, max_value=4), st.booleans())
-@settings(max_examples=60, deadline=None)
 def test_overlap_against_sampling(x: float, y: float, a: float, b: float, yaw: float, round_one: bool) -> None:
     """Samples of one object that lie in the other exist only where they overlap, and surely where they do by much."""
     first = box((0, 0), 0.1, 0.05, 0.3)
@@ -357,7 +356,6 @@ FULL_TABLES = [VALID, *(tomllib.loads(example_path(name).read_text(encoding="utf
 
 
 @given(st.data())
-@settings(max_examples=300, deadline=None)
 def test_any_value_anywhere_is_read_or_refused_in_one_line(data: st.DataObject) -> None:
     table = copy.deepcopy(data.draw(st.sampled_from(FULL_TABLES)))
     place = data.draw(st.sampled_from([place for place in places(table) if place]))

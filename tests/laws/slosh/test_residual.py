@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -59,7 +59,6 @@ def brute_force(displacement: np.ndarray, velocity: np.ndarray, damping: float) 
     return float(np.max(free_motion(displacement, velocity, t, damping)))
 
 
-@settings(max_examples=300, deadline=None)
 @given(pairs, pairs, dampings, st.sampled_from([1, 2]))
 def test_supremum_against_brute_force(displacement, velocity, damping, coordinates):
     q, qd = np.array(displacement[:coordinates]), OMEGA * np.array(velocity[:coordinates])
@@ -96,7 +95,6 @@ def test_special_states():
     assert supremum((0.0,), (0.05,)) == pytest.approx(0.05 / OMEGA * np.exp(-zeta * np.arccos(zeta) / root), rel=1e-12)
 
 
-@settings(max_examples=100, deadline=None)
 @given(pairs, pairs, dampings, st.floats(0.0, 2 * np.pi), st.floats(0.01, 100.0))
 def test_supremum_turns_and_scales_with_the_state(displacement, velocity, damping, angle, factor):
     q, qd = np.array(displacement), OMEGA * np.array(velocity)
@@ -135,7 +133,6 @@ def test_bound_is_one_and_nearly_tight(coordinates, smoothing, largest):
     assert np.all(bound <= np.hypot(exact * looseness * swirl, np.sqrt(2) * smoothing) * (1 + 1e-9))
 
 
-@settings(max_examples=100, deadline=None)
 @given(pairs, pairs, st.floats(0.0, 0.5), st.sampled_from([1, 2]))
 def test_bound_is_the_eighth_power_mean_of_the_singular_values(displacement, velocity, damping, coordinates):
     q, qd = np.array(displacement)[:coordinates], OMEGA * np.array(velocity)[:coordinates]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.core.mesh_files import mesh_points
@@ -34,7 +34,6 @@ def beyond(capsules: list[LinkCapsule], points: np.ndarray) -> float:
 
 
 @given(st.integers(0, 10**6), st.integers(1, 60), st.floats(0.01, 3.0))
-@settings(max_examples=100, deadline=None)
 def test_an_enclosing_capsule_holds_its_points(seed: int, count: int, stretch: float) -> None:
     points = np.random.default_rng(seed).normal(size=(count, 3)) * [1.0, 1.0, stretch]
     start, end, radius = enclosing_capsule(points)

@@ -200,7 +200,6 @@ def test_mass_on_a_fixed_part_is_the_links_mass() -> None:
 
 
 @given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3), st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3))
-@settings(max_examples=200, deadline=None)
 def test_rotations_survive_their_angles(rpy: list[float], axis: list[float]) -> None:
     for angles in (rpy, [rpy[0], math.pi / 2, rpy[2]], [rpy[0], -math.pi / 2 + 1e-9 * rpy[1], rpy[2]]):
         turn = rotation_of(tuple(angles))
@@ -277,7 +276,6 @@ def test_standalone_text_gives_the_same_arm_and_stays() -> None:
 
 
 @given(st.text(max_size=40), st.integers(0, 3000), st.integers(0, 30))
-@settings(max_examples=200, deadline=None)
 def test_damaged_text_is_read_or_refused_in_one_line(noise: str, at: int, cut: int) -> None:
     text = arm_text(kinds={3: "continuous"})
     at %= len(text)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import dblquad, quad
 
@@ -39,7 +39,6 @@ def test_turning_the_box_swaps_its_axes():
 sides = st.floats(0.02, 0.4)
 
 
-@settings(max_examples=80, deadline=None)
 @given(sides, sides, st.floats(0.05, 4.0), st.integers(1, 6))
 def test_mass_moment_inertia_and_height_sums(length, width, fill, count):
     h = fill * length

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import dblquad, quad
 from scipy.special import ive, j1, jnp_zeros, jvp
@@ -142,7 +142,6 @@ fills = st.floats(0.05, 6.0)
 radii = st.floats(0.01, 0.3)
 
 
-@settings(max_examples=80, deadline=None)
 @given(radii, fills, st.integers(1, 12))
 def test_mass_moment_inertia_and_height_sums(radius, fill, count):
     h = fill * radius

@@ -117,7 +117,6 @@ def made(kind: str, points: np.ndarray) -> TrayPath | None:
 
 
 @given(st.sampled_from(sorted(MAKERS)), POINTS, st.floats(-math.pi, math.pi), st.tuples(COORDINATE, COORDINATE))
-@settings(max_examples=80, deadline=None)
 def test_a_path_moves_with_its_points(
     kind: str, points: list[tuple[float, ...]], angle: float, shift: tuple[float, float]
 ) -> None:
@@ -131,7 +130,6 @@ def test_a_path_moves_with_its_points(
 
 
 @given(st.sampled_from(sorted(MAKERS)), POINTS)
-@settings(max_examples=80, deadline=None)
 def test_the_way_back_is_the_same_way(kind: str, points: list[tuple[float, ...]]) -> None:
     places = np.array(points[:3] if kind == "arc" else points)
     path, back = made(kind, places), made(kind, places[::-1])
@@ -142,7 +140,6 @@ def test_the_way_back_is_the_same_way(kind: str, points: list[tuple[float, ...]]
 
 
 @given(st.sampled_from(sorted(MAKERS)), POINTS)
-@settings(max_examples=60, deadline=None)
 def test_a_path_is_smooth_and_no_shorter_than_the_chord(kind: str, points: list[tuple[float, ...]]) -> None:
     path = made(kind, np.array(points))
     if path is None:
