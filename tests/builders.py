@@ -1,16 +1,12 @@
-"""Builders of what many tests need: changed tables, the joint path of a scene, the folder of measured data."""
+"""Builders of what many tests need: changed tables, the joint path of a scene, smooth records."""
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-import pytest
-
-from benchmarks.slosh.validate import data_folder
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
 from nospill.motion.trajectory import Trajectory
@@ -81,11 +77,3 @@ def with_few_speeds(plan: Plan) -> Plan:
     """The plan with its second looks, at half its speed alone instead of a dozen speeds."""
     uses = uses_at(plan.trajectory, plan.scene, (0.5,))
     return replace(plan, maxima=replace(plan.maxima, other_speeds=uses)).with_second_looks()
-
-
-def measured_data(name: str = "") -> Path:
-    """A file or folder of measured and published data, where NOSPILL_DATA says; the test skips without it."""
-    place = data_folder() / name
-    if not place.exists():
-        pytest.skip(f"measured data are not here: {place}; NOSPILL_DATA names their folder")
-    return place

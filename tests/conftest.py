@@ -37,7 +37,7 @@ from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
 from nospill.warmup.usual import usual_parts
 from nospill.warmup.warming import warm_cache
-from tests.builders import changed_table, joint_path_of, measured_data, one_mode, with_few_speeds
+from tests.builders import changed_table, joint_path_of, one_mode, with_few_speeds
 from tests.compiling import AT_FIRST, forget, hasty_compiler
 from tests.example_plans import planned_once
 
@@ -45,7 +45,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Of properties that state no number of their own; HYPOTHESIS_PROFILE=thorough, as on the machine for all changes, draws more.
+# Of properties that state no number of their own; HYPOTHESIS_PROFILE=thorough, as in the workflow of CI, tries more.
 settings.register_profile("usual", max_examples=60, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "usual"))
@@ -225,6 +225,8 @@ def samples() -> Callable[..., JointSamples]:
 @pytest.fixture(scope="session")
 def measured() -> Path:
     """The folder of measured and published data, named by NOSPILL_DATA; tests that ask for it are skipped without."""
+    from tests.measured import measured_data  # brings a benchmark along
+
     return measured_data()
 
 

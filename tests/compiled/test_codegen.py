@@ -37,20 +37,16 @@ from tests.waiting import finished
 pytestmark = pytest.mark.slow
 needs_compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 
-# A function of two outputs under a structure's key, as any user of the cache has them; prints what it is served.
+# A function of two outputs under a key, as any user of the cache has them; prints what it is served.
 USER = """
 import casadi as ca
 from nospill.compiled import codegen as compiled
-from nospill.compiled.cache_folder import cache_folder
-from nospill.compiled.small_libraries import small_library
-from nospill.scenario import read_scenario
-from nospill.laws.scene_parameters import structure_of
 
 def build():
     x = ca.SX.sym("x", 3)
     return {"twice": ca.Function("twice", [x], [2 * x, ca.sin(x)])}, {"sizes": [3, 3]}
 
-functions, data, is_compiled = compiled.functions("test", structure_of(read_scenario("matrix-rigid")), build)
+functions, data, is_compiled = compiled.functions("test", ("a", "structure"), build)
 print(is_compiled, data, float(functions["twice"](1.5)[0][0]))
 """
 

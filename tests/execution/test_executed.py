@@ -18,8 +18,8 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario
 from nospill.simulation.motion_file import Heights, read_heights
-from tests.builders import measured_data
 from tests.execution.logs import log_of
+from tests.measured import measured_data
 
 CLOCK = 0.5
 

@@ -16,7 +16,7 @@ from hypothesis.extra import numpy as hnp
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export.lab_csv import LAB_CSV, read_lab_csv, write_lab_csv
 from nospill.motion.interpolation import JointSamples
-from tests.builders import measured_data
+from tests.measured import measured_data
 
 
 def motion(samples: int = 40, joints: int = 6, rate: float = 500.0) -> np.ndarray:

@@ -13,7 +13,7 @@ from nospill.errors import ScenarioError
 from nospill.simulation.motion_file import Heights, write_heights
 from nospill.simulation.runs import compare_runs
 from nospill.simulation.simulate import simulate_slosh
-from tests.builders import measured_data
+from tests.measured import measured_data
 
 CUP = 'shape = "cylinder"\nradius = "49 mm"\nheight = "150 mm"\nliquid = "water"\nliquid_height = "80 mm"\n'
 TOLERANCE = '[tolerance]\nliquid_height = "5 mm"\ndamping = [0.5, 3.0]\n'

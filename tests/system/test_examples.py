@@ -74,7 +74,9 @@ def test_tilting_saves_an_eighth(fidelity: str, longest: float, example_plan: Ex
     def planned(tilt: str) -> Plan:
         if (fidelity, tilt) == ("full", "free"):
             return example_plan("matrix-liquid-tilt")
-        return plan(changed_scene("matrix-liquid-tilt", {"fidelity": fidelity, "motion.tilt": tilt}))
+        # with one mode, which holds a motion back no more than twenty do
+        few = {"planning.slosh_modes": 1, "planning.intervals": 60} if tilt == "fixed" else {}
+        return plan(changed_scene("matrix-liquid-tilt", {"fidelity": fidelity, "motion.tilt": tilt, **few}))
 
     tilting, level = planned("free"), planned("fixed")
     assert tilting.certificate.ok and level.certificate.ok
@@ -90,7 +92,17 @@ def test_a_harder_end_takes_longer(example_plan: Example) -> None:
 
 
 @pytest.mark.oracle
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_every_example_holds_in_another_engine(name: str, example_plan: Example) -> None:
+@pytest.mark.parametrize(
+    "name",
+    [
+        "matrix-rigid",  # solids on a tilting tray
+        "matrix-liquid-still",  # cups on a level one
+        "mixed-tray",  # cylinder, mug, box and bottle
+        "soup-and-wine",  # vessels that widen and narrow, two liquids
+        "vial-rack",  # what stands in a carrier
+        "cups-around-a-column",  # beside the path, another arm
+    ],
+)
+def test_an_example_of_each_kind_holds_in_another_engine(name: str, example_plan: Example) -> None:
     report = verify(example_plan(name))
     assert report.ok, report.message

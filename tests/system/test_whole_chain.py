@@ -14,7 +14,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from nospill.cli import app
 from nospill.cli.progress import CERTIFICATE, COARSE, FINE
 from nospill.plans.plan import SUMMARY_KEYS
 from nospill.scenario.examples import example_path
@@ -113,8 +115,8 @@ def test_a_corrupted_trajectory_fails_its_row(
         cells[place] = repr(change(float(cells[place]), index))
         lines[index] = ",".join(cells)
     file.write_text("\n".join([head, *lines]) + "\n")
-    result = real("check", str(copy))
-    assert result.returncode == 1, result.stderr
+    result = CliRunner().invoke(app, ["check", str(copy)])
+    assert result.exit_code == 1, result.stderr
     assert result.stderr.startswith("Not certified: ") and result.stderr.count("\n") == 1
     constraint, _, subject = told.partition(" of ")
     failing = [line for line in result.stdout.splitlines() if "FAILS" in line.split()]

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,14 +19,13 @@ from nospill.drawing.props import standing
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.writing import Format
 from nospill.judge.certificate import judge
-from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
 from nospill.verify.engine import STEP, build
-from tests.builders import one_mode, with_few_speeds
+from tests.builders import with_few_speeds
 
 
 @pytest.fixture(scope="module")
@@ -151,14 +150,15 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
 @pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid-tilt"])
-def test_what_slides_is_found_when_friction_was_overstated_and_nothing_else(name: str) -> None:
+def test_what_slides_is_found_when_friction_was_overstated_and_nothing_else(
+    name: str, example_plan: Callable[[str], Plan]
+) -> None:
     """One motion on a tray of more and of less friction than planned; with the reserve of 10 %, 0.75 is 17 % short.
 
     The motion stays the same: planned anew for more friction, a tilting tray may need no more of it than there is.
     """
-    scene = one_mode(name)
-    table: Any = scene.source
-    planned = plan(scene)
+    planned = example_plan(name)
+    scene, table = planned.scene, cast(Any, planned.scene.source)
     assert planned.certificate.ok
     for factor, holds in ((1.2, True), (0.75, False)):
         real = with_friction(scene, factor * float(table["tray"]["friction"]))

@@ -10,7 +10,7 @@ from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.tool import FLANGE, Tool
-from tests.builders import measured_data
+from tests.measured import measured_data
 
 TOOL = Tool(np.array([0.03, -0.05, 0.108]), 0.7)
 

@@ -14,7 +14,7 @@ from benchmarks.slosh import validate as benchmark
 from nospill.robots.kinematics.forward import kinematics
 from nospill.simulation.compare import Comparison
 from nospill.simulation.motion_file import read_heights
-from tests.builders import measured_data
+from tests.measured import measured_data
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
