@@ -52,6 +52,11 @@ def test_an_operation_gives_what_the_virtual_machine_gives(name: str, library: P
     same_for_each_column(function, [part.full() for part in ours(x, y, p)], x, y, p)
 
 
+def test_no_values_of_a_column_are_interpreted_too(library: Path) -> None:
+    nothing = interpreted(tape_of(ca.Function("nothing", [SX.sym("x", 2)], [SX.zeros(0, 1)])), library)
+    assert nothing(np.ones((2, COLUMNS))).shape == (0, COLUMNS)
+
+
 @pytest.mark.parametrize("operations", [1, 500, 3000])
 def test_registers_are_used_again(operations: int, library: Path) -> None:
     function = random_program(operations)

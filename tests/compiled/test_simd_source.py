@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from nospill.compiled import codegen, simd_source
+from nospill.compiled import codegen, simd_source, tape_reading
 from nospill.compiled.tape_reading import read_tape
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native.operations import NAMES
@@ -91,7 +91,10 @@ def test_any_number_of_columns(count: int, compiled: Callable[..., ca.Function])
     np.testing.assert_array_equal(evaluate(compiled(first, -1), [x, y], p), np.asarray(wanted[0]))
 
 
-def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Callable[..., ca.Function]) -> None:
+def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(
+    compiled: Callable[..., ca.Function], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tape_reading, "_warned", ["another function"])
     x, m, w = SX.sym("x", 2), SX.sym("m", 2, 2), ca.MX.sym("w", 2)
     others = [
         ca.Function("matrix", [m], [m @ m]),
@@ -105,6 +108,11 @@ def test_what_is_not_of_columns_or_not_known_is_compiled_as_it_is(compiled: Call
         assert found.size_in(0) == function.size_in(0)
         value = np.full(function.size_in(0), 0.3)
         np.testing.assert_allclose(np.asarray(found(value)), np.asarray(function(value)), rtol=1e-15)
+
+
+def test_no_values_of_a_column_are_compiled_too(compiled: Callable[..., ca.Function]) -> None:
+    nothing = compiled(ca.Function("nothing", [SX.sym("x", 2)], [SX.zeros(0, 1)]))
+    assert nothing(np.ones((2, 4))).shape == (0, 4)
 
 
 @pytest.mark.parametrize("steps", [2, 7])

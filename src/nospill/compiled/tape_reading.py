@@ -1,116 +1,95 @@
-"""Tapes of CasADi's functions, read from what CasADi prints of them.
+"""Tapes of CasADi's functions, read instruction by instruction through its interface.
 
-Asking for the instructions one by one, three calls each, takes more than twice as long; those of a scene are up to
-200,000.
+The instructions of a scene are up to 600,000 and take 2.2 us each; they are read where functions are not compiled yet.
 """
 
 from __future__ import annotations
 
-import string
+import warnings
 from array import array
 from collections.abc import Collection
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from nospill.compiled.tape import Tape
 from nospill.native.operations import CONSTANT, FIRST, INPUT, NAMES, OUTPUT
 
-_PRINTED = {
-    "ASSIGN": "@",
-    "ADD": "(@+@)",
-    "SUB": "(@-@)",
-    "MUL": "(@*@)",
-    "DIV": "(@/@)",
-    "NEG": "(-@)",
-    "TWICE": "(2.*@)",
-    "INV": "(1./@)",
-    "FMIN": "fmin(@,@)",
-    "FMAX": "fmax(@,@)",
-    "LT": "(@<@)",
-    "LE": "(@<=@)",
-    "EQ": "(@==@)",
-    "NE": "(@!=@)",
-    "NOT": "(!@)",
-    "AND": "(@&&@)",
-    "OR": "(@||@)",
-    "IF_ELSE_ZERO": "(@?@:0)",
-    "ATAN2": "atan2(@,@)",
-    "POW": "pow(@,@)",
+_CODES = {ca.OP_INPUT: INPUT, ca.OP_OUTPUT: OUTPUT, ca.OP_CONST: CONSTANT} | {
+    getattr(ca, f"OP_{name}"): code for code, name in enumerate(NAMES, FIRST)
 }
-"""How CasADi prints an operation, @ for an operand; one that is not here as "sin(@)". CONSTPOW is printed as POW is."""
-_WITH_DIGITS = ("(2.*", "(1./", ":0)", "atan2(")
-"""Digits of a form that are no numbers of an instruction."""
-
-_NO_DIGITS = str.maketrans("", "", string.digits)
-_ONLY_DIGITS = str.maketrans({character: " " for character in map(chr, range(128)) if not character.isdigit()})
-
-_FORMS = {
-    code: _PRINTED.get(name, f"{name.lower()}(@)") for code, name in enumerate(NAMES, FIRST) if name != "CONSTPOW"
-}
-_CODES = {
-    "@ = input[][];": INPUT,
-    "output[][] = @;": OUTPUT,
-    **{f"@ = {form};".translate(_NO_DIGITS): code for code, form in _FORMS.items()},
-}
-"""Line of an instruction without its digits -> code."""
-_NUMBERS = np.full(FIRST + len(NAMES), 3)
-"""How many numbers a line has, by its code: registers, places and rows."""
-_NUMBERS[[CONSTANT, *(code for code, form in _FORMS.items() if form.count("@") == 1)]] = 2
+"""Code of a tape by CasADi's own."""
 
 
 def read_tape(function: Any, shared: Collection[int], steps: int = 1) -> Tape | None:
-    """The instructions of a function, None where it is not of symbols and dense columns, with operations known here.
+    """The instructions of a function of symbols, dense columns and known operations; None for others, with a warning.
 
     Args:
         function: any CasADi function.
         shared: places of the inputs that are the same for all columns; -1 is the last.
         steps: how often it runs (`Tape`).
     """
-    if not function.is_a("SXFunction"):
+    obstacle = _obstacle(function)
+    if obstacle:
+        _warn_once(function.name(), obstacle)
         return None
     inputs, outputs = range(function.n_in()), range(function.n_out())
-    if any(function.nnz_in(index) != function.size1_in(index) for index in inputs):
-        return None
-    if any(function.nnz_out(index) != function.size1_out(index) for index in outputs):
-        return None
-    instructions = _read_instructions(function)
-    if instructions is None:
-        return None
     return Tape(
         function.name(),
         tuple(function.nnz_in(index) for index in inputs),
         tuple(function.nnz_out(index) for index in outputs),
         frozenset(place % len(inputs) for place in shared),
         function.sz_w(),
-        *instructions,
+        *_read_instructions(function),
         steps,
     )
 
 
-def _read_instructions(function: Any) -> tuple[array[int], array[float]] | None:
-    """Code and constants of a `Tape`; None where a line is not understood."""
-    text = function.str(True).partition("Algorithm:\n")[2].rstrip("\n")
-    for form in _WITH_DIGITS:
-        text = text.replace(form, form.translate(_NO_DIGITS))
-    lines, codes = text.split("\n"), [_CODES.get(form) for form in text.translate(_NO_DIGITS).split("\n")]
-    if len(codes) != function.n_instructions():
-        return None
-    constants = array("d")
-    for index, code in enumerate(codes):
-        if code is None:
-            if function.instruction_id(index) != ca.OP_CONST:
-                return None
-            codes[index] = CONSTANT
-            lines[index] = f"{lines[index].partition(' ')[0]} {len(constants)}"  # to the last digit, below
+def _obstacle(function: Any) -> str:
+    """What keeps a function from having a tape; empty where nothing does."""
+    if not function.is_a("SXFunction"):
+        return "is not made of SX symbols"
+    sizes = [(function.nnz_in(index), function.size1_in(index)) for index in range(function.n_in())]
+    sizes += [(function.nnz_out(index), function.size1_out(index)) for index in range(function.n_out())]
+    if any(numbers != rows for numbers, rows in sizes):
+        return "has inputs or outputs that are not dense columns"
+    operations = set(map(function.instruction_id, range(function.n_instructions())))
+    unknown = sorted(name for name in dir(ca) if name.startswith("OP_") and getattr(ca, name) in operations - {*_CODES})
+    return f"has operations that are not in nospill's table ({', '.join(unknown)})" if unknown else ""
+
+
+def _read_instructions(function: Any) -> tuple[array[int], array[float]]:
+    """Code and constants of a `Tape`."""
+    code, constants = array("i"), array("d")
+    every = range(function.n_instructions())
+    instructions = zip(
+        every,
+        map(function.instruction_id, every),
+        map(function.instruction_output, every),
+        map(function.instruction_input, every),
+        strict=True,
+    )
+    for index, operation, to, operands in instructions:
+        if operation == ca.OP_CONST:
+            operands.append(len(constants))
             constants.append(function.instruction_constant(index))
-    operations = np.array(codes, dtype=np.intc)
-    numbers = np.fromstring("\n".join(lines).translate(_ONLY_DIGITS), dtype=np.intc, sep=" ")
-    ends = np.cumsum(_NUMBERS[operations])
-    if ends[-1] != len(numbers):
-        return None
-    code = np.stack([operations, *numbers[[ends - _NUMBERS[operations], ends - _NUMBERS[operations] + 1, ends - 1]]], 1)
-    written = operations == OUTPUT
-    code[written, 2:] = code[written, :1:-1]  # the register stands behind place and row
-    return array("i", code.tobytes()), constants
+        elif operation == ca.OP_OUTPUT:
+            operands.append(to[1])
+        code.extend((_CODES[operation], to[0], operands[0], operands[-1]))
+    return code, constants
+
+
+_warned: list[str] = []
+"""Of which function a warning has spoken in this process."""
+
+
+def _warn_once(name: str, obstacle: str) -> None:
+    """What a function without a tape costs; further ones say nothing new."""
+    if not _warned:
+        _warned.append(name)
+        warnings.warn(
+            f"function {name} {obstacle}: such functions are evaluated by CasADi's virtual machine, "
+            "plans take up to three times as long",
+            RuntimeWarning,
+            stacklevel=1,
+        )
