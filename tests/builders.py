@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from nospill.judge.other_speeds import uses_at
 from nospill.judge.tracks import variant_tracks
@@ -29,18 +26,6 @@ VESSELS: dict[str, Vessel] = {
     "profile": Profile(profile=((0.0, 0.0), (0.02, 0.0), (0.02, 0.02), (0.05, 0.02), (0.045, 0.09)), wall=0.002),
 }
 """A vessel of every shape that is a body of revolution."""
-
-
-def changed_table(table: Mapping[str, Any], changes: Mapping[str, object]) -> dict[str, Any]:
-    """A scenario's table with new values by place, for example {"motion.tilt": "fixed", "cargo.0.mass": 0.2}."""
-    changed: Any = copy.deepcopy(dict(table))
-    for place, value in changes.items():
-        *parents, key = place.split(".")
-        entry = changed
-        for parent in parents:
-            entry = entry[int(parent)] if isinstance(entry, list) else entry.setdefault(parent, {})
-        entry[int(key) if isinstance(entry, list) else key] = value
-    return changed
 
 
 def one_mode(name: str, *settings: str) -> Scene:

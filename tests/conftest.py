@@ -8,7 +8,7 @@ import shutil
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -30,14 +30,14 @@ from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.robots.joint_paths.search import JointPath
-from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
 from nospill.warmup.usual import usual_parts
 from nospill.warmup.warming import warm_cache
-from tests.builders import changed_table, joint_path_of, one_mode, with_few_speeds
+from tests.builders import joint_path_of, one_mode, with_few_speeds
 from tests.compiling import AT_FIRST, forget, hasty_compiler
 from tests.example_plans import planned_once
 
@@ -118,8 +118,7 @@ def changed_scene() -> Callable[..., Scene]:
     """Make a variant of an example: its name, and new values by place, for example {"motion.tilt": "fixed"}."""
 
     def make(name: str, changes: Mapping[str, Any]) -> Scene:
-        table = changed_table(read_scenario(name).source, changes)
-        return scene_from_table(table, name=name)
+        return read_scenario(name).changed(changes)
 
     return make
 
@@ -163,7 +162,7 @@ def _joint_path(name: str) -> JointPath:
 @cache
 def _smooth_motion(name: str, cargo: int | None, intervals: int, start: Start) -> SmoothMotion:
     scene = one_mode(name)
-    scene = replace(scene, cargo=scene.cargo[:cargo])
+    scene = scene.changed({"cargo": scene.source["cargo"][:cargo]})
     model = scene.with_one_mode()
     stages = smooth_start(model, _joint_path(name), intervals, start)
     return SmoothMotion(scene, model, stages, export_samples(model, stages))

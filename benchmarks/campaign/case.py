@@ -16,7 +16,7 @@ import resource
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,7 @@ def failure_of(error: NospillError, scene: Scene) -> Failure:
 
 def limited(scene: Scene, longest: float) -> Scene:
     """The scene with so much time to look for a motion, s, that a reason can be told before the process ends."""
-    return replace(scene, planning=replace(scene.planning, max_plan_time=min(longest, scene.planning.max_plan_time)))
+    return scene.changed({"planning.max_plan_time": min(longest, scene.planning.max_plan_time)})
 
 
 def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[str, Any]:

@@ -14,7 +14,6 @@ import os
 import resource
 import sys
 import time
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,7 +44,7 @@ def run(table: dict[str, Any], name: str, *, longest: float) -> dict[str, Any]:
     """
     try:
         scene = scene_from_table(table, name=name)
-        scene = replace(scene, planning=replace(scene.planning, max_plan_time=longest))
+        scene = scene.changed({"planning.max_plan_time": longest})
     except NospillError as error:
         return {"kind": REFUSED, "reason": str(error)}
     began, at = processor_time(), time.perf_counter()
@@ -108,7 +107,7 @@ def on_way(plan: Plan, longest: float) -> float | None:
         given["yaw"] = [path[end].get("yaw", 0.0) for end in ("start", "goal")]
     try:
         scene = scene_from_table(source | {"path": given}, name=plan.scene.name)
-        found = planner.plan(replace(scene, planning=replace(scene.planning, max_plan_time=longest)))
+        found = planner.plan(scene.changed({"planning.max_plan_time": longest}))
     except NospillError:
         return None
     return found.duration if found.certificate.ok else None

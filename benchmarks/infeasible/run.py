@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.infeasible.cases import BASES, CASES, Case, Table, spoiled_table
-from nospill.diagnosis import changed_table
 from nospill.errors import Change, NospillError, Reason
 from nospill.planning.planner import plan
 from nospill.scenario import scene_from_table
+from nospill.scenario.settings import changed_table
 
 BEGIN, END = "<!-- infeasible: begin -->", "<!-- infeasible: end -->"
 PAGE = Path(__file__).parents[2] / "docs" / "reasons.md"
@@ -84,7 +84,7 @@ def run(case: Case) -> dict[str, Any]:
 
 
 def _tried(table: Table, change: Change, name: str) -> dict[str, Any]:
-    duration, why = planned(changed_table(table, change), name)
+    duration, why = planned(changed_table(table, change.values), name)
     return {"place": change.place, "text": change.text, "duration": duration, "why": why}
 
 

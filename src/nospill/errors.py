@@ -12,9 +12,13 @@ Setting = float | str | list[float] | list[str]
 """A value in a scenario file, SI where it is a number."""
 
 
+_IN_PLACE_OF = {"motion.path_jerk_limit": "motion.max_jerk"}
+"""Key of a change -> the other key for the same limit."""
+
+
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A single change of a scenario that lets a motion be found; `reasons.with_change` makes it.
+    """A single change of a scenario that lets a motion be found; `scene.changed(change.values)` makes it.
 
     Attributes:
         what: what is in the way, for people.
@@ -28,6 +32,12 @@ class Change:
     place: str
     value: Setting
     text: str
+
+    @property
+    def values(self) -> dict[str, Setting | None]:
+        """What `Scene.changed` takes: the value at its place, and None for the key that it takes the place of."""
+        other = _IN_PLACE_OF.get(self.place)
+        return {self.place: self.value} | ({} if other is None else {other: None})
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,7 @@ def test_what_has_no_certified_motion_is_left_out(
     plan = gentle_plan("pp-two-cups", 1)
     assert compared(plan, say=asked.append).report.compared == {}
     assert asked == [TRAPEZOID]
-    tilting = replace(plan, scene=replace(plan.scene, motion=replace(plan.scene.motion, tilt_free=True)))
+    tilting = replace(plan, scene=plan.scene.changed({"motion.tilt": "free"}))
     found = compared(tilting)
     assert found.report.compared == {LEVEL: 6.0}
     assert found.sooner == (

@@ -109,7 +109,7 @@ def endings(folder: Path) -> list[str]:
 def small(changed_scene: Callable[..., Scene]) -> Scene:
     """One solid on a level tray: little to compile."""
     scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed", "planning.intervals": 40})
-    return dataclasses.replace(scene, cargo=scene.cargo[:1])
+    return scene.changed({"cargo": scene.source["cargo"][:1]})
 
 
 @needs_compiler

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nospill.cli import app
-from nospill.diagnosis import last_resort, not_found, with_change
+from nospill.diagnosis import last_resort, not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.log import Log
@@ -98,7 +98,7 @@ def test_friction_that_asks_for_more_than_the_usual_time_is_named(frictionless: 
 def test_a_suggested_friction_is_enough(frictionless: tuple[Scene, NoSolutionError]) -> None:
     scene, error = frictionless
     change = next(change for change in error.changes if change.place == "tray.friction")
-    assert plan(with_change(scene, change)).certificate.ok
+    assert plan(scene.changed(change.values)).certificate.ok
 
 
 def test_too_short_a_duration_is_reported_with_the_least_that_suffices(changed_scene: Changed) -> None:

@@ -20,7 +20,6 @@ from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
-from nospill.scenario import read_scenario
 from nospill.scene.scene import MotionRules, Scene
 from tests.builders import with_few_speeds
 
@@ -35,9 +34,7 @@ def held_plan(smooth_motion, changed_scene):
     def make(before: float = 0.5, after: float = 0.3) -> Plan:
         motion = smooth_motion("matrix-liquid-soft-end", cargo=1, stretch=1.3)
         holds = {"motion.hold_before": before, "motion.hold_after": after}
-        scene = changed_scene("matrix-liquid-soft-end", holds)
-        table = dict(scene.source) | {"cargo": scene.source["cargo"][:1]}
-        scene = replace(scene, cargo=scene.cargo[:1], source=table)
+        scene = motion.scene.changed(holds)
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport.empty()
         maxima = motion_maxima(judgement, scene)
@@ -177,11 +174,3 @@ def test_the_folder_holds_them_and_is_compared_with_them(held_plan, tmp_path):
     assert compare_plan_files(back.trajectory, back.scene, tmp_path / "out") == {"robot.csv": None}
     other = replace(back.scene, motion=rules_of(back.scene, 0.5, 0.4))
     assert compare_plan_files(back.trajectory, other, tmp_path / "out")["robot.csv"] is not None
-
-
-def test_a_scene_with_other_holds_than_its_source_is_saved_as_what_it_is(held_plan, tmp_path):
-    plan = held_plan()
-    altered = replace(plan, scene=replace(plan.scene, motion=rules_of(plan.scene, 0.0, 0.0)))
-    altered.save(tmp_path / "out")
-    saved = read_scenario(tmp_path / "out" / "scenario.toml").motion
-    assert (saved.hold_before, saved.hold_after) == (0.0, 0.0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,6 @@ from nospill.errors import NoSolutionError
 from nospill.planning.planner import plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.scenario import read_scenario
-from nospill.scenario.described import described
 
 pytestmark = pytest.mark.slow
 
@@ -50,11 +46,3 @@ def test_a_duration_that_is_too_short_is_reported_with_the_least_that_suffices(c
     assert caught.value.reason is not None
     keys = {change.place: change.value for change in caught.value.reason.changes}
     assert keys["motion.duration"] == pytest.approx(1.9, rel=0.1)
-
-
-def test_a_duration_given_in_python_is_written_into_the_scenario() -> None:
-    scene = read_scenario("matrix-liquid")
-    changed = described(replace(scene, motion=replace(scene.motion, duration=2.5)))
-    assert changed.source["motion"]["duration"] == "2.5 s"  # type: ignore[index]
-    free = described(replace(changed, motion=replace(changed.motion, duration=None)))
-    assert "duration" not in free.source["motion"]  # type: ignore[operator]

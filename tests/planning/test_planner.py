@@ -95,7 +95,7 @@ def test_a_duration_that_is_too_short_is_named(changed_scene: Changed) -> None:
     scene = changed_scene("matrix-liquid", {"motion.max_duration": "1.0 s"})
     told = r"none within max_duration 1 s.*Smallest single change found: max_duration 1\.\d+ s instead"
     with pytest.raises(NoSolutionError, match=rf"^No motion found: {told}") as raised:
-        plan(dataclasses.replace(scene, cargo=scene.cargo[:1]))
+        plan(scene.changed({"cargo": scene.source["cargo"][:1]}))
     assert "\n" not in str(raised.value) and raised.value.exit_code == 3
 
 

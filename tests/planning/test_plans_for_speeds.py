@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,9 +15,9 @@ from nospill.scene.scene import Scene
 @pytest.mark.slow
 def test_a_cup_at_every_speed_of_a_range(changed_scene: Callable[..., Scene]) -> None:
     scene = changed_scene("pp-two-cups", {"planning.intervals": 40, "planning.starts": 1})
-    scene = replace(scene, cargo=scene.cargo[:1])
+    scene = scene.changed({"cargo": scene.source["cargo"][:1]})
     nominal = plan(scene)
-    ranged = plan(replace(scene, motion=replace(scene.motion, speed_range=(0.85, 0.95))))
+    ranged = plan(scene.changed({"motion.speed_range": [0.85, 0.95]}))
     assert ranged.certificate.ok and ranged.judgement is not None
     assert {row.variant for row in ranged.judgement.corners} >= {"85 % of the speed"}
     speeds = np.random.default_rng(1).uniform(0.85, 0.95, 8)

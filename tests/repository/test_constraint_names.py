@@ -35,7 +35,6 @@ OTHER_MEANINGS = {
         "warmup/usual.py": "key of a scenario",
     },
     "corridor": {
-        "scenario/described.py": "key of a scenario",
         "studio/fields.py": "key of a scenario",
     },
     "clearance": {"studio/obstacles.py": "key of a scenario"},

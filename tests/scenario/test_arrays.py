@@ -9,8 +9,8 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario.settings import changed_table
 from nospill.scene.scene import Scene
-from tests.builders import changed_table
 
 VIAL: dict[str, Any] = {
     "name": "vial",

@@ -12,7 +12,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.capsules import ESTIMATED, placed_capsules
 from nospill.scenario.capsule_entry import STATED
-from nospill.scenario.reader import scenario_text, scene_from_table
+from nospill.scenario.scenes import scenario_text, scene_from_table
 from nospill.scene.scene import Scene
 from tests.robots.description.test_urdf import arm_text
 from tests.scenario.test_bad_scenarios import FOLDER

@@ -15,10 +15,9 @@ from nospill.laws.parameters import constants
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.described import described
+from nospill.scenario.settings import changed_table
 from nospill.scene.scene import Scene
 from nospill.scene.variants import variants
-from tests.builders import changed_table
 
 ANGLES: list[dict[str, Any]] = [{}, {"contact_line": "free"}]
 ANGLES += [{"contact_line": "free", "contact_angle": f"{angle} deg"} for angle in (60, 120)]
@@ -81,8 +80,7 @@ def test_the_corners_of_a_contact_angle() -> None:
 def test_a_kept_scenario_has_its_contact_angle() -> None:
     stated = {"contact_line": "pinned", "contact_angle": "60 deg", "tolerance": {"contact_angle": "5 deg"}}
     scene = scene_with(**stated)
-    changed = replace(scene, cargo=(replace(scene.cargo[0], friction=0.3), *scene.cargo[1:]))
-    kept = scene_from_table(described(changed).source, name="t").cargo[0]
+    kept = scene.changed({"cargo.0.friction": 0.3}).cargo[0]
     assert kept.filling is not None and kept.filling.contact_angle == pytest.approx(np.pi / 3)
     assert kept.tolerance is not None and kept.tolerance.contact_angle == pytest.approx(np.pi / 36)
 
@@ -93,11 +91,8 @@ def test_a_kept_scenario_has_its_contact_line() -> None:
     assert [item.text for item in variants(scene.cargo[0], fidelity="full")] == ["", "contact line pinned"]
     slower, faster = (item.cargo.oscillators[0].frequency for item in variants(scene.cargo[0], fidelity="full"))
     assert faster / slower == pytest.approx(13.91 / 8.92, rel=0.01)
-    first = scene.cargo[0]
-    changed = replace(scene, cargo=(replace(first, friction=0.3, tolerance=None), *scene.cargo[1:]))
-    kept: Any = described(changed).source
-    assert kept["cargo"][0]["contact_line"] == "free"
-    assert kept["cargo"][0]["tolerance"].get("pinned") is not True
+    kept = scene.changed({"cargo.0.tolerance": None}).source["cargo"][0]
+    assert kept["contact_line"] == "free" and "tolerance" not in kept
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +9,6 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.described import described
-from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
 
@@ -47,23 +43,3 @@ def test_wrong_values_are_refused(controller: dict[str, Any], message: str) -> N
     with pytest.raises(ScenarioError, match=message) as caught:
         scene_with(**controller)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("compensate", [True, False])
-def test_a_controller_that_was_set_in_python_is_described(compensate: bool) -> None:
-    own = Controller(np.full(6, 0.004), np.arange(6) * 1e-3, compensate=compensate, tracking_tolerance=np.full(6, 0.05))
-    found = described(replace(read_scenario("matrix-liquid"), controller=own)).controller
-    assert found is not None
-    assert found.lag == pytest.approx(own.lag)
-    assert found.delay == pytest.approx(own.delay)
-    assert found.compensate is compensate
-    assert found.tracking_tolerance == pytest.approx(np.full(6, 0.05))
-
-
-def test_a_controller_that_was_taken_away_is_away() -> None:
-    assert described(replace(scene_with(lag="15 ms"), controller=None)).controller is None
-
-
-def test_a_part_of_another_kind_is_refused(changed_scene: Callable[..., Scene]) -> None:
-    with pytest.raises(ScenarioError, match="controller of the scene is of type"):
-        described(replace(read_scenario("matrix-liquid"), controller=0.015))  # type: ignore[arg-type]

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.described import described
 
 
 def rules_of(*settings: str):
@@ -76,15 +73,6 @@ def test_a_corridor_is_wider_than_the_smoothing_of_its_path() -> None:
         scene_from_table(waypoints(corridor="2 mm", smoothing="4 mm"), name="points")
 
 
-def test_freedom_given_in_python_is_written_into_the_scenario() -> None:
-    scene = read_scenario("matrix-liquid")
-    free = described(replace(scene, motion=replace(scene.motion, corridor=0.02, yaw_free=True)))
-    path = free.source["path"]
-    assert path["corridor"] == "0.02 m" and path["yaw"] == ["0 deg", "free", "180 deg"]  # type: ignore[index]
-    back = described(replace(free, motion=free.motion.on_path()))
-    assert back.source["path"] == scene.source["path"]
-
-
 def test_a_corridor_that_widens_along_the_path() -> None:
     widths = ["5 mm", "40 mm", "20 mm"]
     rules = scene_from_table(waypoints(corridor=widths), name="points").motion
@@ -101,11 +89,3 @@ def test_a_corridor_that_widens_along_the_path() -> None:
             scene_from_table(waypoints(corridor=given), name="points")
     with pytest.raises(ScenarioError, match="corridor is 5 mm wide, no more than the 6 mm of smoothing"):
         scene_from_table(waypoints(corridor=widths, smoothing="6 mm"), name="points")
-
-
-def test_a_changed_corridor_is_written_with_its_widths() -> None:
-    scene = scene_from_table(waypoints(corridor=["5 mm", "40 mm"]), name="points")
-    wider = described(replace(scene, motion=replace(scene.motion, corridor=0.08)))
-    assert wider.source["path"]["corridor"] == ["0.01 m", "0.08 m"]  # type: ignore[index]
-    even = described(replace(scene, motion=replace(scene.motion, corridor_shares=())))
-    assert even.source["path"]["corridor"] == "0.04 m"  # type: ignore[index]

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import pytest
 
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scenario_text, scene_from_table
-from nospill.scenario.described import described
-from tests.builders import changed_table
+from nospill.scenario.settings import changed_table
 
 
 def labelled(text: object) -> dict[str, object]:
@@ -28,13 +24,3 @@ def test_any_text_of_one_line_is_a_label(text: str) -> None:
 def test_what_is_no_text_of_one_line_is_refused(text: object) -> None:
     with pytest.raises(ScenarioError, match=r"label .* is no text of one line; use at most 60"):
         scene_from_table(labelled(text), name="bar")
-
-
-def test_a_label_that_is_changed_in_python_is_kept() -> None:
-    scene = read_scenario("pp-two-cups")
-    first = replace(scene.cargo[0], label="beer 0.3 l")
-    kept = described(replace(scene, cargo=(first, *scene.cargo[1:])))
-    table: Any = kept.source
-    assert table["cargo"][0]["label"] == "beer 0.3 l"
-    back = described(replace(kept, cargo=(replace(kept.cargo[0], label=""), *kept.cargo[1:])))
-    assert back.cargo[0].title == "left"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.scenario.described import described
-from nospill.scenario.reader import scenario_text, scene_from_table
+from nospill.scenario.scenes import scenario_text, scene_from_table
 from nospill.scene.obstacles import Obstacle
 from tests.scenario.test_bad_scenarios import FOLDER
 
@@ -43,21 +41,6 @@ def test_a_scenario_with_obstacles_is_kept_as_it_is() -> None:
     assert again.source == scene.source
     for first, second in zip(scene.obstacles, again.obstacles, strict=True):
         assert same(first, second)
-    assert described(scene) is scene
-
-
-def test_obstacles_changed_in_python_are_written_down() -> None:
-    """Moved, left out, added: the scenario says so, and entries that did not change keep their own words."""
-    scene = scene_from_table({**VALID, "obstacle": ENTRIES}, name="cell")
-    box, post, ball, rail, _ = scene.obstacles
-    moved = replace(box, position=np.array([0.9, 0.1, 0.3]), rpy=np.array([0.1, 0.2, 0.3]), clearance=0.03)
-    new = replace(rail, name="second", position=np.array([2.0, 2.0, 0.0]))
-    changed = described(replace(scene, obstacles=(moved, post, ball, rail, new)))
-    assert all(same(*pair) for pair in zip(changed.obstacles, (moved, post, ball, rail, new), strict=True))
-    assert changed.source["obstacle"][1:4] == ENTRIES[1:4]  # type: ignore[index]
-    assert "obstacle" not in described(replace(scene, obstacles=())).source
-    with pytest.raises(ScenarioError, match=r"obstacles of the scene is of type str"):
-        described(replace(scene, obstacles=("column",)))  # type: ignore[arg-type]
 
 
 def same(first: Obstacle, second: Obstacle) -> bool:
@@ -131,10 +114,6 @@ def test_a_mesh_is_its_hull_and_needs_no_file_any_more(tmp_path: Path) -> None:
     assert "file" not in kept["obstacle"][0] and "scale" not in kept["obstacle"][0]
     again = scene_from_table(kept, name="cell", folder=tmp_path / "elsewhere")
     np.testing.assert_allclose(again.obstacles[0].shape.points, found.shape.points)
-    moved = replace(found, position=np.array([1.5, 0.0, 0.0]))
-    np.testing.assert_allclose(
-        described(replace(scene, obstacles=(moved,))).obstacles[0].shape.points, found.shape.points
-    )
 
 
 @pytest.mark.parametrize(

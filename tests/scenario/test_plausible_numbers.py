@@ -11,7 +11,7 @@ from nospill.core.units import DIMENSIONS
 from nospill.errors import ScenarioError
 from nospill.scenario import load, read_scenario
 from nospill.scenario.fields import PLAUSIBLE
-from tests.builders import changed_table
+from nospill.scenario.settings import changed_table
 
 TABLE = read_scenario("matrix-liquid").source
 LIQUID = {"density": 998, "kinematic_viscosity": 1e-6}

@@ -19,12 +19,12 @@ from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.integrate import integrate, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.settings import changed_table
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import CARRIED_MODES, lumped, single_oscillators, with_modes
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from tests.builders import changed_table
 
 STEPS, STEP = 300, 2e-3
 

@@ -17,14 +17,14 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.described import described
+from nospill.scenario.settings import changed_table
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import Oscillator
 from nospill.scene.swing import coordinates, swing_of
 from nospill.verify.bodies import bodies_of
 from nospill.verify.engine import Stepper, build
-from tests.builders import changed_table, joint_path_of
+from tests.builders import joint_path_of
 from tests.verify.test_engine import resting
 
 SWING = {"displacement": [["1 mm", "-0.5 mm"], ["0.1 mm", "0 mm"]], "velocity": [["10 mm/s", "0 mm/s"], [0.0, 0.002]]}
@@ -135,21 +135,6 @@ def test_a_solid_does_not_swing() -> None:
     table = changed_table(read_scenario("matrix-rigid").source, {"cargo.0.initial_swing": SWING})
     with pytest.raises(ScenarioError, match="initial_swing is given but liquid is not"):
         scene_from_table(table, name="t")
-
-
-def test_a_changed_scene_is_saved_with_its_swing_and_without_it() -> None:
-    scene = read_scenario("pp-two-cups")
-    (cup, *others) = scene.cargo
-    assert cup.filling is not None
-    swing = swinging().cargo[0].filling.initial_swing  # type: ignore[union-attr]
-    changed = described(
-        replace(scene, cargo=(replace(cup, filling=replace(cup.filling, initial_swing=swing)), *others))
-    )
-    again = scene_from_table(changed.source, name=changed.name)
-    assert again.cargo[0].filling is not None and again.cargo[0].filling.initial_swing == swing
-    still = replace(again.cargo[0], filling=replace(again.cargo[0].filling, initial_swing=None))
-    source: dict[str, Any] = described(replace(again, cargo=(still, *others))).source
-    assert "initial_swing" not in source["cargo"][0]
 
 
 def test_what_stands_in_a_carrier_begins_at_rest() -> None:

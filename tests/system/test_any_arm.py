@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -133,16 +132,15 @@ def test_a_start_from_a_trajectory_counts_the_redundant_joint_as_it_is_told() ->
 @pytest.mark.slow
 def test_removing_a_limit_never_makes_the_motion_slower() -> None:
     base = on_the_arc("comau-smart-six", tilt=True, intervals=25)
-    base = replace(base, cargo=base.cargo[:1])
-    robot = replace(base.robot, max_jerk=np.full(6, 120.0))
-    jerk, acceleration = np.full(6, 1e5), np.full(6, 900.0)  # as good as none
-    variants = {
-        "all": robot,
-        "no jerk": replace(robot, max_jerk=jerk),
-        "no acceleration": replace(robot, max_acceleration=acceleration),
-        "neither": replace(robot, max_jerk=jerk, max_acceleration=acceleration),
+    base = base.changed({"cargo": base.source["cargo"][:1]})
+    no_jerk, no_acceleration = {"robot.limits.jerk": 1e5}, {"robot.limits.acceleration": 900.0}  # as good as none
+    variants: dict[str, dict[str, float]] = {
+        "all": {},
+        "no jerk": no_jerk,
+        "no acceleration": no_acceleration,
+        "neither": no_jerk | no_acceleration,
     }
-    found = {name: plan(replace(base, robot=arm)) for name, arm in variants.items()}
+    found = {name: plan(base.changed({"robot.limits.jerk": 120.0} | changes)) for name, changes in variants.items()}
     assert all(item.certificate.ok for item in found.values())
     duration = {name: item.duration for name, item in found.items()}
     slack = 1 + 2e-3  # tightening keeps back a little more or less of each budget
@@ -154,7 +152,7 @@ def test_removing_a_limit_never_makes_the_motion_slower() -> None:
     ):
         assert duration[without] <= duration[with_limit] * slack, (with_limit, without)
     # and they bind: leaving them out breaks them
-    free = replace(found["neither"].scene, robot=robot)
+    free = found["all"].scene
     broken = {row.constraint for row in certify(found["neither"].trajectory, free).rows if not row.ok}
     assert {"joint acceleration", "joint jerk"} <= broken
     assert duration["all"] > duration["neither"] * 1.01
@@ -182,7 +180,7 @@ def test_torque_limits_bind_and_are_broken_without() -> None:
     )
     # half way between what holding still needs and what the motion took: feasible, but only slower
     needed, held = np.abs(used).max(axis=0), np.abs(still).max(axis=0)
-    weak = replace(scene, robot=replace(scene.robot, max_torque=np.maximum(0.5 * (needed + held), 1.02 * held)))
+    weak = scene.changed({"robot.limits.torque": np.maximum(0.5 * (needed + held), 1.02 * held)})
     found = plan(weak)
     assert found.certificate.ok and found.duration > free.duration
     assert "joint torque" in {row.constraint for row in certify(free.trajectory, weak).rows if not row.ok}

@@ -18,7 +18,6 @@ Some are implied by others there and get a variant of the same tray, or are left
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -101,14 +100,13 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "drop of cup and bottle": _DROP,
             "drop of the bottle": _DROP,
         }
-        cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]  # pyright: ignore[reportGeneralTypeIssues]
-        scene = changed_scene("mixed-tray", {"cargo": [cup, bottle]} | _QUICK | changes.get(name, {}))
-        if name == "drop of the bottle":
-            return dataclasses.replace(scene, cargo=scene.cargo[1:])
+        cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]
+        cargo = [bottle] if name == "drop of the bottle" else [cup, bottle]
+        scene = changed_scene("mixed-tray", {"cargo": cargo} | _QUICK | changes.get(name, {}))
         if name == "short shoulder":
             upper = scene.robot.upper.copy()
             upper[1] = -0.07
-            return dataclasses.replace(scene, robot=dataclasses.replace(scene.robot, upper=upper))
+            return scene.changed({"robot.limits.upper": upper})
         return scene
 
     return make

@@ -16,11 +16,11 @@ from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scene_from_table
+from nospill.scenario.settings import changed_table
 from nospill.scene.carriers import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
 from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.warmup.usual import Part, usual_parts
-from tests.builders import changed_table
 from tests.compiling import forget
 
 Entry = tuple[str, Structure]

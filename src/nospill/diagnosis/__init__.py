@@ -2,8 +2,6 @@
 
 from nospill.diagnosis.certification import infeasible_with_more as infeasible_with_more
 from nospill.diagnosis.certification import not_playable as not_playable
-from nospill.diagnosis.changes import changed_table as changed_table
-from nospill.diagnosis.changes import with_change as with_change
 from nospill.diagnosis.motion import last_resort as last_resort
 from nospill.diagnosis.quasi_static import is_hopeless as is_hopeless
 from nospill.diagnosis.reach import advised as advised
@@ -12,4 +10,4 @@ from nospill.path_search.branches import free_paths as free_paths
 from nospill.path_search.free_path import freest_way as freest_way
 from nospill.path_search.free_path import paths_along as paths_along
 
-__all__ = ["Searcher", "advised", "changed_table", "is_hopeless", "last_resort", "with_change"]
+__all__ = ["Searcher", "advised", "is_hopeless", "last_resort"]

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from nospill.diagnosis.changes import advice, with_change
+from nospill.diagnosis.changes import advice
 from nospill.diagnosis.options import Option, Task, option_groups
 from nospill.diagnosis.search import Searcher, is_possible
 from nospill.errors import ROBOT, Change, NoSolutionError, Reason, ScenarioError
@@ -131,9 +131,9 @@ def _least_time(joint_path: JointPath, robot: Robot) -> float:
 
 def _is_confirmed(scene: Scene, change: Change, confirm: Confirm) -> bool:
     try:
-        changed = with_change(scene, change)
+        changed = scene.changed(change.values)
     except ScenarioError:  # beyond the bounds of its key
         return False
-    changed = replace(scene, robot=changed.robot, path=changed.path, tray=changed.tray, source=changed.source)
+    changed = replace(scene, robot=changed.robot, path=changed.path, tray=changed.tray, origin=changed.origin)
     tried = try_joint_paths(changed.robot, changed.path, tool=changed.tray.tool)
     return bool(tried.paths) and confirm(changed, tried.paths[0])

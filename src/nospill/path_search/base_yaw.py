@@ -7,7 +7,7 @@ from typing import Any
 from nospill.errors import ScenarioError
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
 from nospill.robots.joint_paths.search import try_joint_paths
-from nospill.scenario.reader import scene_from_table
+from nospill.scenario.scenes import scene_from_table
 from nospill.scene.scene import Scene
 
 STEP_DEG = 30

@@ -18,7 +18,7 @@ from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scenario.free_path_entry import FreeTable
-from nospill.scenario.reader import scene_from_table
+from nospill.scenario.scenes import scene_from_table
 from nospill.scene.scene import Scene
 
 _POINTS = 13

@@ -1,4 +1,4 @@
-"""What a caller asks to plan, checked: a scene that a scenario describes, constraints, an earlier plan."""
+"""What a caller asks to plan, checked: a scene that was read, constraints, an earlier plan."""
 
 from __future__ import annotations
 
@@ -9,23 +9,22 @@ from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.plans.plan import Plan
 from nospill.scenario import load
-from nospill.scenario.described import described
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 
 
 def requested_scene(scene: Scene | ScenarioSource) -> Scene:
-    """The scene to plan: as it is where its scenario describes it, read where it is the name of one.
+    """The scene to plan: as it is where it is one, read where it is the name of one.
 
     Args:
         scene: a scene, or what `load` takes: a file, a plan folder, an example's name, a dictionary.
 
     Raises:
-        ScenarioError: it is none of these, cannot be read, or was changed to what no scenario describes.
+        ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`.
     """
     if isinstance(scene, Plan):
         raise ScenarioError("a scene is needed, and this is a plan; its scene is plan.scene")
-    return described(scene) if isinstance(scene, Scene) else load(scene)
+    return scene.require_as_read() if isinstance(scene, Scene) else load(scene)
 
 
 def ignored_constraints(ignore: Collection[str] | str) -> frozenset[str]:

@@ -10,7 +10,6 @@ from typing import Any
 
 from nospill.approach import Segment, segment_text
 from nospill.core.files import atomic_folder
-from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.plan_files import write_plan_files
 from nospill.judge.verdict import Certificate
 from nospill.motion.trajectory import Trajectory, trajectory_text
@@ -22,8 +21,6 @@ from nospill.plans.names import (
     TRAJECTORY_FILE,
     is_plan_folder,
 )
-from nospill.scenario import scenario_text
-from nospill.scenario.described import described
 from nospill.scene.scene import Scene
 
 
@@ -41,7 +38,7 @@ def write_folder(
 
     Args:
         folder: place of the plan folder; an earlier plan there is replaced.
-        scene: the task; one that was changed in Python is kept as the scenario that describes it.
+        scene: the task, as it was read.
         trajectory: the motion.
         certificate: the verdict.
         approach: from where the arm is to the start of the trajectory, where there is one.
@@ -49,13 +46,13 @@ def write_folder(
         extra: writes more files into the folder while it is being made, for example figures.
 
     Raises:
-        PlanFolderError: the folder holds something else or cannot be written, or no scenario describes the
-            scene.
+        PlanFolderError: the folder holds something else or cannot be written.
+        ScenarioError: the scene is a copy made with `dataclasses.replace`.
     """
     began = time.perf_counter()
-    scene = _faithful(scene)
+    scene.require_as_read()
     with atomic_folder(folder, replaceable=is_plan_folder) as partial:
-        _write(partial / SCENARIO_FILE, scenario_text(scene))
+        _write(partial / SCENARIO_FILE, scene.text())
         _write(partial / TRAJECTORY_FILE, trajectory_text(trajectory))
         _write(partial / CERTIFICATE_FILE, _json(certificate.to_dict()))
         if approach is not None:
@@ -64,14 +61,6 @@ def write_folder(
         if extra is not None:
             extra(partial)
         _write(partial / SUMMARY_FILE, _json(summary(time.perf_counter() - began)))
-
-
-def _faithful(scene: Scene) -> Scene:
-    """The scene whose scenario text says what was planned; a scene altered in Python may have none."""
-    try:
-        return described(scene)
-    except ScenarioError as error:
-        raise PlanFolderError(f"{error}") from None
 
 
 def _write(path: Path, text: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from nospill.judge.run import run_of
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.plans.plan import Plan
-from nospill.scenario.described import described
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing, swing_of
@@ -62,13 +61,14 @@ def starting_after(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
     """
     _require_same_place(scene, plan)
     left, known = swing_after(plan, wait), {cargo.name: cargo for cargo in plan.scene.cargo}
-    cargo = tuple(
-        _swinging(item, known[item.name], left[item.name]) if item.name in left else item for item in scene.cargo
-    )
-    return described(replace(scene, cargo=cargo))
+    swings = {item.name: left[item.name] for item in scene.cargo if item.name in left}
+    for item in scene.cargo:
+        if item.name in swings:
+            _require_same_liquid(item, known[item.name])
+    return scene.changed({f"cargo.{name}.initial_swing": asdict(swing) for name, swing in swings.items()})
 
 
-def _swinging(cargo: Cargo, before: Cargo, swing: Swing) -> Cargo:
+def _require_same_liquid(cargo: Cargo, before: Cargo) -> None:
     ours, theirs = cargo.filling, before.filling
     if ours is None or theirs is None:
         raise ScenarioError(f'cargo "{cargo.name}" is solid here and held a liquid before; give it another name')
@@ -78,7 +78,6 @@ def _swinging(cargo: Cargo, before: Cargo, swing: Swing) -> Cargo:
             f'cargo "{cargo.name}" has another shape, liquid, fill or yaw than in the plan before, whose swing it '
             "would go on with; use the same object or another name"
         )
-    return replace(cargo, filling=replace(ours, initial_swing=swing))
 
 
 def _require_same_place(scene: Scene, plan: Plan) -> None:

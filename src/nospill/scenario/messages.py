@@ -59,9 +59,10 @@ def entry_place(key: str, index: int, entry: object) -> str:
     return f"{key} {as_written(name)}" if isinstance(name, str) and name else f"{key} {index + 1}"
 
 
-def faults_of(error: ValidationError, table: Mapping[str, Any]) -> list[Fault]:
+def faults_of(error: ValidationError, table: Mapping[str, Any], *, unknown_only: bool = False) -> list[Fault]:
     """Every error of a scenario `table`; unknown keys first: a misspelt key is also missing under its right name."""
     details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    details = [detail for detail in details if detail["type"] == "extra_forbidden" or not unknown_only]
     return [_fault(detail["type"], detail["loc"], detail["input"], detail.get("ctx", {}), table) for detail in details]
 
 

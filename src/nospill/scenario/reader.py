@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path as FilePath
-from typing import Any
-from weakref import WeakKeyDictionary
+from typing import Any, TypeVar
 
 import numpy as np
-import tomli_w
 from pydantic import ValidationError
 
 from nospill.core.arrays import read_only
-from nospill.core.files import atomic_text
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.paths.path import Path
@@ -26,15 +22,16 @@ from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_t
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
-from nospill.scenario.fields import FREE
+from nospill.scenario.fields import FREE, Table
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
+from nospill.scenario.plain_values import plain
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scene.cargo import Cargo
 from nospill.scene.places import Via
-from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, PlanningOptions, Scene, way_of
+from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, way_of
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
@@ -42,56 +39,8 @@ from nospill.scene.tray import Tray
 MOST_REST_SAMPLES = 200_000
 """Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
 
-_AS_READ: WeakKeyDictionary[Scene, str] = WeakKeyDictionary()
-"""Every scene that was read, with its source in words: comparing a scene with its source takes a tenth of a warm plan.
-"""
-
+_Record = TypeVar("_Record", bound=MotionRules | PlanningOptions)
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+", re.ASCII)
-
-
-def scene_from_table(
-    table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".", label: str | None = None
-) -> Scene:
-    """Build a scene from the parsed content of a scenario file.
-
-    Args:
-        table: keys and values as in the file; it is not changed.
-        name: the scene's name where the table has none.
-        folder: where files that the table names are looked up.
-        label: what messages call it; the name when left out.
-
-    Raises:
-        ScenarioError: as for `read_scenario`.
-    """
-    scene = _scene(table, label=name if label is None else label, name=name, folder=FilePath(folder))
-    _AS_READ[scene] = repr(scene.source)
-    return scene
-
-
-def is_as_read(scene: Scene) -> bool:
-    """Whether a scene was read, itself and no copy, and has the source that it had then."""
-    return _AS_READ.get(scene) == repr(scene.source)
-
-
-def scenario_text(scene: Scene) -> str:
-    """The scenario of a scene as TOML that needs no other file; reading it gives an equal scene."""
-    # the text of a URDF is for people to read too; line ends that would not survive it (CR LF) stay escaped
-    readable = tomli_w.dumps(scene.source, multiline_strings=True)
-    return readable if tomllib.loads(readable) == scene.source else tomli_w.dumps(scene.source)
-
-
-def write_scenario(scene: Scene, path: str | FilePath) -> None:
-    """Write `scenario_text` to a file, whole or not at all.
-
-    Raises:
-        PlanFolderError: the file cannot be written.
-    """
-    atomic_text(path, scenario_text(scene))
-
-
-def scenario_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a scenario file."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
 
 
 @contextmanager
@@ -103,7 +52,21 @@ def _at(label: str, place: str) -> Iterator[None]:
         raise report(label, [(place, str(error))], error.reason) from None
 
 
-def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath) -> Scene:
+def read_scene(
+    table: Mapping[str, Any], *, label: str, name: str, folder: FilePath, origin: Callable[[dict[str, Any]], Origin]
+) -> Scene:
+    """Build a scene.
+
+    Args:
+        table: keys and values as in the file; it is not changed.
+        label: what messages call it.
+        name: the scene's name where the table has none.
+        folder: where files that the table names are looked up.
+        origin: what the scene keeps of the table that needs no other file.
+
+    Raises:
+        ScenarioError: the table describes no possible task.
+    """
     try:
         scenario = Scenario.model_validate(dict(table))
     except ValidationError as error:
@@ -155,17 +118,24 @@ def _scene(table: Mapping[str, Any], *, label: str, name: str, folder: FilePath)
         cargo=cargo,
         path=path,
         motion=_motion(scenario, path, tray, passed),
-        planning=_planning(scenario),
+        planning=_record_of(PlanningOptions, scenario.planning, {}),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,
         slosh_modes=_slosh_modes(scenario),
-        source=_plain(source),
+        origin=origin(plain(_stated(source))),
         approach=approach,
         controller=controller,
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
         regions=regions,
-    )
+    ).marked_as_read()
+
+
+def _stated(source: Mapping[str, Any]) -> dict[str, Any]:
+    """The scenario without empty tables and lists that say no more than their absence."""
+    defaults = {key: field.default for key, field in Scenario.model_fields.items()}
+    empty = {key for key, value in source.items() if value in ({}, []) and isinstance(defaults[key], Table | list)}
+    return {key: value for key, value in source.items() if key not in empty}
 
 
 def _start_near(scenario: Scenario, robot: Robot, approach: ApproachRules | None) -> np.ndarray | None:
@@ -331,49 +301,20 @@ def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
 
 
 def _motion(scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...]) -> MotionRules:
-    rules = scenario.motion
-    return MotionRules(
-        tilt_free=rules.tilt == "free",
-        max_tilt=rules.max_tilt,
-        path_jerk_limit=_path_jerk_limit(rules, path, tray),
-        tilt_jerk_limit=rules.tilt_jerk_limit,
-        end=rules.end,
-        residual_fraction=rules.residual_fraction,
-        max_duration=rules.max_duration,
-        hold_before=rules.hold_before,
-        hold_after=rules.hold_after,
-        duration=rules.duration,
-        corridor=scenario.path.width,
-        corridor_shares=scenario.path.width_shares,
-        yaw_free=scenario.path.yaw_free,
-        max_speed=rules.max_speed,
-        max_acceleration=rules.max_acceleration,
-        speed_range=None if rules.speed_range is None else (rules.speed_range[0], rules.speed_range[1]),
-        via=passed,
-    )
+    rules, range_ = scenario.motion, scenario.motion.speed_range
+    own = {
+        "tilt_free": rules.tilt == "free",
+        "path_jerk_limit": _path_jerk_limit(rules, path, tray),
+        "speed_range": None if range_ is None else (range_[0], range_[1]),
+        "corridor": scenario.path.width,
+        "corridor_shares": scenario.path.width_shares,
+        "yaw_free": scenario.path.yaw_free,
+        "via": passed,
+    }
+    return _record_of(MotionRules, rules, own)
 
 
-def _planning(scenario: Scenario) -> PlanningOptions:
-    options = scenario.planning
-    return PlanningOptions(
-        path_jerk_weight=options.path_jerk_weight,
-        tilt_jerk_weight=options.tilt_jerk_weight,
-        intervals=options.intervals,
-        linear_solver=options.linear_solver,
-        max_iterations=options.max_iterations,
-        max_solve_time=options.max_solve_time,
-        max_plan_time=options.max_plan_time,
-        starts=options.starts,
-        seed=options.seed,
-    )
-
-
-def _plain(value: Any) -> Any:
-    """A deep copy of strings, numbers, lists and tables that TOML can hold; keys without a value are left out."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items() if entry is not None}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, bool | str):
-        return value
-    return int(value) if isinstance(value, int) else float(value)
+def _record_of(record: type[_Record], table: Table, own: Mapping[str, Any]) -> _Record:
+    """A record with its own values, and the others from the keys of the same names."""
+    names = [item.name for item in fields(record)]
+    return record(**{name: own[name] if name in own else getattr(table, name) for name in names})

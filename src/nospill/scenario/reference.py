@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nospill.core.units import DIMENSIONS
-from nospill.scenario.reader import scenario_schema
+from nospill.scenario.scenes import scenario_schema
 
 Schema = dict[str, Any]
 

@@ -13,39 +13,52 @@ from nospill.core.units import as_written, listed
 from nospill.errors import ScenarioError
 
 EVERY = "*"
-"""In a place: every object that has the key."""
+"""In a place: every entry of a list that has the key after it."""
 
+Place = str | tuple[str | int, ...]
+"""Of a value: "tray.friction", or its parts, ("cargo", 0, "friction"), of which a whole number counts in a list."""
+
+_LISTS = frozenset({"cargo", "obstacle", "path.via", "path.region"})
+"""Keys that hold a list of entries with names."""
+
+_NO_KEY = "name the object and its key, as cargo.c1.friction"
 _EXAMPLE = "for example --set motion.tilt=free or --set cargo.c1.friction=0.4"
 
 
-def with_value(table: Mapping[str, Any], place: str, value: object) -> dict[str, Any]:
-    """The parsed content of a scenario file with another value; the table given stays as it is.
+def changed_table(table: Mapping[str, Any], changes: Mapping[Any, object]) -> dict[str, Any]:
+    """The parsed content of a scenario file with other values; the table given stays as it is.
 
     Args:
         table: keys and values as in the file.
-        place: dotted key, as "tray.friction", "cargo.c2.mass" (by the object's name) or "cargo.*.max_slosh_height"
-            (every object that has the key).
-        value: as in the file.
+        changes: place (`Place`) -> value as in the file, or None: the key takes its default, the entry of a list is
+            removed. An entry of a list goes by its name, else by its number from 0: "cargo.c2.mass", "cargo.1.mass";
+            "cargo.*.max_slosh_height" is every object that has the key. A table under a new name is a new entry.
 
     Raises:
-        ScenarioError: the place names an object that is not on the tray, or something inside a value.
+        ScenarioError: a place names an entry that is not there, or something inside a value.
     """
+    return present(with_places(table, changes))
+
+
+def with_places(table: Mapping[str, Any], changes: Mapping[Any, object]) -> dict[str, Any]:
+    """`changed_table` with None where something is removed."""
     changed = copy.deepcopy(dict(table))
-    first, *rest = place.split(".")
-    if first != "cargo":
-        _set(changed, [first, *rest], value, place)
-        return changed
-    if len(rest) < 2:
-        raise ScenarioError(f"{place}: name the object and its key, as cargo.c1.friction")
-    name, *keys = rest
-    given = changed.get("cargo")
-    objects = [entry for entry in given if isinstance(entry, dict)] if isinstance(given, list) else []
-    meant = [entry for entry in objects if (keys[0] in entry if name == EVERY else entry.get("name") == name)]
-    if not meant:
-        raise ScenarioError(f"{place}: {_nobody(name, keys[0], [str(entry.get('name')) for entry in objects])}")
-    for entry in meant:
-        _set(entry, keys, value, place)
+    for place, value in changes.items():
+        keys = tuple(place.split(".")) if isinstance(place, str) else tuple(place)
+        shown = ".".join(map(str, keys))
+        if not all(str(key).strip() for key in keys) or not keys:
+            raise ScenarioError(f"{as_written(shown)} is no place; write a dotted key, as in cargo.c1.friction")
+        _put(changed, keys, copy.deepcopy(value), shown)
     return changed
+
+
+def present(value: Any) -> Any:
+    """A deep copy of tables and lists without what is None."""
+    if isinstance(value, Mapping):
+        return {key: present(entry) for key, entry in value.items() if entry is not None}
+    if isinstance(value, list | tuple):
+        return [present(entry) for entry in value if entry is not None]
+    return value
 
 
 def with_settings(table: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:
@@ -57,35 +70,104 @@ def with_settings(table: Mapping[str, Any], settings: Sequence[str]) -> dict[str
             be left out.
 
     Raises:
-        ScenarioError: as for `with_value`, or a text without a key.
+        ScenarioError: as for `changed_table`, or a text without a key.
     """
     changed = dict(table)
     for setting in settings:
         key, equals, value = setting.partition("=")
         if not equals or not all(part.strip() for part in key.split(".")):
             raise ScenarioError(f"--set {as_written(setting)} is not KEY=VALUE; write a dotted key, {_EXAMPLE}")
+        place = tuple(part.strip() for part in key.split("."))
         try:
-            changed = with_value(changed, ".".join(part.strip() for part in key.split(".")), _value(value.strip()))
+            changed = with_places(changed, {place: _value(value.strip())})
         except ScenarioError as error:
             raise ScenarioError(f"--set {error}") from None
     return changed
 
 
-def _set(table: dict[str, Any], keys: Sequence[str], value: object, place: str) -> None:
-    for key in keys[:-1]:
-        inner = table.setdefault(key, {})
-        if not isinstance(inner, dict):
-            raise ScenarioError(f"{place}: {key} is the value {as_written(inner)}, no table; replace all of it")
-        table = inner
-    table[keys[-1]] = value
+def _put(table: dict[str, Any], keys: Sequence[str | int], value: object, place: str, above: str = "") -> None:
+    """Put a value into a table, making the tables and lists on its way."""
+    key, *rest = keys
+    name = str(key)
+    here = f"{above}.{name}" if above else name
+    if not rest:
+        table[name] = value
+        return
+    if table.get(name) is None:
+        table[name] = [] if here in _LISTS else {}
+    inner = table[name]
+    if isinstance(inner, dict):
+        _put(inner, rest, value, place, here)
+    elif isinstance(inner, list):
+        _put_into_list(inner, rest, value, place, here)
+    else:
+        raise ScenarioError(f"{place}: {name} is the value {as_written(inner)}, no table; replace all of it")
 
 
-def _nobody(name: str, key: str, names: list[str]) -> str:
+def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object, place: str, above: str) -> None:
+    first, *rest = keys
+    named = {str(entry["name"]): index for index, entry in enumerate(entries) if _is_named(entry)}
+    if first == EVERY and rest:
+        meant = [entry for entry in entries if isinstance(entry, dict) and rest[0] in entry]
+        if not meant:
+            raise ScenarioError(f"{place}: {_nobody(EVERY, str(rest[0]), list(named), above)}")
+        for entry in meant:
+            _put(entry, rest, value, place, f"{above}.{first}")
+        return
+    index = _index(entries, named, first)
+    if index is None and not rest and isinstance(value, dict) and above in _LISTS and not str(first).isdecimal():
+        entries.append(_named(value, str(first), place))
+    elif index is None:
+        wants_key = not rest and value is not None
+        raise ScenarioError(f"{place}: {_NO_KEY if wants_key else _nobody(str(first), '', list(named), above)}")
+    elif not rest:
+        entries[index] = _replaced(entries[index], value, place)
+    elif isinstance(entries[index], dict):
+        _put(entries[index], rest, value, place, f"{above}.{first}")
+    else:
+        raise ScenarioError(
+            f"{place}: entry {first} of {above} is the value {as_written(entries[index])}, no table; replace all of it"
+        )
+
+
+def _replaced(entry: object, value: object, place: str) -> object:
+    """What stands in the place of an entry: a table under its name, nothing, or another value in a list of values."""
+    if not isinstance(entry, dict) or value is None:
+        return value
+    if not isinstance(value, dict):
+        raise ScenarioError(f"{place}: {_NO_KEY}")
+    return _named(value, entry["name"], place) if _is_named(entry) else value
+
+
+def _is_named(entry: object) -> bool:
+    return isinstance(entry, dict) and isinstance(entry.get("name"), str)
+
+
+def _named(entry: Any, name: str, place: str) -> dict[str, Any]:
+    """An entry under the name by which its place calls it."""
+    given = entry.get("name", name)
+    if given != name:
+        raise ScenarioError(f"{place}: its name is given as {as_written(given)}; leave name out, or change it alone")
+    return {"name": name, **entry}
+
+
+def _index(entries: Sequence[Any], named: Mapping[str, int], key: str | int) -> int | None:
+    """Where the entry of a list is: by its name, else by its number."""
+    if isinstance(key, str) and key in named:
+        return named[key]
+    if isinstance(key, int) or key.isdecimal():
+        index = int(key)
+        return index if 0 <= index < len(entries) else None
+    return None
+
+
+def _nobody(name: str, key: str, names: list[str], above: str) -> str:
+    where = {"cargo": "object on the tray", "obstacle": "obstacle"}.get(above, f"entry of {above}")
     if name == EVERY:
-        return f"no object on the tray has the key {key}; name one ({', '.join(names)})"
+        return f"no {where} has the key {key}; name one ({', '.join(names)})"
     near = nearest(name, names)
     hint = f'; did you mean "{near}"?' if near else f"; there are {listed(names, last='and')}" if names else ""
-    return f'no object on the tray is called "{name}"{hint}'
+    return f'no {where} is called "{name}"{hint}'
 
 
 def _value(text: str) -> object:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from pathlib import Path as FilePath
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from nospill.core.files import atomic_text
+from nospill.errors import ScenarioError
 from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
@@ -150,9 +154,29 @@ class PlanningOptions:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+class Origin(Protocol):
+    """The scenario that a scene was read from, which its reader knows; equal to another one that says the same."""
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """Its keys and values as in a file that needs no other; the caller's own."""
+        ...
+
+    def changed(self, changes: Mapping[str, object]) -> Scene:
+        """See `Scene.changed`."""
+        ...
+
+    def text(self) -> str:
+        """As TOML."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One planning task, complete; its arrays cannot be compared as one, so a scene equals itself alone.
+    """One planning task, complete. Scenes are equal that were read from equal tables.
+
+    A copy by `dataclasses.replace` is for the functions that compute with it: it equals itself alone, and is neither
+    planned nor saved, for its parts are not what its origin says. `changed` makes another scene.
 
     Attributes:
         name: short name, from the file or its key `name`.
@@ -166,14 +190,14 @@ class Scene:
         output_rate: rate of the exported samples, Hz.
         gravity: m/s^2.
         slosh_modes: modes of a liquid in each direction that are judged and recorded.
-        source: the scenario as a plain table (strings and numbers as the user wrote them, files already read in), from
-            which `scenario.write_scenario` writes the copy that is kept with a plan.
+        origin: the scenario that it was read from, files already read in.
         approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
         obstacles: what stands around the arm; without any, the arm is not judged for collisions.
         regions: boxes that tray and cargo stay in.
         controller: how the joints follow their command; None where they do what they are asked for.
+        as_read: whether it is the very scene that was read; a copy by `dataclasses.replace` is not.
     """
 
     name: str
@@ -187,12 +211,72 @@ class Scene:
     output_rate: float
     gravity: float
     slosh_modes: int
-    source: dict[str, object] = field(repr=False)
+    origin: Origin = field(repr=False)
     approach: ApproachRules | None = None
     start_near: np.ndarray | None = None
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
     regions: tuple[Region, ...] = ()
+    as_read: bool = field(default=False, init=False, repr=False)
+
+    def __eq__(self, other: object) -> bool:
+        if self is other or not isinstance(other, Scene):
+            return self is other
+        return self.as_read and other.as_read and self.origin == other.origin
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def marked_as_read(self) -> Scene:
+        """The scene itself, which its reader has just made."""
+        object.__setattr__(self, "as_read", True)
+        return self
+
+    @property
+    def source(self) -> dict[str, Any]:
+        """The scenario as a plain table, as its file says it and with the files it names read in; the caller's own."""
+        return self.origin.table
+
+    def changed(self, changes: Mapping[str, object]) -> Scene:
+        """The scene of the scenario with other values, checked like a file.
+
+        Args:
+            changes: dotted key -> value as in the file (with a unit, or in SI units), a table of keys or one of the
+                classes of `ns.Scenario`; None for the default, or to remove an object. Objects go by their name or by
+                their number from 0: "motion.tilt", "cargo.c1.friction", "obstacle.0.clearance"; "cargo.*.friction"
+                is every object that has the key. A table under a new name is a new object: "cargo.c5". Files are
+                looked up in the working folder.
+
+        Raises:
+            ScenarioError: a key is unknown, an object is not there, or the scenario describes no possible task.
+        """
+        return self.require_as_read().origin.changed(changes)
+
+    def save(self, file: str | FilePath) -> None:
+        """Write the scenario as TOML that needs no other file, whole or not at all; reading it gives an equal scene.
+
+        Raises:
+            ScenarioError: the scene is a changed copy.
+            PlanFolderError: the file cannot be written.
+        """
+        atomic_text(file, self.text())
+
+    def text(self) -> str:
+        """What `save` writes; raises likewise."""
+        return self.require_as_read().origin.text()
+
+    def require_as_read(self) -> Scene:
+        """The scene itself.
+
+        Raises:
+            ScenarioError: its parts are not what was read.
+        """
+        if not self.as_read:
+            raise ScenarioError(
+                f"{self.name}: this scene is a copy with other parts than its scenario says, as dataclasses.replace "
+                'makes it; use scene.changed({"cargo.c1.friction": 0.4}), which is checked like a file'
+            )
+        return self
 
     @property
     def keeps_distances(self) -> bool:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from nospill.scenario.reader import scenario_schema
 from nospill.scenario.reference import default_text, sections
+from nospill.scenario.scenes import scenario_schema
 from nospill.studio.draft import Key
 
 _TABLE = re.compile(r"(?:Every )?`\[+([\w.]+)\]+`")

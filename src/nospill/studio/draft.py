@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 from nospill.core.units import as_written
+from nospill.scenario.settings import changed_table
 
 Key = tuple[str | int, ...]
-"""Place of a value in the table: ("tray", "friction"), ("cargo", 0, "at", 1)."""
+"""Place of a value in the table: ("tray", "friction"), ("cargo", 0, "at", 1), the last one of a list of two."""
 
 LONGEST_HISTORY = 200
 """Steps that can be undone; a table takes a few kilobytes."""
@@ -80,10 +80,17 @@ class Draft:
         Returns:
             Whether anything changed.
         """
-        table = copy.deepcopy(self.table)
+        places: dict[Key, Any] = {}
         for key, value in values.items():
-            _put(table, key, value)
-        return self._take(table, step)
+            *above, last = key
+            if isinstance(last, int):
+                given = places.get(tuple(above), self.value(tuple(above)))
+                entries: list[Any] = list(given) if isinstance(given, list) else [0.0, 0.0]
+                entries[last] = "" if value is None else value
+                places[tuple(above)] = entries
+            else:
+                places[key] = value
+        return self._take(changed_table(self.table, places), step)
 
     def type_in(self, key: Key, value: Any) -> bool:
         """`change` of one value as it is typed: one step until another value is edited."""
@@ -204,24 +211,6 @@ def label_of(entry: Mapping[str, Any], index: int) -> str:
 def choices_of(entries: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Objects or obstacles by number and name."""
     return tuple(f"{index + 1}: {label_of(entry, index)}" for index, entry in enumerate(entries))
-
-
-def _put(table: dict[str, Any], key: Key, value: Any) -> None:
-    place: Any = table
-    for part, following in pairwise(key):
-        if isinstance(part, int):
-            place = place[part]
-            continue
-        inner = place.get(part)
-        if not isinstance(inner, dict | list) or isinstance(inner, list) != isinstance(following, int):
-            inner = place[part] = [0.0, 0.0] if isinstance(following, int) else {}
-        place = inner
-    if isinstance(key[-1], int):
-        place[key[-1]] = "" if value is None else value
-    elif value is None:
-        place.pop(key[-1], None)
-    else:
-        place[key[-1]] = value
 
 
 def _same_types(one: Any, other: Any) -> bool:

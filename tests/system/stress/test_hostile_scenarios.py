@@ -16,7 +16,7 @@ from nospill.errors import NospillError, ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import example_path
-from tests.builders import changed_table
+from nospill.scenario.settings import changed_table
 from tests.waiting import run_python
 
 RIGID: dict[str, Any] = tomllib.loads(example_path("matrix-rigid").read_text(encoding="utf-8"))
