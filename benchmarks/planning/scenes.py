@@ -5,7 +5,6 @@ Liquids have one mode, as in the published problem, unless a scene is asked for 
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
@@ -153,6 +152,6 @@ def unseen(name: str) -> Scene:
 
 
 def _table(name: str) -> dict[str, Any]:
-    table: Any = copy.deepcopy(dict(ns.load(name).source))
+    table: Any = ns.load(name).source
     table.setdefault("planning", {})["slosh_modes"] = 1
     return table

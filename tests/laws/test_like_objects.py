@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +18,7 @@ GRID: Places = [(x, y) for x in (-60.0, 0.0, 60.0) for y in (-60.0, 0.0, 60.0)]
 
 def cups(places: Places, changes: dict[int, dict[str, Any]] | None = None) -> Scene:
     """Small cups of water at places in mm, some with other keys."""
-    table: Any = copy.deepcopy(read_scenario("matrix-liquid").source)
+    table: Any = read_scenario("matrix-liquid").source
     keys = {"shape": "cylinder", "radius": "20 mm", "height": "60 mm", "liquid": "water", "liquid_height": "28 mm"}
     keys |= {"max_slosh_height": "10 mm", "mass": "0.045 kg", "centre_of_mass_height": "16 mm"}
     table["cargo"] = [

@@ -10,7 +10,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.robots.joint_paths.search import joint_paths
-from nospill.scenario import scenario_text, scene_from_table
+from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 
 
@@ -64,7 +64,7 @@ def test_an_arm_that_leans_gains_by_turning_and_the_copy_says_so(changed_scene):
         except ScenarioError:
             continue
     assert best_figure(found) == pytest.approx(min(figures), rel=1e-6)
-    table = tomllib.loads(scenario_text(found))
+    table = tomllib.loads(found.text())
     assert table["robot"]["base_yaw"] == base_yaw_text(found) != "free"
     again = scene_from_table(table, name="again")
     assert again.robot.urdf == found.robot.urdf

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import re
 from typing import Any
 
@@ -20,7 +19,7 @@ GOAL: dict[str, Any] = {"position": ["154 mm", "600 mm", "1220 mm"], "yaw": "180
 
 
 def scene_of(start: object = START, goal: object = GOAL, *, example: str = "matrix-rigid", **keys: object) -> Scene:
-    table = copy.deepcopy(read_scenario(example).source)
+    table = read_scenario(example).source
     return scene_from_table({**table, "path": {"type": "free", "start": start, "goal": goal, **keys}}, name="free")
 
 
@@ -66,7 +65,7 @@ def test_an_end_out_of_reach_is_refused_whatever_the_way(end: str) -> None:
 def test_an_end_outside_of_the_joint_limits_is_refused_whatever_the_way() -> None:
     """Where the arm stretches out, joint 3 is above -93 deg."""
     far = {"position": [1.3, 0.0, 0.8]}
-    table = copy.deepcopy(dict(read_scenario("matrix-rigid").source))
+    table = read_scenario("matrix-rigid").source
     limits = {"upper": ["170 deg", "155 deg", "-93 deg", "210 deg", "130 deg", "2700 deg"]}
     table["robot"] = {**table["robot"], "limits": limits}  # type: ignore[dict-item]
     scene = scene_from_table({**table, "path": {"type": "free", "start": far, "goal": GOAL}}, name="free")

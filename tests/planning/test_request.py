@@ -13,12 +13,12 @@ import nospill as ns
 from nospill.errors import NospillError, ScenarioError
 from nospill.planning.request import ignored_constraints, requested_scene
 from nospill.plans.plan import Plan
-from nospill.scenario import read_scenario, scenario_text
+from nospill.scenario import read_scenario
 
 
 def test_a_scenario_goes_by_its_name(tmp_path: Path) -> None:
     scene = read_scenario("matrix-liquid")
-    (tmp_path / "scenario.toml").write_text(scenario_text(scene), encoding="utf-8")
+    (tmp_path / "scenario.toml").write_text(scene.text(), encoding="utf-8")
     for named in ("matrix-liquid", tmp_path / "scenario.toml", tmp_path, scene.source, scene):
         assert requested_scene(named).name == "matrix-liquid"
 

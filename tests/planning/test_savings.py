@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -51,7 +50,7 @@ def test_a_plan_with_a_wider_limit_saves_what_was_foretold(example: str, example
     assert len(found.report.savings) >= 2
     for label, saved in found.report.savings.items():
         constraint, _, subject = label.partition(" | ")
-        table = copy.deepcopy(dict(found.scene.source))
+        table = found.scene.source
         CHANGES[constraint](table, found, subject)
         wider = plan(scene_from_table(table, name=found.scene.name))
         assert wider.certificate.ok

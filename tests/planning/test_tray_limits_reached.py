@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -27,7 +26,7 @@ LENGTH, SPEED, ACCELERATION = 0.7, 0.4, 1.5
 
 def line(**motion: Any) -> Scene:
     """A solid carried level along y."""
-    table: Any = copy.deepcopy(read_scenario("pp-two-cups").source)
+    table: Any = read_scenario("pp-two-cups").source
     start, end = ([1.1, sign * LENGTH / 2, 0.9] for sign in (-1, 1))
     table["path"] = {"type": "line", "start": start, "end": end, "yaw": [0.0, 0.0]}
     table["motion"] = {"end": "residual", **motion}

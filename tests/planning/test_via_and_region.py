@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ GOAL: dict[str, Any] = {"position": ["600 mm", "300 mm", "1.2 m"]}
 
 
 def planned(**keys: object) -> ns.Plan:
-    table: dict[str, Any] = copy.deepcopy(ns.load("matrix-rigid").source)
+    table: dict[str, Any] = ns.load("matrix-rigid").source
     table["planning"] = {"intervals": 50}  # weights of the jerks for how long it takes
     # a bound on the jerk in m/s^3, which does not depend on the length of the way
     del table["motion"]["path_jerk_limit"]

@@ -30,7 +30,6 @@ from nospill.plans.plan import Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import AFTER_APPROACH, settling_time
 from nospill.robots.kinematics.forward import kinematics
-from nospill.scenario import write_scenario
 from nospill.scene.obstacles import Obstacle
 
 EXAMPLE = "matrix-liquid-soft-end"
@@ -221,7 +220,7 @@ def test_export_refuses_what_is_not_there(moved, tmp_path):
 def test_what_was_assumed_of_the_arm_is_said_once_on_stderr(changed_scene, tmp_path):
     changes = {"robot.limits": {"upper": [2.9, 2.5, -1.9, 9.0, 2.2, 9.0]}, "path.offset": [3.0, 0.0, 0.0]}
     scene = changed_scene("matrix-rigid", changes)
-    write_scenario(scene, tmp_path / "task.toml")
+    scene.save(tmp_path / "task.toml")
     answer = CliRunner().invoke(app, ["plan", str(tmp_path / "task.toml"), "--json"])
     assert answer.exit_code == 2 and answer.stdout == ""
     (note,) = scene.robot.notes
@@ -244,7 +243,7 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
         "robot.base_yaw": "free",
         "motion.hold_after": "0.2 s",
     }
-    write_scenario(changed_scene("matrix-rigid", changes), tmp_path / "task.toml")
+    changed_scene("matrix-rigid", changes).save(tmp_path / "task.toml")
     answer = CliRunner().invoke(app, ["plan", str(tmp_path / "task.toml"), "-o", str(tmp_path / "out"), "--no-figures"])
     assert answer.exit_code == 0, answer.output
     plan = load_plan(tmp_path / "out")

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from nospill.cli import app
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import load_robot
-from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scenario_schema, scene_from_table
 from nospill.scene.scene import Scene
 
 BASE: dict[str, Any] = dict(read_scenario("matrix-rigid").source)
@@ -41,7 +41,7 @@ def test_the_keys_are_read_and_survive_the_copy() -> None:
     motion = {**BASE["motion"], "hold_before": "500 ms", "hold_after": 0.25}
     table = approach(speed_scale="40 %", jerk=[50, 50, 50, 80, 80, "80 rad/s^3"], tray="loaded")
     scene = scene_of(motion=motion, approach={**table, "from": ["0 deg", *HOME[1:]]})
-    for own in (scene, scene_from_table(tomllib.loads(scenario_text(scene)), name="again")):
+    for own in (scene, scene_from_table(tomllib.loads(scene.text()), name="again")):
         rules = own.approach
         assert rules is not None
         assert rules.loaded and rules.speed_scale == 0.4 and rules.acceleration_scale == 0.5
@@ -78,7 +78,7 @@ def test_only_a_home_of_the_scenario_is_a_wish() -> None:
 
 def test_a_free_base_yaw_stands_in_the_source_and_at_zero() -> None:
     scene = scene_of(robot={**BASE["robot"], "base_yaw": "free"})
-    assert tomllib.loads(scenario_text(scene))["robot"]["base_yaw"] == "free"
+    assert tomllib.loads(scene.text())["robot"]["base_yaw"] == "free"
     assert scene.robot.urdf == scene_of().robot.urdf
 
 

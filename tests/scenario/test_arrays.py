@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.settings import changed_table
 from nospill.scene.scene import Scene
 
@@ -45,7 +45,7 @@ def test_an_array_is_rows_and_columns_about_its_place() -> None:
     assert places[0] == pytest.approx([-0.008, -0.02]) and places[-1] == pytest.approx([0.028, 0.01])
     assert len({item.container for item in scene.cargo}) == 1
     again = scene_from_table(scene.source, name="t")
-    assert "array" not in scenario_text(scene) and again.source == scene.source
+    assert "array" not in scene.text() and again.source == scene.source
 
 
 def test_an_array_turns_with_its_yaw() -> None:

@@ -12,7 +12,7 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.capsules import ESTIMATED, placed_capsules
 from nospill.scenario.capsule_entry import STATED
-from nospill.scenario.scenes import scenario_text, scene_from_table
+from nospill.scenario.scenes import scene_from_table
 from nospill.scene.scene import Scene
 from tests.robots.description.test_urdf import arm_text
 from tests.scenario.test_bad_scenarios import FOLDER
@@ -44,7 +44,7 @@ def test_a_urdf_with_collision_geometry_gives_its_capsules(tmp_path: Path) -> No
     about = scene.robot.capsules[0]
     assert 0.05 < about.radius < 0.08 and abs(about.start[2] - about.end[2]) < 0.2
     assert [entry["link"] for entry in scene.source["robot"]["capsule"]] == ["l2", "l3"]  # type: ignore[index]
-    again = scene_from_table(tomllib.loads(scenario_text(scene)), name="cell", folder=tmp_path / "elsewhere")
+    again = scene_from_table(tomllib.loads(scene.text()), name="cell", folder=tmp_path / "elsewhere")
     assert again.robot.capsules == scene.robot.capsules
 
 
@@ -73,7 +73,7 @@ def test_stated_capsules_take_the_place_of_the_catalogues() -> None:
     assert (item.link, item.end, item.radius) == ("link_2", (0.0, 0.0, 0.5), 0.09)
     (placed,) = placed_capsules(scene.robot)
     assert placed.joint == 2 and np.linalg.norm(placed.ends[1] - placed.ends[0]) == pytest.approx(0.5)
-    assert scene_from_table(tomllib.loads(scenario_text(scene)), name="cell").robot.capsules == (item,)
+    assert scene_from_table(tomllib.loads(scene.text()), name="cell").robot.capsules == (item,)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,7 @@ def scene_of(
     obstacles: bool = False,
     robot: dict[str, object] | None = None,
 ) -> Scene:
-    table: dict[str, Any] = copy.deepcopy(dict(read_scenario(example).source))
+    table: dict[str, Any] = read_scenario(example).source
     table = {key: value for key, value in table.items() if obstacles or key != "obstacle"}
     table["robot"] = {**table["robot"], **(robot or {})}
     return scene_from_table({**table, "path": {"type": "free", "start": start, "goal": goal}}, name="joints")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.settings import changed_table
 
 
@@ -17,7 +17,7 @@ def labelled(text: object) -> dict[str, object]:
 def test_any_text_of_one_line_is_a_label(text: str) -> None:
     scene = scene_from_table(labelled(text), name="bar")
     assert (scene.cargo[0].name, scene.cargo[0].title, scene.cargo[1].title) == ("left", text, "right")
-    assert text in scenario_text(scene)
+    assert text in scene.text()
 
 
 @pytest.mark.parametrize("text", ["a" * 61, "two\nlines", "\x07", 3, ["a"]])

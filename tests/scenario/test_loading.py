@@ -9,7 +9,7 @@ import pytest
 
 import nospill as ns
 from nospill.errors import ScenarioError
-from nospill.scenario import load, read_scenario, scenario_text
+from nospill.scenario import load, read_scenario
 
 TABLE = read_scenario("matrix-liquid").source
 
@@ -39,7 +39,7 @@ def test_its_mistakes_are_told_as_those_of_a_file(table: dict[Any, Any], told: s
 
 
 def test_a_plan_folder_is_one_too(tmp_path: Path) -> None:
-    (tmp_path / "scenario.toml").write_text(scenario_text(read_scenario("matrix-liquid")), encoding="utf-8")
+    (tmp_path / "scenario.toml").write_text(read_scenario("matrix-liquid").text(), encoding="utf-8")
     assert load(tmp_path).name == load(str(tmp_path)).name == "matrix-liquid"
     with pytest.raises(ScenarioError, match="is a folder; name the scenario file in it"):
         load(tmp_path.parent)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.scenario.scenes import scenario_text, scene_from_table
+from nospill.scenario.scenes import scene_from_table
 from nospill.scene.obstacles import Obstacle
 from tests.scenario.test_bad_scenarios import FOLDER
 
@@ -37,7 +37,7 @@ def test_obstacles_are_read_in_si_units() -> None:
 
 def test_a_scenario_with_obstacles_is_kept_as_it_is() -> None:
     scene = scene_from_table({**VALID, "obstacle": ENTRIES}, name="cell")
-    again = scene_from_table(tomllib.loads(scenario_text(scene)), name="cell")
+    again = scene_from_table(tomllib.loads(scene.text()), name="cell")
     assert again.source == scene.source
     for first, second in zip(scene.obstacles, again.obstacles, strict=True):
         assert same(first, second)
@@ -110,7 +110,7 @@ def test_a_mesh_is_its_hull_and_needs_no_file_any_more(tmp_path: Path) -> None:
     np.testing.assert_allclose(sorted(found.shape.points.tolist()), sorted((WEDGE / 1e3).tolist()))
     assert found.distance(np.array([1.1, 0.01, 0.01])) == pytest.approx(-0.01)
     assert found.distance(np.array([1.1, 0.01, 0.5])) > 0.0
-    kept = tomllib.loads(scenario_text(scene))
+    kept = tomllib.loads(scene.text())
     assert "file" not in kept["obstacle"][0] and "scale" not in kept["obstacle"][0]
     again = scene_from_table(kept, name="cell", folder=tmp_path / "elsewhere")
     np.testing.assert_allclose(again.obstacles[0].shape.points, found.shape.points)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ BOX: dict[str, Any] = {"at": ["400 mm", "0 mm", "1.3 m"], "size": ["1.5 m", "2 m
 
 
 def scene_of(**keys: object) -> Scene:
-    table = copy.deepcopy(read_scenario("matrix-rigid").source)
+    table = read_scenario("matrix-rigid").source
     path = {"type": "free", "start": START, "goal": GOAL, **keys}
     return scene_from_table({**table, "path": path}, name="free")
 

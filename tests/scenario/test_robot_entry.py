@@ -15,7 +15,7 @@ from nospill.errors import ScenarioError
 from nospill.robots.capsules import CAPSULES, ESTIMATED
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.forward import kinematics
-from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table, write_scenario
+from nospill.scenario import read_scenario, scenario_schema, scene_from_table
 from nospill.scene.scene import Scene
 
 HERE = Path(__file__).parent
@@ -62,13 +62,13 @@ def test_file_beside_the_scenario_goes_into_the_copy(tmp_path: Path) -> None:
     assert scene.robot.tip == "tool0"
     assert "the URDF names mesh files (6); they are not used" in scene.robot.notes
     kept = tmp_path / "elsewhere.toml"
-    write_scenario(scene, kept)
+    scene.save(kept)
     (tmp_path / "arms" / "own.urdf").unlink()
     again = read_scenario(kept)
     assert again.robot.urdf == scene.robot.urdf
     assert again.robot.notes == scene.robot.notes
     assert again.source == scene.source
-    assert scenario_text(again) == kept.read_text(encoding="utf-8")
+    assert again.text() == kept.read_text(encoding="utf-8")
     text = kept.read_text(encoding="utf-8")
     assert 'urdf_text = """' in text and "arms/own.urdf" not in text and ".stl" not in text
 
@@ -76,7 +76,7 @@ def test_file_beside_the_scenario_goes_into_the_copy(tmp_path: Path) -> None:
 def test_line_ends_survive_the_copy() -> None:
     for description in ("two\nlines", "two\r\nlines", 'quotes """ and \\'):
         scene = scene_of(own(arm_text().replace("<joint", "\r\n<joint")), description=description)
-        assert tomllib.loads(scenario_text(scene)) == scene.source
+        assert tomllib.loads(scene.text()) == scene.source
 
 
 def test_what_an_own_urdf_sets_and_what_not() -> None:
@@ -310,6 +310,6 @@ def test_any_value_of_any_key_is_read_or_refused_in_one_line(data: st.DataObject
     except ScenarioError as error:
         assert len(str(error).splitlines()) == 1 and len(str(error)) < 700
     else:
-        again = scene_from_table(tomllib.loads(scenario_text(scene)), name="other")
+        again = scene_from_table(tomllib.loads(scene.text()), name="other")
         assert again.robot.urdf == scene.robot.urdf and again.source == scene.source
         assert again.robot.joints == scene.robot.joints and again.robot.notes == scene.robot.notes

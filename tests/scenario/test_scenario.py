@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
-from nospill.scenario import read_scenario, scenario_schema, scenario_text, scene_from_table, write_scenario
+from nospill.scenario import read_scenario, scenario_schema, scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill.scenario.layout import overhang, overlap
@@ -60,10 +60,10 @@ CUP = {"shape": "cylinder", "radius": 0.035, "height": 0.0991, "liquid": "water"
 def test_examples_are_read_and_written_back(name: str, tmp_path: Path) -> None:
     scene = read_scenario(name)
     assert scene.name == name
-    write_scenario(scene, tmp_path / "scenario.toml")
+    scene.save(tmp_path / "scenario.toml")
     again = read_scenario(tmp_path / "scenario.toml")
     assert same(scene, again)
-    assert scenario_text(again) == (tmp_path / "scenario.toml").read_text(encoding="utf-8")
+    assert again.text() == (tmp_path / "scenario.toml").read_text(encoding="utf-8")
 
 
 def test_example_table_and_folder_agree() -> None:
@@ -236,7 +236,7 @@ def test_waypoint_file_goes_into_the_copy(tmp_path: Path) -> None:
     scene = scene_from_table(table, name="with spaces & more", folder=tmp_path / "here")
     assert table["path"]["file"] == "way.csv"  # what came in is left alone
     assert scene.name == "with-spaces-more"
-    write_scenario(scene, tmp_path / "scenario.toml")
+    scene.save(tmp_path / "scenario.toml")
     saved = tomllib.loads((tmp_path / "scenario.toml").read_text(encoding="utf-8"))["path"]
     assert "file" not in saved
     assert saved["origin"] == "way.csv, 3 points"
@@ -370,7 +370,7 @@ def test_any_value_anywhere_is_read_or_refused_in_one_line(data: st.DataObject) 
     except ScenarioError as error:
         assert str(error).startswith("fuzz: ") and len(str(error).splitlines()) == 1 and len(str(error)) < 600
     else:
-        assert same(scene, scene_from_table(tomllib.loads(scenario_text(scene)), name="other"))
+        assert same(scene, scene_from_table(tomllib.loads(scene.text()), name="other"))
 
 
 def test_reading_is_light() -> None:

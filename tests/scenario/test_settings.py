@@ -7,7 +7,7 @@ import copy
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.scenario import load, read_scenario, scenario_text, scene_from_table
+from nospill.scenario import load, read_scenario, scene_from_table
 from nospill.scenario.settings import with_settings
 
 TABLE = read_scenario("matrix-liquid").source
@@ -72,5 +72,5 @@ def test_the_key_is_named(setting: str, told: str) -> None:
 def test_the_scenario_that_is_kept_has_the_change() -> None:
     scene = load("matrix-liquid", settings=["motion.tilt=free"])
     assert scene.motion.tilt_free
-    assert 'tilt = "free"' in scenario_text(scene)
+    assert 'tilt = "free"' in scene.text()
     assert scene_from_table(scene.source, name="again").motion.tilt_free

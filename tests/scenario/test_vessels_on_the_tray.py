@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.scenario.settings import changed_table
 from nospill.scene.scene import Scene
@@ -92,7 +92,7 @@ def test_a_profile_from_a_file_needs_it_no_longer(tmp_path: Path) -> None:
     scene = scene_with({**named, "profile_file": "jar.csv"}, folder=tmp_path)
     stated = scene_with({**JAR, "liquid_height": 0.05})
     assert scene.cargo[0].container == stated.cargo[0].container
-    assert "jar.csv" not in scenario_text(scene)
+    assert "jar.csv" not in scene.text()
     (tmp_path / "bad.csv").write_text("0,0\n30,a\n", encoding="utf-8")
     for file, message in (("none.csv", "does not exist"), ("bad.csv", 'line 2: "30,a" is not a radius')):
         with pytest.raises(ScenarioError, match=f'cargo "v0": profile_file .*{message}'):

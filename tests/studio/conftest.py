@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -14,7 +13,7 @@ from nospill.studio.draft import Draft
 
 def small_table(**planning: Any) -> dict[str, Any]:
     """Two cups along `pp` on few intervals."""
-    table = copy.deepcopy(read_scenario("pp-two-cups").source)
+    table = read_scenario("pp-two-cups").source
     return table | {"planning": {"intervals": 20, "starts": 1} | planning}
 
 

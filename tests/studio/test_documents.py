@@ -15,7 +15,7 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
-from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.studio import documents
 from nospill.studio.draft import Draft
@@ -58,7 +58,7 @@ def test_a_wrong_file_says_what_is_wrong(tmp_path: Path) -> None:
 
 def test_an_upload_is_read_like_a_file(table: dict[str, Any]) -> None:
     scene = scene_from_table(table, name="small")
-    assert documents.read_upload("x.toml", scenario_text(scene).encode()) == scene.source
+    assert documents.read_upload("x.toml", scene.text().encode()) == scene.source
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ pytestmark = [
 ]
 
 from nospill.core.units import quantity  # noqa: E402
-from nospill.scenario import read_scenario, scene_from_table, write_scenario  # noqa: E402
+from nospill.scenario import read_scenario, scene_from_table  # noqa: E402
 from nospill.studio.server import studio  # noqa: E402
 from nospill.studio.session import Session  # noqa: E402
 from tests.waiting import PATIENCE, finished, first_line, wait_until  # noqa: E402
@@ -113,7 +113,7 @@ def test_a_phone_and_a_keyboard_suffice_to_move_fill_plan_and_save(
     tmp_path: Path, table: dict[str, Any], open_tab: Callable[..., Any]
 ) -> None:
     file = tmp_path / "table.toml"
-    write_scenario(scene_from_table(table | {"name": "table"}, name="table"), file)
+    scene_from_table(table | {"name": "table"}, name="table").save(file)
     with command("studio", str(file), "--port", "0", "--no-browser") as address:
         assert address.startswith("http://127.0.0.1:")
         page = open_tab(address, width=400)

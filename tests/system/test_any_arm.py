@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -45,7 +44,7 @@ TILTING = ("franka-fr3",)
 
 def on_the_arc(robot: str, *, tilt: bool, intervals: int = 30, **keys: Any) -> Scene:
     """Two of the four cups on the published arc, carried by another robot with all its limits."""
-    table: Any = copy.deepcopy(dict(one_mode("matrix-liquid-tilt" if tilt else "matrix-liquid-soft-end").source))
+    table: Any = one_mode("matrix-liquid-tilt" if tilt else "matrix-liquid-soft-end").source
     table["robot"] = {"model": robot, **PLACES[robot], **keys}
     table["cargo"] = table["cargo"][:2]
     table["planning"] = table.get("planning", {}) | {"intervals": intervals, "starts": 1}

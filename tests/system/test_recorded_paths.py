@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ POINTS = preset_path("arc").at(np.linspace(0.0, 1.0, 200))[:, :3]
 
 
 def planned(points: np.ndarray, **keys: Any) -> Plan:
-    table: Any = copy.deepcopy(read_scenario("matrix-liquid-soft-end").source)
+    table: Any = read_scenario("matrix-liquid-soft-end").source
     table["path"] = {"type": "waypoints", "points": points.tolist(), "yaw": table["path"]["yaw"]} | keys
     table["cargo"] = table["cargo"][:2]
     table["planning"] |= {"intervals": 40}

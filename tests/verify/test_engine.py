@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -186,7 +185,7 @@ def test_weight_and_centre_of_a_cup_are_those_of_the_scene() -> None:
 
 
 def test_shallow_box_keeps_mass_and_moment_though_its_modes_weigh_more_than_its_water() -> None:
-    table = copy.deepcopy(read_scenario("mixed-tray").source)
+    table = read_scenario("mixed-tray").source
     entry = {"shape": "box", "length": "100 mm", "width": "100 mm", "height": "60 mm", "liquid": "water"}
     level = {"liquid_height": "12 mm", "max_slosh_height": "20 mm", "name": "bowl", "at": ["0 mm", "0 mm"]}
     cargo: Any = [entry | level | {"empty_mass": "1 g"}]
@@ -207,7 +206,7 @@ def test_shallow_box_keeps_mass_and_moment_though_its_modes_weigh_more_than_its_
 
 def test_light_box_whose_modes_lie_low_is_simulated_through_a_high_swing() -> None:
     """What the modes leave of it is little, far above the rim and of negative inertia; masses and moments stay."""
-    table = copy.deepcopy(read_scenario("mixed-tray").source)
+    table = read_scenario("mixed-tray").source
     entry = {"shape": "box", "length": "107.5 mm", "width": "65.1 mm", "height": "85 mm", "liquid": "water"}
     level = {"liquid_height": "36 mm", "max_slosh_height": "45 mm", "name": "box", "at": ["0 mm", "0 mm"]}
     cargo: Any = [entry | level | {"empty_mass": "29 g", "friction": 0.5, "yaw": "0 deg"}]

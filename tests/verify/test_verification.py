@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import sys
 from collections.abc import Callable
@@ -45,11 +44,7 @@ def folder(smooth_plan: Plan, tmp_path: Path) -> Path:
 
 
 def with_friction(scene: Scene, friction: float, reserve: float | None = None) -> Scene:
-    table: Any = copy.deepcopy(scene.source)
-    table["tray"]["friction"] = friction
-    if reserve is not None:
-        table["tray"]["friction_reserve"] = reserve
-    return scene_from_table(table, name=scene.name)
+    return scene.changed({"tray.friction": friction} | ({} if reserve is None else {"tray.friction_reserve": reserve}))
 
 
 def run(*arguments: str) -> Any:

@@ -3,6 +3,4 @@
 from nospill.scenario.loading import load as load
 from nospill.scenario.loading import read_scenario as read_scenario
 from nospill.scenario.scenes import scenario_schema as scenario_schema
-from nospill.scenario.scenes import scenario_text as scenario_text
 from nospill.scenario.scenes import scene_from_table as scene_from_table
-from nospill.scenario.scenes import write_scenario as write_scenario

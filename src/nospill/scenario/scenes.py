@@ -96,11 +96,3 @@ def _require_known_keys(table: Mapping[str, Any], label: str) -> None:
         faults = faults_of(error, kept, unknown_only=True)
         if faults:
             raise report(label, faults) from None
-
-
-def scenario_text(scene: Scene) -> str:
-    return scene.text()
-
-
-def write_scenario(scene: Scene, path: str | Path) -> None:
-    scene.save(path)

@@ -19,7 +19,7 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.handover import exporter_named, hand_over
 from nospill.plans.plan import Plan
-from nospill.scenario import read_scenario, scenario_text, scene_from_table, write_scenario
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
 from nospill.studio.defaults import default_of
@@ -115,13 +115,13 @@ def save_scenario(scene: Scene, folder: Path) -> Path:
     if not _FILE_NAME.fullmatch(scene.name):
         raise ScenarioError(f"{scene.name}: is no name for a file; use letters, digits, - and _")
     path = folder / f"{scene.name}.toml"
-    write_scenario(scene, path)
+    scene.save(path)
     return path
 
 
 def scenario_download(scene: Scene) -> Download:
     """The scenario as the browser saves it."""
-    return Download(f"{scene.name}.toml", scenario_text(scene).encode(), f"{scene.name}.toml handed to the browser")
+    return Download(f"{scene.name}.toml", scene.text().encode(), f"{scene.name}.toml handed to the browser")
 
 
 def export_choices() -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.paths.path import Path as TrayPath
 from nospill.paths.path import circular_arc, path_from_bspline, straight_line
 from nospill.paths.waypoint_paths import path_through_waypoints
-from nospill.scenario import scenario_text, scene_from_table
+from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 
 # Arms whose scenarios are drawn in a moment; drawing is not what is tested here.
@@ -44,9 +44,9 @@ def same(first: Scene, second: Scene) -> bool:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_any_scenario_survives_its_own_text(tables: dict[int, dict[str, Any]], seed: int) -> None:
     scene = scene_from_table(tables[seed], name="first")
-    text = scenario_text(scene)
+    text = scene.text()
     again = scene_from_table(tomllib.loads(text), name="second")
-    assert same(scene, again) and scenario_text(again) == text
+    assert same(scene, again) and again.text() == text
     assert same(scene, scene_from_table(json.loads(json.dumps(tables[seed])), name="third"))
 
 

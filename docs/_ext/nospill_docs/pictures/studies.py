@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import gzip
 import json
 import re
@@ -86,7 +85,7 @@ def corners(stated: Plan, robust: Plan) -> Figure:
 
 def _judged_at(plan: Plan, offset: float, factor: float) -> Trace:
     """Height of the first cup where all are filled so many mm higher and damped so many times as much."""
-    table = copy.deepcopy(dict(plan.scene.source))
+    table = plan.scene.source
     table.pop("tolerance", None)
     for entry, cargo in zip(table["cargo"], plan.scene.cargo, strict=True):
         assert cargo.filling is not None

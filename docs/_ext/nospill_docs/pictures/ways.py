@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 
 import numpy as np
@@ -13,7 +12,6 @@ from nospill.approach.search import find_approach
 from nospill.paths.waypoint_paths import path_through_waypoints
 from nospill.plans.plan import Plan
 from nospill.plots.style import BLACK, BLUE, DARK_RED, GREEN, GREY, ORANGE, RED, series_look
-from nospill.scenario import scene_from_table
 from nospill_docs.pictures.paper import note, sheet, sketch, words
 
 
@@ -59,10 +57,8 @@ def approach(plan: Plan) -> Figure:
     figure = sheet(2.9)
     axes = figure.add_axes((0.085, 0.16, 0.9, 0.66))
     scene = plan.scene
-    table = copy.deepcopy(dict(scene.source))
-    table["approach"] = {"from": "home", "tray": "empty"}
-    table["motion"] = {**table.get("motion", {}), "hold_before": 0.5, "hold_after": 0.5}
-    rules = scene_from_table(table, name=scene.name).approach
+    stated = {"approach": {"from": "home", "tray": "empty"}, "motion.hold_before": 0.5, "motion.hold_after": 0.5}
+    rules = scene.changed(stated).approach
     assert rules is not None
     way = find_approach(scene, rules, plan.trajectory.joint_position[0]).segment.samples
     wait, hold = 0.6, 0.5

@@ -1,14 +1,10 @@
 """The new arm carries a cup along a line; its limits are judged joint by joint."""
 
-import copy
-
 import nospill as ns
-from nospill.scenario import scene_from_table
 
-table = copy.deepcopy(dict(ns.load("pp-two-cups").source))
-table["robot"] = {"model": "teaching-arm"}
-table["path"] = {"type": "line", "start": [0.5, -0.3, 0.7], "end": [0.5, 0.3, 0.9]}
-plan = ns.plan(scene_from_table(table, name="teaching"))
+line = ns.LinePath(start=[0.5, -0.3, 0.7], end=[0.5, 0.3, 0.9])
+scene = ns.load("pp-two-cups").changed({"robot": ns.Robot(model="teaching-arm"), "path": line})
+plan = ns.plan(scene)
 assert plan.certificate.ok
 speeds = {row.subject: row.use for row in plan.certificate.rows if row.constraint == "joint speed"}
 assert list(speeds) == ["waist", "shoulder", "elbow", "forearm", "wrist", "hand"]
