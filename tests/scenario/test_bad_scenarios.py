@@ -16,7 +16,8 @@ import tomli_w
 
 from nospill.errors import NospillError, ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.messages import faults_of, report
+from nospill.scenario.messages import faults_of
+from nospill.scenario.sentences import report
 
 FOLDER = Path(__file__).parent / "bad_scenarios"
 CASES = sorted(file.stem for file in FOLDER.glob("*.toml") if not file.stem.startswith("_"))

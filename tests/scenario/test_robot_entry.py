@@ -265,7 +265,7 @@ def test_schema_knows_the_keys() -> None:
     tables = scenario_schema()["$defs"]
     assert {"model", "urdf", "urdf_text", "tip", "locked", "home", "limits"} <= set(tables["RobotTable"]["properties"])
     assert "required" not in tables["RobotTable"]
-    assert set(tables["LimitsTable"]["properties"]) >= {"speed", "speed_scale", "torque", "lower"}
+    assert set(tables["JointLimitsTable"]["properties"]) >= {"speed", "speed_scale", "torque", "lower"}
 
 
 def test_listing_says_what_is_known(capsys: pytest.CaptureFixture[str]) -> None:

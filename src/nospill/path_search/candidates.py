@@ -17,7 +17,7 @@ from nospill.robots.description.urdf import base_pose
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
-from nospill.scenario.free_path_entry import FreeTable
+from nospill.scenario.free_path_entry import FreePath
 from nospill.scenario.scenes import scene_from_table
 from nospill.scene.scene import Scene
 
@@ -115,7 +115,7 @@ def _arcs(scene: Scene) -> Iterator[PossibleWay]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
     detours = scene.keeps_distances and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
-    table = FreeTable.model_validate(_path_table(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
+    table = FreePath.model_validate(_path_table(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
     foot, _ = base_pose(scene.robot.urdf)
     ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
     places = np.array([ends[0], *(item.position for item in scene.motion.via), ends[1]]) - foot

@@ -11,7 +11,8 @@ from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
 from nospill.robots.robot import Robot
-from nospill.scenario.fields import JOINT_ANGLE, JointValues, Measured, Table, WordOr
+from nospill.scenario.fields import JOINT_ANGLE, JointValues, Measured, WordOr
+from nospill.scenario.tables import Given, OptionalQuantityOrList, Quantity, Table, Values, default
 from nospill.scene.scene import ApproachRules
 
 HOME = "home"
@@ -32,7 +33,7 @@ class ApproachTable(Table):
     model_config = ConfigDict(extra="forbid", frozen=True, serialize_by_alias=True)
 
     start: Annotated[
-        str | tuple[float, ...],
+        Given[str | tuple[float, ...], str | Values],
         WordOr(word=HOME, entry=JOINT_ANGLE, several=True),
         Field(alias="from", description='where the arm is: "home", or one angle for each moving joint'),
     ]
@@ -40,19 +41,21 @@ class ApproachTable(Table):
         Literal["empty", "loaded"], Field(description='whether the cargo is on the tray: "empty" or "loaded"')
     ]
     speed_scale: Annotated[
-        float, _SCALE, Field(description="part of the joint speeds that the approach is planned with")
-    ] = 0.5
-    acceleration_scale: Annotated[float, _SCALE, Field(description="part of the joint accelerations, likewise")] = 0.5
+        Quantity, _SCALE, Field(description="part of the joint speeds that the approach is planned with")
+    ] = default(0.5)
+    acceleration_scale: Annotated[Quantity, _SCALE, Field(description="part of the joint accelerations, likewise")] = (
+        default(0.5)
+    )
     acceleration: Annotated[
-        float | tuple[float, ...] | None,
+        OptionalQuantityOrList,
         _limit("angular_acceleration", 1e4),
         Field(description="joint accelerations; needed where the robot's data have none"),
-    ] = None
+    ] = default(None)
     jerk: Annotated[
-        float | tuple[float, ...] | None,
+        OptionalQuantityOrList,
         _limit("angular_jerk", 1e7),
         Field(description="joint jerks; without any, the full acceleration is built up in 0.1 s"),
-    ] = None
+    ] = default(None)
 
     def build(self, robot: Robot) -> ApproachRules:
         """The rules for an arm; what the table states never goes beyond the robot's own limits.

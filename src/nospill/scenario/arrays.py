@@ -15,7 +15,9 @@ from pydantic_core import CoreSchema, core_schema
 
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import LONGEST_NAME, SIDE, Table, Vector, refuse
+from nospill.scenario.fields import LONGEST_NAME, SIDE, Vector
+from nospill.scenario.sentences import refuse
+from nospill.scenario.tables import Given, Quantities, Table
 from nospill.scene.containers.base import Container
 
 MOST_OBJECTS = 100
@@ -47,18 +49,18 @@ class Counts:
         return {"type": "array", "items": whole, "minItems": 2, "maxItems": 2}
 
 
-class ArrayTable(Table):
+class CargoArrayTable(Table):
     """`array` of a `[[cargo]]` entry: equal objects in rows and columns about its `at`, turned with its `yaw`."""
 
-    count: Annotated[tuple[int, ...], Counts(), Field(description="objects along x and along y")]
+    count: Annotated[Given[tuple[int, ...], Sequence[int]], Counts(), Field(description="objects along x and along y")]
     pitch: Annotated[
-        tuple[float, ...],
+        Quantities,
         Vector(entry=SIDE, axes=("x", "y")),
         Field(description='distance from middle to middle along x and y, for example ["18 mm", "18 mm"]'),
     ]
 
 
-def members(name: str, at: Sequence[float], yaw: float, array: ArrayTable) -> list[dict[str, Any]]:
+def members(name: str, at: Sequence[float], yaw: float, array: CargoArrayTable) -> list[dict[str, Any]]:
     """The keys in which the objects of an array differ, `name` and `at` (m), row by row.
 
     "vial-1-2" is the first along x and the second along y.
@@ -76,7 +78,7 @@ def members(name: str, at: Sequence[float], yaw: float, array: ArrayTable) -> li
     return found
 
 
-def check_array(name: str, array: ArrayTable, container: Container) -> None:
+def check_array(name: str, array: CargoArrayTable, container: Container) -> None:
     """Refuse an array whose objects overlap their neighbours or cannot be named.
 
     Raises:

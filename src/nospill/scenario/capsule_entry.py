@@ -16,7 +16,8 @@ from nospill.robots.description.collision_geometry import collision_capsules
 from nospill.robots.description.urdf import hint_of, read_arm, some
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import LinkCapsule, Robot
-from nospill.scenario.fields import Point, Size, Table
+from nospill.scenario.fields import Point, Size
+from nospill.scenario.tables import Table
 
 MOST_CAPSULES = 100
 """Capsules that an arm may have."""
@@ -24,7 +25,7 @@ MOST_CAPSULES = 100
 STATED = "[[robot.capsule]] of the scenario, which also keeps those fitted to a URDF's collision geometry"
 
 
-class CapsuleTable(Table):
+class LinkCapsuleTable(Table):
     """`[[robot.capsule]]`: space that a link fills, all within a radius of a segment in the link's frame."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, serialize_by_alias=True)
@@ -64,7 +65,7 @@ def fitted_capsules(text: str, folder: FilePath, *, tip: str | None, locked: Map
     return {"capsule": [_entry(item) for item in found]}
 
 
-def with_capsules(robot: Robot, stated: Sequence[CapsuleTable] | None, *, known: str) -> Robot:
+def with_capsules(robot: Robot, stated: Sequence[LinkCapsuleTable] | None, *, known: str) -> Robot:
     """The arm with the capsules that are stated, of the links it has.
 
     Args:
@@ -78,7 +79,7 @@ def with_capsules(robot: Robot, stated: Sequence[CapsuleTable] | None, *, known:
     if stated is None:
         return replace(robot, sources={CAPSULES: ESTIMATED, **robot.sources})
     links, own = read_tree(known).links, read_tree(robot.urdf).links
-    entries = [CapsuleTable.model_validate(item) for item in stated]
+    entries = [LinkCapsuleTable.model_validate(item) for item in stated]
     for index, item in enumerate(entries):
         if item.link not in links:
             raise ScenarioError(

@@ -13,22 +13,23 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag
 
 from nospill.errors import ScenarioError
-from nospill.scenario.arrays import ArrayTable
+from nospill.scenario.arrays import CargoArrayTable
 from nospill.scenario.fields import (
+    FRICTION,
+    MASS,
+    POINT,
+    RESERVE,
+    SIDE,
     Angle,
-    Friction,
     Label,
-    Mass,
     Measured,
     Name,
-    Point,
     PointOnTray,
-    Reserve,
     Size,
-    Table,
     Vector,
 )
 from nospill.scenario.profile_files import MOST_POINTS, read_profile
+from nospill.scenario.tables import OptionalQuantities, OptionalQuantity, Quantity, Table, default, tag
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
@@ -46,18 +47,18 @@ class LiquidTable(Table):
     """A liquid that is not in the table of liquids."""
 
     density: Annotated[
-        float, Measured(dimension="density", at_least=1.0, at_most=25e3), Field(description="density of the liquid")
+        Quantity, Measured(dimension="density", at_least=1.0, at_most=25e3), Field(description="density of the liquid")
     ]
     kinematic_viscosity: Annotated[
-        float,
+        Quantity,
         Measured(dimension="kinematic_viscosity", at_least=1e-9, at_most=1.0),
         Field(description="kinematic viscosity of the liquid"),
     ]
     surface_tension: Annotated[
-        float,
+        Quantity,
         Measured(dimension="surface_tension", at_least=0.0, at_most=1.0),
         Field(description="surface tension of the liquid; water's when not given"),
-    ] = LIQUIDS["water"].surface_tension
+    ] = default(LIQUIDS["water"].surface_tension)
 
 
 def _liquid_kind(value: object) -> str:
@@ -97,9 +98,9 @@ class CargoTable(Table):
         Field(description='what people read beside the object, for example "beer 0.3 l"; its name when not given'),
     ] = ""
     at: Annotated[PointOnTray, Field(description="x and y of the bottom's centre, from the tray's centre")]
-    yaw: Annotated[Angle, Field(description="turn of the object about the tray's normal")] = 0.0
+    yaw: Annotated[Angle, Field(description="turn of the object about the tray's normal")] = default(0.0)
     array: Annotated[
-        ArrayTable | None,
+        CargoArrayTable | None,
         Field(description="rows and columns of equal objects about at: name-1-1, name-1-2, ..."),
     ] = None
     carrier: Annotated[
@@ -110,38 +111,41 @@ class CargoTable(Table):
         ),
     ] = None
     seat_height: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="height of the object's bottom above the tray, where it stands in a carrier; 0 if not given"),
-    ] = None
+    ] = default(None)
     shape: Any  # each class below narrows it to its own literal
     liquid: Annotated[LiquidValue | None, Field(description="a liquid's name, or a table of its properties")] = None
-    liquid_height: Annotated[Size | None, Field(description="height of the liquid at rest above the bottom")] = None
+    liquid_height: Annotated[
+        OptionalQuantity, SIDE, Field(description="height of the liquid at rest above the bottom")
+    ] = default(None)
     liquid_volume: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="volume", above=0.0, at_most=1.0),
         Field(description="volume of the liquid, instead of its height"),
-    ] = None
+    ] = default(None)
     max_slosh_height: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="length", kind="size", above=0.0, at_most=10.0),
         Field(
             description="how far the surface may rise above its rest level; to the rim less freeboard_reserve when not "
             "given"
         ),
-    ] = None
+    ] = default(None)
     freeboard_reserve: Annotated[
-        Reserve | None,
+        OptionalQuantity,
+        RESERVE,
         Field(
             description="fraction of the way from the liquid at rest to the rim that max_slosh_height leaves where "
             "it is not given, 0.1 when not given; a max_slosh_height that leaves less is warned of"
         ),
-    ] = None
+    ] = default(None)
     damping: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="ratio", at_least=0.0, at_most=MOST_DAMPING),
         Field(description="damping ratio of the first mode, instead of the formula's; a thick liquid has more than 1"),
-    ] = None
+    ] = default(None)
     contact_line: Annotated[
         Literal["free", "pinned"] | None,
         Field(
@@ -150,39 +154,44 @@ class CargoTable(Table):
         ),
     ] = None
     contact_angle: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="angle", at_least=0.0, at_most=math.pi),
         Field(
             description="angle between wall and surface at rest, measured in the liquid, where contact_line is stated: "
             "0 of a wall that the liquid wets; the frequency is that of a flat surface when not given"
         ),
-    ] = None
+    ] = default(None)
     initial_swing: Annotated[
         SwingTable | None,
         Field(description="the table [cargo.initial_swing]: swing of the liquid when the motion begins"),
     ] = None
     mass: Annotated[
-        Mass | None,
+        OptionalQuantity,
+        MASS,
         Field(description="total mass as it stands on the tray, liquid included, but not what stands in it"),
-    ] = None
+    ] = default(None)
     empty_mass: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="mass", at_least=0.0, at_most=1000.0),
         Field(description="mass of the container without its liquid, instead of the total mass"),
-    ] = None
+    ] = default(None)
     centre_of_mass_height: Annotated[
-        Size | None, Field(description="height of the centre of mass at rest above the bottom, liquid included")
-    ] = None
+        OptionalQuantity,
+        SIDE,
+        Field(description="height of the centre of mass at rest above the bottom, liquid included"),
+    ] = default(None)
     centre_of_mass: Annotated[
-        Point | None, Field(description="centre of mass of a solid object, from the centre of its bottom")
-    ] = None
-    friction: Annotated[Friction | None, Field(description="friction of this object, instead of the tray's")] = None
+        OptionalQuantities, POINT, Field(description="centre of mass of a solid object, from the centre of its bottom")
+    ] = default(None)
+    friction: Annotated[
+        OptionalQuantity, FRICTION, Field(description="friction of this object, instead of the tray's")
+    ] = default(None)
     friction_reserve: Annotated[
-        Reserve | None, Field(description="friction reserve of this object, instead of the tray's")
-    ] = None
+        OptionalQuantity, RESERVE, Field(description="friction reserve of this object, instead of the tray's")
+    ] = default(None)
     footprint_reserve: Annotated[
-        Reserve | None, Field(description="footprint reserve of this object, instead of the tray's")
-    ] = None
+        OptionalQuantity, RESERVE, Field(description="footprint reserve of this object, instead of the tray's")
+    ] = default(None)
 
     tolerance: Annotated[
         ToleranceTable | None,
@@ -206,7 +215,7 @@ class CargoTable(Table):
 class CylinderTable(CargoTable):
     """`[[cargo]]` with shape = "cylinder": an upright circular cylinder."""
 
-    shape: Literal["cylinder"]
+    shape: Literal["cylinder"] = tag()
     radius: Annotated[Size, Field(description="radius of the cylinder")]
     height: Annotated[Size, Field(description="height of the rim above the bottom")]
 
@@ -214,7 +223,7 @@ class CylinderTable(CargoTable):
 class BoxTable(CargoTable):
     """`[[cargo]]` with shape = "box": an upright box."""
 
-    shape: Literal["box"]
+    shape: Literal["box"] = tag()
     length: Annotated[Size, Field(description="side along the box's x")]
     width: Annotated[Size, Field(description="side along the box's y")]
     height: Annotated[Size, Field(description="height of the rim above the bottom")]
@@ -224,25 +233,26 @@ class VesselTable(CargoTable):
     """The keys of every body of revolution; all radii are those of the inside but the base's."""
 
     wall: Annotated[
-        float,
+        Quantity,
         Measured(dimension="length", at_least=0.0, at_most=0.1),
         Field(description="thickness of the wall, by which the outside is wider than the inside"),
-    ] = 0.0
+    ] = default(0.0)
     base_radius: Annotated[
-        Size | None,
+        OptionalQuantity,
+        SIDE,
         Field(description="radius of the base; that of the flat bottom and the wall when not given"),
-    ] = None
+    ] = default(None)
     base_inner_radius: Annotated[
-        float,
+        Quantity,
         Measured(dimension="length", at_least=0.0, at_most=10.0),
         Field(description="inner radius of the base where it is a ring"),
-    ] = 0.0
+    ] = default(0.0)
 
 
 class TaperedTable(VesselTable):
     """`[[cargo]]` with shape = "tapered": a flat bottom and a straight wall."""
 
-    shape: Literal["tapered"]
+    shape: Literal["tapered"] = tag()
     bottom_radius: Annotated[Size, Field(description="radius at the bottom")]
     top_radius: Annotated[Size, Field(description="radius at the rim")]
     height: Annotated[Size, Field(description="height of the rim above the bottom")]
@@ -251,7 +261,7 @@ class TaperedTable(VesselTable):
 class BowlTable(VesselTable):
     """`[[cargo]]` with shape = "bowl": part of a sphere on a flat bottom."""
 
-    shape: Literal["bowl"]
+    shape: Literal["bowl"] = tag()
     radius: Annotated[Size, Field(description="radius at the rim")]
     bottom_radius: Annotated[Size, Field(description="radius of the flat bottom")]
     height: Annotated[Size, Field(description="height of the rim above the bottom")]
@@ -260,7 +270,7 @@ class BowlTable(VesselTable):
 class WineGlassTable(VesselTable):
     """`[[cargo]]` with shape = "wine-glass": an egg-shaped bowl on a stem; base_radius is that of its foot."""
 
-    shape: Literal["wine-glass"]
+    shape: Literal["wine-glass"] = tag()
     radius: Annotated[Size, Field(description="radius of the bowl where it is widest")]
     rim_radius: Annotated[Size, Field(description="radius at the rim")]
     bowl_height: Annotated[Size, Field(description="height of the rim above the lowest point of the inside")]
@@ -270,7 +280,7 @@ class WineGlassTable(VesselTable):
 class ConicalFlaskTable(VesselTable):
     """`[[cargo]]` with shape = "conical-flask": a flat bottom and a straight wall towards a cylindrical neck."""
 
-    shape: Literal["conical-flask"]
+    shape: Literal["conical-flask"] = tag()
     bottom_radius: Annotated[Size, Field(description="radius at the bottom")]
     neck_radius: Annotated[Size, Field(description="radius of the neck")]
     shoulder_height: Annotated[Size, Field(description="height at which the neck begins")]
@@ -280,7 +290,7 @@ class ConicalFlaskTable(VesselTable):
 class RoundFlaskTable(VesselTable):
     """`[[cargo]]` with shape = "round-flask": a ball on a flat bottom, with a cylindrical neck."""
 
-    shape: Literal["round-flask"]
+    shape: Literal["round-flask"] = tag()
     radius: Annotated[Size, Field(description="radius of the ball")]
     bottom_radius: Annotated[Size, Field(description="radius of the flat bottom")]
     neck_radius: Annotated[Size, Field(description="radius of the neck")]
@@ -292,7 +302,7 @@ class TestTubeTable(VesselTable):
 
     __test__ = False
 
-    shape: Literal["test-tube"]
+    shape: Literal["test-tube"] = tag()
     radius: Annotated[Size, Field(description="radius of the tube")]
     height: Annotated[Size, Field(description="height of the rim above the lowest point of the inside")]
 
@@ -300,7 +310,7 @@ class TestTubeTable(VesselTable):
 class ProfileTable(VesselTable):
     """`[[cargo]]` with shape = "profile": the vessel of any profile of its inside."""
 
-    shape: Literal["profile"]
+    shape: Literal["profile"] = tag()
     profile: Annotated[
         list[Annotated[tuple[float, ...], Vector(entry=_PLACE, axes=("r", "z"))]] | None,
         Field(

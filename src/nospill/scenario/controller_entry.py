@@ -10,7 +10,8 @@ from pydantic import Field
 from nospill.core.arrays import read_only
 from nospill.errors import ScenarioError
 from nospill.robots.robot import Robot
-from nospill.scenario.fields import JointValues, Measured, Table
+from nospill.scenario.fields import JointValues, Measured
+from nospill.scenario.tables import OptionalQuantityOrList, QuantityOrList, Table, default
 from nospill.scene.controller import Controller
 
 _LONGEST = 0.5
@@ -22,11 +23,11 @@ class ControllerTable(Table):
     """`[controller]`: how every joint follows its command, lag q' + q = command(t - delay)."""
 
     delay: Annotated[
-        float | tuple[float, ...], _TIME, Field(description="time after which a joint begins to follow its command")
-    ] = 0.0
+        QuantityOrList, _TIME, Field(description="time after which a joint begins to follow its command")
+    ] = default(0.0)
     lag: Annotated[
-        float | tuple[float, ...], _TIME, Field(description="time constant with which it then follows (first order)")
-    ] = 0.0
+        QuantityOrList, _TIME, Field(description="time constant with which it then follows (first order)")
+    ] = default(0.0)
     compensate: Annotated[
         bool,
         Field(
@@ -36,10 +37,10 @@ class ControllerTable(Table):
         ),
     ] = True
     tracking_tolerance: Annotated[
-        float | tuple[float, ...] | None,
+        OptionalQuantityOrList,
         JointValues(entry=Measured(dimension="angle", above=0.0, at_most=3.2)),
         Field(description="distance of a joint behind its command at which the controller stops; a warning says so"),
-    ] = None
+    ] = default(None)
 
     def build(self, robot: Robot) -> Controller:
         """The controller of an arm.

@@ -7,30 +7,18 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity, unit_written
 from nospill.errors import ScenarioError
-
-SENTENCE = "nospill_sentence"
-"""Type of the pydantic errors that carry a finished sentence (value first, then what is allowed) in their context."""
+from nospill.scenario.sentences import refuse
+from nospill.scenario.tables import Quantities, Quantity
 
 LONGEST_NAME = 64
 """Letters."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
-
-
-class Table(BaseModel):
-    """A table of a scenario file: unknown keys are refused, values never change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-def refuse(sentence: str) -> PydanticCustomError:
-    """The error a field raises: a sentence that starts with the value; the key is put before it when it is reported."""
-    return PydanticCustomError(SENTENCE, "{sentence}", {"sentence": sentence})
 
 
 PLAUSIBLE: dict[str, tuple[float, float, str]] = {
@@ -266,14 +254,18 @@ FREE = "free"
 
 Name = Annotated[str, SafeName()]
 Label = Annotated[str, ShortText()]
-Size = Annotated[float, SIDE]
+Size = Annotated[Quantity, SIDE]
 ANGLE = Measured(dimension="angle", at_least=-1000.0, at_most=1000.0)
 """What an angle is, wherever nothing narrower is said."""
-Angle = Annotated[float, ANGLE]
+Angle = Annotated[Quantity, ANGLE]
 JOINT_ANGLE = Measured(dimension="angle", kind="joint angle", at_least=-1000.0, at_most=1000.0)
 """Position of a joint, of which some turn many times: bare numbers in rad are plausible far beyond one turn."""
-Mass = Annotated[float, Measured(dimension="mass", at_least=1e-6, at_most=1000.0)]
-Friction = Annotated[float, Measured(dimension="ratio", above=0.0, at_most=2.0)]
-Reserve = Annotated[float, Measured(dimension="ratio", at_least=0.0, below=1.0)]
-Point = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y", "z"))]
-PointOnTray = Annotated[tuple[float, ...], Vector(entry=_COORDINATE, axes=("x", "y"))]
+MASS = Measured(dimension="mass", at_least=1e-6, at_most=1000.0)
+FRICTION = Measured(dimension="ratio", above=0.0, at_most=2.0)
+RESERVE = Measured(dimension="ratio", at_least=0.0, below=1.0)
+Friction = Annotated[Quantity, FRICTION]
+Reserve = Annotated[Quantity, RESERVE]
+POINT = Vector(entry=_COORDINATE, axes=("x", "y", "z"))
+POINT_ON_TRAY = Vector(entry=_COORDINATE, axes=("x", "y"))
+Point = Annotated[Quantities, POINT]
+PointOnTray = Annotated[Quantities, POINT_ON_TRAY]

@@ -18,10 +18,21 @@ from nospill.paths.path import Path, straight_line
 from nospill.paths.waypoint_paths import path_through_poses, path_through_waypoints
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
-from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Table, Vector
+from nospill.scenario.fields import ANGLE, POINT, SIDE, Angle, Measured, Name, Point, Vector
 from nospill.scenario.freedom_entries import WIDEST, WidthAlong
 from nospill.scenario.path_table import PathTable
 from nospill.scenario.place_entry import Placed, PlaceTable, placed
+from nospill.scenario.tables import (
+    Given,
+    OptionalQuantityOrList,
+    Points,
+    Quantities,
+    Quantity,
+    Table,
+    Values,
+    default,
+    tag,
+)
 from nospill.scene.places import Region, Via
 
 LEAST_FREEDOM = 0.1
@@ -39,10 +50,10 @@ class ViaTable(Table):
 
     position: Annotated[Point, Field(description="the place")]
     radius: Annotated[
-        float,
+        Quantity,
         Measured(dimension="length", at_least=1e-3, at_most=WIDEST),
         Field(description="how near the tray's centre has to come to it"),
-    ] = 0.05
+    ] = default(0.05)
     name: Annotated[Name | None, Field(description="what rows call it; its number when not given")] = None
 
 
@@ -51,9 +62,9 @@ class RegionTable(Table):
 
     at: Annotated[Point, Field(description="its centre, in the path's frame")]
     size: Annotated[
-        tuple[float, ...], Vector(entry=SIDE, axes=("x", "y", "z")), Field(description="side lengths along x, y and z")
+        Quantities, Vector(entry=SIDE, axes=("x", "y", "z")), Field(description="side lengths along x, y and z")
     ]
-    yaw: Annotated[Angle, Field(description="turn of the box about z")] = 0.0
+    yaw: Annotated[Angle, Field(description="turn of the box about z")] = default(0.0)
     name: Annotated[
         Name | None, Field(description='what rows call it; "region", "region-2" and so on when not given')
     ] = None
@@ -64,55 +75,55 @@ MOST_PLACES = 5
 _REGION_NAMES = ("region", *(f"region-{number}" for number in range(2, MOST_PLACES + 1)))
 
 
-class FreeTable(PathTable):
+class FreePath(PathTable):
     """`type = "free"`: from here to there, the way between them left to the planner."""
 
-    type: Literal["free"]
+    type: Literal["free"] = tag()
     start: Annotated[
         PlaceTable, Field(description="where the tray is at first, with the keys position and yaw, or joints")
     ]
     goal: Annotated[PlaceTable, Field(description="where it is to come, likewise")]
     via: Annotated[
-        tuple[ViaTable, ...],
+        Given[tuple[ViaTable, ...], Sequence[ViaTable]],
         Field(max_length=MOST_PLACES, description="places that it passes, in this order, with position, radius, name"),
-    ] = ()
+    ] = default(())
     region: Annotated[
-        tuple[RegionTable, ...],
+        Given[tuple[RegionTable, ...], Sequence[RegionTable]],
         Field(
             max_length=MOST_PLACES,
             description="boxes, each of which tray and cargo stay in, with the keys at, size, yaw and name",
         ),
-    ] = ()
+    ] = default(())
     corridor: Annotated[
-        float | tuple[float, ...] | None,
+        OptionalQuantityOrList,
         WidthAlong(),
         Field(
             description="how far the tray's centre may be from the way along which the motion is looked for, or a list "
             "of widths along it; when not given, as far as the farthest place of goal and via is from the start"
         ),
-    ] = None
+    ] = default(None)
     way: Annotated[
-        list[Point] | None,
+        Given[list[Annotated[tuple[float, ...], POINT]] | None, Points | None],
         Field(
             min_length=2,
             max_length=100,
             description="points from start to goal about which the motion is looked for, joined smoothly; "
             "the planner chooses them when not given, and the copy kept with a plan has those",
         ),
-    ] = None
+    ] = default(None)
     way_yaw: Annotated[
-        list[Angle] | None,
+        Given[list[Annotated[float, ANGLE]] | None, Values | None],
         Field(
             description="yaw of the tray at each point of `way`, which then are at even parameters of the path; even "
             "between the ends when not given"
         ),
-    ] = None
+    ] = default(None)
     way_joints: Annotated[
-        list[Annotated[list[Angle], Field(min_length=7, max_length=7)]] | None,
+        list[Annotated[list[Annotated[float, ANGLE]], Field(min_length=7, max_length=7)]] | None,
         Field(description="all joints of an arm of seven at each point of `way`, with `way_yaw`"),
-    ] = None
+    ] = default(None)
 
-    def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> FreeTable:
+    def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> FreePath:
         """See `PathTable`."""
         ends = {"start": self.start, "goal": self.goal}
         stated = next((key for key, entry in ends.items() if entry.joints is not None), None)

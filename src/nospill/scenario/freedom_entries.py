@@ -10,7 +10,9 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from nospill.core.units import as_written
-from nospill.scenario.fields import ANGLE, FREE, Measured, refuse
+from nospill.scenario.fields import ANGLE, FREE, Measured
+from nospill.scenario.sentences import refuse
+from nospill.scenario.tables import Given, OptionalQuantityOrList, Values
 
 WIDEST = 2.0
 """m; greatest width of a corridor."""
@@ -55,7 +57,7 @@ def _angle(number: int, entry: object) -> float:
 
 
 Yaw = Annotated[
-    tuple[float | str, ...],
+    Given[tuple[float | str, ...], str | Values],
     YawAlong(),
     Field(
         description="yaw of the tray: [start, end] is linear along the path, more values are joined smoothly; "
@@ -89,7 +91,7 @@ class WidthAlong:
 
 
 Corridor = Annotated[
-    float | tuple[float, ...] | None,
+    OptionalQuantityOrList,
     WidthAlong(),
     Field(
         description="how far the tray's centre may leave the path between its ends; not at all when not given. A list "

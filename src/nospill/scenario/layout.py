@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from nospill.core.units import as_written, format_quantity
-from nospill.scenario.messages import Fault
+from nospill.scenario.sentences import Fault
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import Container
 from nospill.scene.tray import Tray

@@ -13,8 +13,8 @@ from nospill.core.suggestions import nearest
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.scenario.examples import EXAMPLES, example_path
-from nospill.scenario.messages import report
 from nospill.scenario.scenes import scene_from_table
+from nospill.scenario.sentences import report
 from nospill.scenario.settings import with_settings
 from nospill.scene.scene import Scene
 

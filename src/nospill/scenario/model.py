@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.arrays import MOST_OBJECTS
-from nospill.scenario.cargo_entries import CargoEntry
+from nospill.scenario.cargo_entries import CargoEntry, CargoTable
 from nospill.scenario.controller_entry import ControllerTable
-from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Table, Vector
-from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry
+from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Vector
+from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry, ObstacleTable
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
+from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Quantities, Quantity, Table, default
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 
@@ -33,28 +35,28 @@ class TrayTable(Table):
     """`[tray]`: the board on the flange."""
 
     size: Annotated[
-        tuple[float, ...],
+        Quantities,
         Vector(entry=SIDE, axes=("x", "y")),
         Field(description='side lengths along x and y, for example ["335 mm", "250 mm"]'),
     ]
     friction: Annotated[Friction, Field(description="measured coefficient of friction between tray and cargo")]
-    friction_reserve: Annotated[Reserve, Field(description="fraction of the friction that is kept back")] = 0.1
+    friction_reserve: Annotated[Reserve, Field(description="fraction of the friction that is kept back")] = default(0.1)
     footprint_reserve: Annotated[
         Reserve, Field(description="fraction of every footprint that is kept back: objects tip over a smaller one")
-    ] = 0.05
+    ] = default(0.05)
     offset: Annotated[
-        tuple[float, ...],
+        Quantities,
         Vector(
             entry=Measured(dimension="length", at_least=-2.0, at_most=2.0), axes=("x", "y", "z"), scalar_is_last=True
         ),
         Field(description="centre of the surface in the flange frame, or just its height along the flange's axis"),
-    ] = (0.0, 0.0, 0.0)
-    yaw_on_flange: Annotated[Angle, Field(description="turn of the tray about the flange's axis")] = 0.0
+    ] = default((0.0, 0.0, 0.0))
+    yaw_on_flange: Annotated[Angle, Field(description="turn of the tray about the flange's axis")] = default(0.0)
     mass: Annotated[
-        float,
+        Quantity,
         Measured(dimension="mass", at_least=0.0, at_most=1000.0),
         Field(description="mass of the board without its load"),
-    ] = 0.0
+    ] = default(0.0)
 
 
 HOLD = Measured(dimension="time", at_least=0.0, at_most=60.0)
@@ -66,72 +68,72 @@ class MotionTable(Table):
 
     tilt: Annotated[Literal["fixed", "free"], Field(description="whether the tray may pitch and roll")] = "fixed"
     max_tilt: Annotated[
-        float,
+        Quantity,
         Measured(dimension="angle", above=0.0, below=math.radians(60.0)),
         Field(description="bound on each tilt angle; the slosh model and the angles themselves end at 60 deg"),
-    ] = math.radians(30.0)
+    ] = default(math.radians(30.0))
     max_jerk: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="jerk", above=0.0, at_most=1e6),
         Field(
             description="bound on the jerk along the path (where it turns on the spot, of the tray's corners), "
             f"{DEFAULT_JERK:g} m/s^3 when left out"
         ),
-    ] = None
+    ] = default(None)
     path_jerk_limit: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="path_jerk", above=0.0, at_most=1e6),
         Field(description="bound on the third derivative of the path parameter, in the place of max_jerk"),
-    ] = None
+    ] = default(None)
     max_speed: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="speed", above=0.0, at_most=100.0),
         Field(description="bound on the speed of the tray's centre"),
-    ] = None
+    ] = default(None)
     max_acceleration: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="acceleration", above=0.0, at_most=1000.0),
         Field(description="bound on the acceleration of the tray's centre, gravity not counted"),
-    ] = None
+    ] = default(None)
     tilt_jerk_limit: Annotated[
-        float,
+        Quantity,
         Measured(dimension="angular_jerk", above=0.0, at_most=1e6),
         Field(description="bound on each tilt angle's third derivative"),
-    ] = 1000.0
+    ] = default(1000.0)
     end: Annotated[EndCondition, Field(description="terminal condition on the liquids")] = "residual"
     residual_fraction: Annotated[
-        float,
+        Quantity,
         Measured(dimension="ratio", above=0.0, at_most=1.0),
         Field(description="greatest surface height after the end, as a fraction of max_slosh_height"),
-    ] = 0.2
+    ] = default(0.2)
     duration: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
         Field(description="how long the motion takes: the gentlest one of this duration in the place of the shortest"),
-    ] = None
+    ] = default(None)
     max_duration: Annotated[
-        float,
+        Quantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
         Field(description="longest motion that is considered"),
-    ] = 20.0
+    ] = default(20.0)
     speed_range: Annotated[
-        tuple[float, ...] | None,
+        OptionalQuantities,
         Vector(entry=Measured(dimension="ratio", at_least=LEAST_SPEED, at_most=1.0), axes=("least", "greatest")),
         Field(
             description='speeds at which a controller may play the motion, for example ["25 %", "100 %"]; the limits '
             "on objects hold at every one of them"
         ),
-    ] = None
+    ] = default(None)
     hold_before: Annotated[
-        float, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
-    ] = 0.0
+        Quantity, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
+    ] = default(0.0)
     hold_after: Annotated[
-        float, HOLD, Field(description="how long the arm stands still after the end, in exported files")
-    ] = 0.0
+        Quantity, HOLD, Field(description="how long the arm stands still after the end, in exported files")
+    ] = default(0.0)
 
 
 _JerkWeight = Annotated[
-    float | None,
+    OptionalQuantity,
     Measured(dimension="number", at_least=0.0, at_most=1.0),
     Field(
         description="weight of the mean square of the jerk, beside the duration in seconds; "
@@ -143,8 +145,8 @@ _JerkWeight = Annotated[
 class PlanningTable(Table):
     """`[planning]`: how to look for the motion."""
 
-    path_jerk_weight: _JerkWeight = None
-    tilt_jerk_weight: _JerkWeight = None
+    path_jerk_weight: _JerkWeight = default(None)
+    tilt_jerk_weight: _JerkWeight = default(None)
     intervals: Annotated[
         int,
         Field(
@@ -160,15 +162,15 @@ class PlanningTable(Table):
     ] = "auto"
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=100_000, description="iterations of one solve")] = 1000
     max_solve_time: Annotated[
-        float,
+        Quantity,
         Measured(dimension="time", above=0.0, at_most=86400.0),
         Field(description="longest time that one solve may take"),
-    ] = 120.0
+    ] = default(120.0)
     max_plan_time: Annotated[
-        float,
+        Quantity,
         Measured(dimension="time", above=0.0, at_most=86400.0),
         Field(description="longest time to look for a motion; why there is none may take a little more"),
-    ] = 600.0
+    ] = default(600.0)
     starts: Annotated[
         int,
         Field(
@@ -195,10 +197,10 @@ class OutputTable(Table):
     """`[output]`: what is written."""
 
     rate: Annotated[
-        float,
+        Quantity,
         Measured(dimension="frequency", at_least=10.0, at_most=20e3),
         Field(description="rate of the exported samples"),
-    ] = 500.0
+    ] = default(500.0)
 
 
 class Scenario(Table):
@@ -212,16 +214,16 @@ class Scenario(Table):
     robot: Annotated[RobotTable, Field(description="the arm, with the key model or urdf")]
     tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
     cargo: Annotated[
-        list[CargoEntry],
+        Given[list[CargoEntry], Sequence[CargoTable]],
         Field(min_length=1, max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each"),
     ]
     path: Annotated[
         PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline, waypoints or free")
     ]
     obstacle: Annotated[
-        list[ObstacleEntry],
+        Given[list[ObstacleEntry], Sequence[ObstacleTable]],
         Field(max_length=MOST_OBSTACLES, description="what stands around the arm, one [[obstacle]] each"),
-    ] = []  # noqa: RUF012 # pydantic copies it and the table is frozen
+    ] = default([])  # pydantic copies it and the table is frozen
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
     tolerance: Annotated[
         ToleranceTable | None,

@@ -22,7 +22,8 @@ from nospill.core.shapes import (
 )
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import SIDE, Angle, Measured, Name, Point, Size, Table, Vector
+from nospill.scenario.fields import POINT, SIDE, Angle, Measured, Name, Point, Size, Vector
+from nospill.scenario.tables import Given, Points, Quantities, Quantity, Table, default, tag
 from nospill.scene.obstacles import Obstacle
 
 _FARTHEST = 50.0
@@ -37,15 +38,15 @@ class ObstacleTable(Table):
 
     name: Annotated[Name, Field(description="name of the obstacle, unlike that of any object")]
     at: Annotated[Point, Field(description="its centre (of a half-space a point on its surface), in the path's frame")]
-    yaw: Annotated[Angle, Field(description="turn of the obstacle about z")] = 0.0
-    pitch: Annotated[Angle, Field(description="turn of the obstacle about y, before the yaw")] = 0.0
-    roll: Annotated[Angle, Field(description="turn of the obstacle about x, before pitch and yaw")] = 0.0
+    yaw: Annotated[Angle, Field(description="turn of the obstacle about z")] = default(0.0)
+    pitch: Annotated[Angle, Field(description="turn of the obstacle about y, before the yaw")] = default(0.0)
+    roll: Annotated[Angle, Field(description="turn of the obstacle about x, before pitch and yaw")] = default(0.0)
     shape: Any  # each class below narrows it to its own literal
     clearance: Annotated[
-        float,
+        Quantity,
         Measured(dimension="length", at_least=0.0, at_most=1.0),
         Field(description="distance that arm, tray and cargo keep from it"),
-    ] = 0.01
+    ] = default(0.01)
 
     def standalone(self, folder: FilePath) -> dict[str, object]:
         """Keys to replace so that the entry needs no other file (None: to remove); files are looked up in `folder`.
@@ -72,9 +73,9 @@ class ObstacleTable(Table):
 class BoxObstacle(ObstacleTable):
     """`shape = "box"`: three sides about its centre."""
 
-    shape: Literal["box"]
+    shape: Literal["box"] = tag()
     size: Annotated[
-        tuple[float, ...], Vector(entry=SIDE, axes=("x", "y", "z")), Field(description="side lengths along x, y and z")
+        Quantities, Vector(entry=SIDE, axes=("x", "y", "z")), Field(description="side lengths along x, y and z")
     ]
 
     def solid(self) -> Shape:
@@ -85,7 +86,7 @@ class BoxObstacle(ObstacleTable):
 class CylinderObstacle(ObstacleTable):
     """`shape = "cylinder"`: upright unless turned."""
 
-    shape: Literal["cylinder"]
+    shape: Literal["cylinder"] = tag()
     radius: Annotated[Size, Field(description="radius")]
     height: Annotated[Size, Field(description="height along its axis, z before it is turned")]
 
@@ -97,7 +98,7 @@ class CylinderObstacle(ObstacleTable):
 class SphereObstacle(ObstacleTable):
     """`shape = "sphere"`: a ball."""
 
-    shape: Literal["sphere"]
+    shape: Literal["sphere"] = tag()
     radius: Annotated[Size, Field(description="radius")]
 
     def solid(self) -> Shape:
@@ -108,7 +109,7 @@ class SphereObstacle(ObstacleTable):
 class CapsuleObstacle(ObstacleTable):
     """`shape = "capsule"`: a cylinder with two half balls as ends, upright unless turned."""
 
-    shape: Literal["capsule"]
+    shape: Literal["capsule"] = tag()
     radius: Annotated[Size, Field(description="radius")]
     height: Annotated[Size, Field(description="height of the whole with its round ends")]
 
@@ -126,7 +127,7 @@ class CapsuleObstacle(ObstacleTable):
 class HalfspaceObstacle(ObstacleTable):
     """`shape = "halfspace"`: all behind a plane, as a floor or a wall; the plane's normal is z before it is turned."""
 
-    shape: Literal["halfspace"]
+    shape: Literal["halfspace"] = tag()
 
     def solid(self) -> Shape:
         """See `ObstacleTable`."""
@@ -140,20 +141,20 @@ MOST_CORNERS = 2000
 class MeshObstacle(ObstacleTable):
     """`shape = "mesh"`: the convex hull of a mesh; what is hollow or bent is given as several files."""
 
-    shape: Literal["mesh"]
+    shape: Literal["mesh"] = tag()
     file: Annotated[
         str | None,
         Field(strict=True, description="STL or OBJ file beside the scenario file, up to 10 MB"),
     ] = None
     scale: Annotated[
-        float,
+        Quantity,
         Measured(dimension="number", at_least=1e-6, at_most=1e3),
         Field(description="factor from the file's unit to m, 0.001 for a file in mm"),
-    ] = 1.0
+    ] = default(1.0)
     points: Annotated[
-        list[Point] | None,
+        Given[list[Annotated[tuple[float, ...], POINT]] | None, Points | None],
         Field(min_length=4, max_length=MOST_CORNERS, description="corners of the hull, in the place of a file"),
-    ] = None
+    ] = default(None)
 
     def standalone(self, folder: FilePath) -> dict[str, object]:
         """See `ObstacleTable`: the corners of the file's hull take the place of its name."""

@@ -11,8 +11,9 @@ from nospill.errors import ScenarioError
 from nospill.paths.path import Path
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.robot import Robot
-from nospill.scenario.messages import Fault, entry_place, report
+from nospill.scenario.messages import entry_place
 from nospill.scenario.obstacle_entries import ObstacleTable
+from nospill.scenario.sentences import Fault, report
 from nospill.scene.cargo import Cargo
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.places import Region, Via

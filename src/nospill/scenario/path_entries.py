@@ -19,16 +19,17 @@ from nospill.paths.path import (
 )
 from nospill.paths.waypoint_files import read_waypoints
 from nospill.paths.waypoint_paths import SMOOTHING, path_through_waypoints
-from nospill.scenario.fields import FREE, Angle, Measured, Point
-from nospill.scenario.free_path_entry import FreeTable
+from nospill.scenario.fields import ANGLE, FREE, POINT, Measured, Point
+from nospill.scenario.free_path_entry import FreePath
 from nospill.scenario.freedom_entries import Yaw
 from nospill.scenario.path_table import PathTable
+from nospill.scenario.tables import Given, Points, Values, default, tag
 
 
-class GivenTable(PathTable):
+class GivenPath(PathTable):
     """The keys of every path that is given as a curve."""
 
-    yaw: Yaw = (0.0, 0.0)
+    yaw: Yaw = default((0.0, 0.0))
 
     @property
     def angles(self) -> list[float]:
@@ -41,38 +42,41 @@ class GivenTable(PathTable):
         return FREE in self.yaw
 
 
-class PresetTable(GivenTable):
+class PresetPath(GivenPath):
     """`type = "preset"`: a published path."""
 
-    type: Literal["preset"]
+    type: Literal["preset"] = tag()
     name: Annotated[str, Field(strict=True, description="name of a published path (arc, ark, pp, sl or sl3d)")]
-    offset: Annotated[Point, Field(description="shift of the whole path")] = (0.0, 0.0, 0.0)
+    offset: Annotated[Point, Field(description="shift of the whole path")] = default((0.0, 0.0, 0.0))
 
     def build(self) -> Path:
         """See `PathTable`."""
         return preset_path(self.name, yaw=self.angles, offset=self.offset)
 
 
-class BsplineTable(GivenTable):
+class BsplinePath(GivenPath):
     """`type = "bspline"`: control points, degree and knots."""
 
-    type: Literal["bspline"]
-    control_points: Annotated[list[Point], Field(min_length=2, description="control points, each x, y and z")]
+    type: Literal["bspline"] = tag()
+    control_points: Annotated[
+        Given[list[Annotated[tuple[float, ...], POINT]], Points],
+        Field(min_length=2, description="control points, each x, y and z"),
+    ]
     degree: Annotated[int, Field(strict=True, ge=1, le=12, description="degree of the polynomials")]
     knots: Annotated[
-        list[Annotated[float, Measured(dimension="number")]] | None,
+        Given[list[Annotated[float, Measured(dimension="number")]] | None, Values | None],
         Field(description="knot vector, not decreasing; clamped and uniform when not given"),
-    ] = None
+    ] = default(None)
 
     def build(self) -> Path:
         """See `PathTable`."""
         return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.angles)
 
 
-class LineTable(GivenTable):
+class LinePath(GivenPath):
     """`type = "line"`: straight from start to end."""
 
-    type: Literal["line"]
+    type: Literal["line"] = tag()
     start: Annotated[Point, Field(description="first point")]
     end: Annotated[Point, Field(description="last point")]
 
@@ -81,10 +85,10 @@ class LineTable(GivenTable):
         return straight_line(self.start, self.end, yaw=self.angles)
 
 
-class ArcTable(GivenTable):
+class ArcPath(GivenPath):
     """`type = "arc"`: the circle through three points."""
 
-    type: Literal["arc"]
+    type: Literal["arc"] = tag()
     start: Annotated[Point, Field(description="first point")]
     through: Annotated[Point, Field(description="a point on the way")]
     end: Annotated[Point, Field(description="last point")]
@@ -94,10 +98,10 @@ class ArcTable(GivenTable):
         return circular_arc(self.start, self.through, self.end, yaw=self.angles)
 
 
-class WaypointsTable(GivenTable):
+class WaypointsPath(GivenPath):
     """`type = "waypoints"`: a smooth path through points, given here or in a CSV file."""
 
-    type: Literal["waypoints"]
+    type: Literal["waypoints"] = tag()
     file: Annotated[
         str | None,
         Field(
@@ -106,10 +110,14 @@ class WaypointsTable(GivenTable):
             "(x_mm, yaw_deg, qx, qy, qz, qw, t)",
         ),
     ] = None
-    points: Annotated[list[Point] | None, Field(min_length=2, description="the points, each x, y and z")] = None
+    points: Annotated[
+        Given[list[Annotated[tuple[float, ...], POINT]] | None, Points | None],
+        Field(min_length=2, description="the points, each x, y and z"),
+    ] = default(None)
     yaw_at_points: Annotated[
-        list[Angle] | None, Field(description="yaw of the tray at each point, in place of yaw")
-    ] = None
+        Given[list[Annotated[float, ANGLE]] | None, Values | None],
+        Field(description="yaw of the tray at each point, in place of yaw"),
+    ] = default(None)
     smoothing: Annotated[
         Annotated[float, Measured(dimension="length", at_least=0.0, at_most=0.1)] | None,
         Field(
@@ -159,16 +167,16 @@ class WaypointsTable(GivenTable):
 
 
 PATH_TABLES: dict[str, type[PathTable]] = {
-    "preset": PresetTable,
-    "bspline": BsplineTable,
-    "line": LineTable,
-    "arc": ArcTable,
-    "waypoints": WaypointsTable,
-    "free": FreeTable,
+    "preset": PresetPath,
+    "bspline": BsplinePath,
+    "line": LinePath,
+    "arc": ArcPath,
+    "waypoints": WaypointsPath,
+    "free": FreePath,
 }
 """Type -> the keys of the path."""
 
 PathEntry = Annotated[
-    PresetTable | BsplineTable | LineTable | ArcTable | WaypointsTable | FreeTable, Field(discriminator="type")
+    PresetPath | BsplinePath | LinePath | ArcPath | WaypointsPath | FreePath, Field(discriminator="type")
 ]
 """Any of them, distinguished by `type`."""

@@ -8,15 +8,15 @@ from typing import Self
 from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
-from nospill.scenario.fields import Table
 from nospill.scenario.freedom_entries import Corridor
+from nospill.scenario.tables import Table, default
 from nospill.scene.places import Region, Via
 
 
 class PathTable(Table):
     """The keys of every path."""
 
-    corridor: Corridor = None
+    corridor: Corridor = default(None)
 
     @property
     def width(self) -> float | None:

@@ -14,7 +14,8 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
-from nospill.scenario.fields import JOINT_ANGLE, Angle, Point, Table
+from nospill.scenario.fields import JOINT_ANGLE, POINT, Angle
+from nospill.scenario.tables import Given, OptionalQuantities, Table, Values, default
 
 MOST_LEAN = math.radians(0.5)
 """How far the tray may lean in stated joints; angles read off a screen are rounded."""
@@ -25,15 +26,15 @@ _SHOWN_LEAN = 1e-4
 class PlaceTable(Table):
     """A place of the tray, level."""
 
-    position: Annotated[Point | None, Field(description="of the tray's centre")] = None
-    yaw: Annotated[Angle, Field(description="of the tray")] = 0.0
+    position: Annotated[OptionalQuantities, POINT, Field(description="of the tray's centre")] = default(None)
+    yaw: Annotated[Angle, Field(description="of the tray")] = default(0.0)
     joints: Annotated[
-        list[Annotated[float, JOINT_ANGLE]] | None,
+        Given[list[Annotated[float, JOINT_ANGLE]] | None, Values | None],
         Field(
             description="of the arm there, one angle for each moving joint, in the place of position and yaw; the tray "
             "is level in them to 0.5 deg"
         ),
-    ] = None
+    ] = default(None)
 
     @property
     def at(self) -> tuple[float, float, float]:

@@ -22,13 +22,14 @@ from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_t
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
-from nospill.scenario.fields import FREE, Table
+from nospill.scenario.fields import FREE
 from nospill.scenario.layout import layout_faults
-from nospill.scenario.messages import Fault, cargo_place, entry_place, faults_of, report
+from nospill.scenario.messages import cargo_place, entry_place, faults_of
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
 from nospill.scenario.obstacle_reader import read_obstacles
-from nospill.scenario.plain_values import plain
 from nospill.scenario.rest_reasons import layout_reason, payload_reason
+from nospill.scenario.sentences import Fault, report
+from nospill.scenario.tables import Table, plain
 from nospill.scene.cargo import Cargo
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, way_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
@@ -24,14 +25,15 @@ from nospill.robots.description.limits import (
 from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standalone_urdf
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import Robot
-from nospill.scenario.capsule_entry import MOST_CAPSULES, CapsuleTable, fitted_capsules, with_capsules
-from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Table, WordOr
+from nospill.scenario.capsule_entry import MOST_CAPSULES, LinkCapsuleTable, fitted_capsules, with_capsules
+from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, Angle, JointValues, Measured, Point, WordOr
+from nospill.scenario.tables import Given, OptionalQuantity, OptionalQuantityOrList, Table, Values, default
 
 _LARGEST_URDF = 10_000_000
 _SOURCES = "model (an arm of the catalogue, see `nospill robots`) or urdf (a URDF file)"
 
 _Scale = Annotated[
-    float | None,
+    OptionalQuantity,
     Measured(dimension="ratio", above=0.0, at_most=1.0),
     Field(description="factor on this limit, for example 0.8 or 80 %"),
 ]
@@ -41,31 +43,31 @@ def _limit(dimension: str, at_most: float) -> JointValues:
     return JointValues(entry=Measured(dimension=dimension, above=0.0, at_most=at_most))
 
 
-class LimitsTable(Table):
+class JointLimitsTable(Table):
     """`[robot.limits]`: joint limits in place of the robot's data; a list with one value a joint, or one for all."""
 
     lower: Annotated[
-        float | tuple[float, ...] | None, JointValues(entry=JOINT_ANGLE), Field(description="lower ends of the joints")
-    ] = None
+        OptionalQuantityOrList, JointValues(entry=JOINT_ANGLE), Field(description="lower ends of the joints")
+    ] = default(None)
     upper: Annotated[
-        float | tuple[float, ...] | None, JointValues(entry=JOINT_ANGLE), Field(description="upper ends of the joints")
-    ] = None
-    speed: Annotated[
-        float | tuple[float, ...] | None, _limit("angular_speed", 100.0), Field(description="joint speed")
-    ] = None
+        OptionalQuantityOrList, JointValues(entry=JOINT_ANGLE), Field(description="upper ends of the joints")
+    ] = default(None)
+    speed: Annotated[OptionalQuantityOrList, _limit("angular_speed", 100.0), Field(description="joint speed")] = (
+        default(None)
+    )
     acceleration: Annotated[
-        float | tuple[float, ...] | None, _limit("angular_acceleration", 1e4), Field(description="joint acceleration")
-    ] = None
-    jerk: Annotated[float | tuple[float, ...] | None, _limit("angular_jerk", 1e7), Field(description="joint jerk")] = (
+        OptionalQuantityOrList, _limit("angular_acceleration", 1e4), Field(description="joint acceleration")
+    ] = default(None)
+    jerk: Annotated[OptionalQuantityOrList, _limit("angular_jerk", 1e7), Field(description="joint jerk")] = default(
         None
     )
     torque: Annotated[
-        float | tuple[float, ...] | None, _limit("torque", 1e6), Field(description="joint torque at the joint's axis")
-    ] = None
-    speed_scale: _Scale = None
-    acceleration_scale: _Scale = None
-    jerk_scale: _Scale = None
-    torque_scale: _Scale = None
+        OptionalQuantityOrList, _limit("torque", 1e6), Field(description="joint torque at the joint's axis")
+    ] = default(None)
+    speed_scale: _Scale = default(None)
+    acceleration_scale: _Scale = default(None)
+    jerk_scale: _Scale = default(None)
+    torque_scale: _Scale = default(None)
 
     def changes(self) -> LimitChanges:
         """The same as a record."""
@@ -108,38 +110,42 @@ class RobotTable(Table):
         str | None, Field(strict=True, description="frame of the flange; tool0, flange or the only end if not given")
     ] = None
     base_position: Annotated[Point, Field(description="origin of the arm's root in the world of path and gravity")] = (
-        0.0,
-        0.0,
-        0.0,
+        default(
+            (
+                0.0,
+                0.0,
+                0.0,
+            )
+        )
     )
     base_yaw: Annotated[
         float | str,
         WordOr(word=FREE, entry=ANGLE),
         Field(description='turn of the root about the world\'s z; "free" leaves it to the planner'),
     ] = 0.0
-    base_pitch: Annotated[Angle, Field(description="turn of the root about y, before the yaw")] = 0.0
-    base_roll: Annotated[Angle, Field(description="turn of the root about x, before pitch and yaw")] = 0.0
+    base_pitch: Annotated[Angle, Field(description="turn of the root about y, before the yaw")] = default(0.0)
+    base_roll: Annotated[Angle, Field(description="turn of the root about x, before pitch and yaw")] = default(0.0)
     locked: Annotated[
         dict[str, Any], Field(description='joints that stand still, for example { joint_3 = "30 deg" }')
     ] = {}  # noqa: RUF012 # pydantic copies it and the table is frozen
     home: Annotated[
-        list[Annotated[float, JOINT_ANGLE]] | None,
+        Given[list[Annotated[float, JOINT_ANGLE]] | None, Values | None],
         Field(description="configuration the arm starts from, one angle for each moving joint"),
-    ] = None
+    ] = default(None)
     limits_applied: Annotated[
         Literal["all", "position and speed"],
         Field(description="all limits that are known, or only those of position and speed, as published"),
     ] = "all"
-    limits: Annotated[LimitsTable, Field(description="the table [robot.limits]")] = LimitsTable()
+    limits: Annotated[JointLimitsTable, Field(description="the table [robot.limits]")] = JointLimitsTable()
     capsule: Annotated[
-        list[CapsuleTable] | None,
+        Given[list[LinkCapsuleTable] | None, Sequence[LinkCapsuleTable] | None],
         Field(
             min_length=1,
             max_length=MOST_CAPSULES,
             description="what the links fill, for collisions, one [[robot.capsule]] each; those of the catalogue, or "
             "fitted to the URDF's collision geometry, when not given",
         ),
-    ] = None
+    ] = default(None)
 
     def standalone(self, folder: FilePath, *, capsules: bool) -> dict[str, object]:
         """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.

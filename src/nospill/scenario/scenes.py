@@ -13,11 +13,12 @@ import tomli_w
 from pydantic import ValidationError
 
 from nospill.errors import ScenarioError
-from nospill.scenario.messages import faults_of, report
+from nospill.scenario.messages import faults_of
 from nospill.scenario.model import Scenario
-from nospill.scenario.plain_values import plain
 from nospill.scenario.reader import read_scene
+from nospill.scenario.sentences import report
 from nospill.scenario.settings import present, with_places
+from nospill.scenario.tables import plain
 from nospill.scene.scene import Scene
 
 

@@ -12,7 +12,9 @@ from pydantic_core import CoreSchema, core_schema
 
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
-from nospill.scenario.fields import Measured, Table, Vector, refuse
+from nospill.scenario.fields import Measured, Vector
+from nospill.scenario.sentences import refuse
+from nospill.scenario.tables import OptionalQuantities, OptionalQuantity, Table, default
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.scene import Fidelity
 from nospill.scene.tolerances import require_valid_fill
@@ -51,36 +53,38 @@ class ToleranceTable(Table):
     `[cargo.tolerance]`, below the keys of one object, overrides it key by key.
     """
 
-    friction: Annotated[float | None, _RATIO, Field(description="of the coefficient, relative, either side")] = None
+    friction: Annotated[OptionalQuantity, _RATIO, Field(description="of the coefficient, relative, either side")] = (
+        default(None)
+    )
     liquid_height: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the liquid's height at rest, either side"),
-    ] = None
+    ] = default(None)
     damping: Annotated[
-        tuple[float, ...] | None,
+        OptionalQuantities,
         FactorRange(),
         Field(description="lowest and highest factor on the damping ratio, for example [0.5, 2.0]"),
-    ] = None
+    ] = default(None)
     position: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="length", kind="size", at_least=0.0, at_most=10.0),
         Field(description="of the place on the tray, either side in x and in y"),
-    ] = None
+    ] = default(None)
     mass: Annotated[
-        float | None,
+        OptionalQuantity,
         _RATIO,
         Field(description="of the empty container's mass or of the solid's, relative, either side"),
-    ] = None
+    ] = default(None)
     pinned: Annotated[
         bool | None,
         Field(strict=True, description='whether a contact line that is stated "free" may be pinned as well'),
     ] = None
     contact_angle: Annotated[
-        float | None,
+        OptionalQuantity,
         Measured(dimension="angle", at_least=0.0, at_most=math.pi / 2),
         Field(description="of the contact angle that is stated, either side"),
-    ] = None
+    ] = default(None)
 
 
 _OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle")

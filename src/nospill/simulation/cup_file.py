@@ -14,8 +14,9 @@ from nospill.core.files import UnreadableError, bounded_text
 from nospill.errors import ModelError, ScenarioError
 from nospill.scenario.cargo_entries import CargoEntry
 from nospill.scenario.cargo_reader import read_cargo
-from nospill.scenario.fields import Table
-from nospill.scenario.messages import faults_of, report
+from nospill.scenario.messages import faults_of
+from nospill.scenario.sentences import report
+from nospill.scenario.tables import Table
 from nospill.scene.cargo import Cargo
 
 _EXAMPLE = (

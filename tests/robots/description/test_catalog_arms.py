@@ -11,7 +11,7 @@ from nospill.robots.description.urdf import read_arm
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import inertia_fault
 from nospill.robots.kinematics.forward import kinematics
-from nospill.scenario.robot_entry import LimitsTable, RobotTable
+from nospill.scenario.robot_entry import JointLimitsTable, RobotTable
 
 FORWARD = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
 UR_SIDEWAYS = [[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]
@@ -167,5 +167,5 @@ def test_page_shows_the_catalogue():
 
 def test_page_names_every_key():
     page = (Path(__file__).parents[3] / "docs" / "robots.md").read_text(encoding="utf-8")
-    for key in (*RobotTable.model_fields, *LimitsTable.model_fields):
+    for key in (*RobotTable.model_fields, *JointLimitsTable.model_fields):
         assert f"`{key}`" in page or f"[robot.{key}]" in page, key
