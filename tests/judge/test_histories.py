@@ -145,9 +145,18 @@ def history(constraint: str, subject: str) -> Callable[..., object]:
         (history("slosh heigt", "cup"), "no history 'slosh heigt': did you mean 'slosh height'? there are "),
         (history("slosh height", "cupp"), "of 'cupp': did you mean 'cup'? there are cup, mug, box"),
         (history("approach slip", "cup"), "'approach slip' is judged on the way to the start"),
-        (lambda *of: contact_load(*of, "vase"), "no object 'vase'; there are cup, mug, box, bottle"),
-        (lambda *of: modal_states(*of, "mugg"), "no object 'mugg': did you mean 'mug'? there are cup, mug, box"),
-        (lambda *of: modal_states(*of, "bottle"), "'bottle' holds no liquid; there are liquids in cup, mug, box"),
+        (
+            lambda judgement, scene: contact_load(judgement, scene, "vase"),
+            "no object 'vase'; there are cup, mug, box, bottle",
+        ),
+        (
+            lambda judgement, scene: modal_states(judgement, scene, "mugg"),
+            "no object 'mugg': did you mean 'mug'? there are cup, mug, box",
+        ),
+        (
+            lambda judgement, scene: modal_states(judgement, scene, "bottle"),
+            "'bottle' holds no liquid; there are liquids in cup, mug, box",
+        ),
     ],
 )
 def test_what_there_is_not_is_refused_with_what_there_is(judged, ask: Callable[..., object], message: str) -> None:

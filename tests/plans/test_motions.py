@@ -42,7 +42,7 @@ def test_the_trajectory_is_the_motion_that_is_judged(plan: Plan) -> None:
 def test_holds_change_the_motion_between_them_by_rounding_alone(plan: Plan) -> None:
     """The judge's spline goes on through the holds; the trajectory's knows that the arm stands there."""
     rules = replace(plan.scene.motion, hold_before=0.2, hold_after=0.1)
-    held, t = held_trajectory(plan.trajectory, rules), np.linspace(*plan.trajectory.t[[0, -1]], 5000)
+    held, t = held_trajectory(plan.trajectory, rules), np.linspace(plan.trajectory.t[0], plan.trajectory.t[-1], 5000)
     for order, least in enumerate((1e-11, 1e-8, 1e-5)):
         np.testing.assert_allclose(plan.trajectory(t, order), held(t, order), rtol=0, atol=least)
 

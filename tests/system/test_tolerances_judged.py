@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -24,7 +23,7 @@ from nospill.planning.planner import Planner, plan
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.robots.kinematics.dynamics import joint_torques
-from nospill.scenario import read_scenario, scenario_text, scene_from_table
+from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.studio.draft import Draft
@@ -46,7 +45,7 @@ def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
 
 def one_cup(name: str, **changes: Any) -> Scene:
     """The first cup of an example with one mode on a coarser grid; other tolerances."""
-    table: Any = copy.deepcopy(dict(one_mode(name).source))
+    table: Any = one_mode(name).source
     table["cargo"] = table["cargo"][:1]
     table["planning"] = table.get("planning", {}) | {"intervals": 50}
     if changes:
@@ -56,9 +55,9 @@ def one_cup(name: str, **changes: Any) -> Scene:
 
 def test_tolerances_survive_writing_and_the_studio(changed_scene: Changed) -> None:
     scene = changed_scene("mixed-tray", {"tolerance": EVERYTHING, "cargo.0.tolerance": {"damping": [0.8, 1.5]}})
-    again = scene_from_table(tomllib.loads(scenario_text(scene)), name="again")
+    again = scene_from_table(tomllib.loads(scene.text()), name="again")
     assert [item.tolerance for item in again.cargo] == [item.tolerance for item in scene.cargo]
-    draft = Draft(copy.deepcopy(scene.source))
+    draft = Draft(scene.source)
     kept = scene_from_table(draft.table, name="draft")
     assert [item.tolerance for item in kept.cargo] == [item.tolerance for item in scene.cargo]
 

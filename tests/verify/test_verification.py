@@ -20,7 +20,6 @@ from nospill.film.writing import Format
 from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
-from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.verify import Thresholds, folder_joints, verification, verify, verify_folder, video
 from nospill.verify.engine import STEP, build
