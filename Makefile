@@ -15,7 +15,7 @@ DEMO := out/matrix-liquid
 TRIAL := out/from-the-wheel
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format docs build bench clean
+.PHONY: help demo test test-fast check format docs pages build bench clean
 
 help:
 	@echo "make demo       plan the example matrix-liquid and write its folder to $(DEMO)"
@@ -24,6 +24,7 @@ help:
 	@echo "make check      linter, formatting, types, import rules"
 	@echo "make format     mend formatting and what else the linter can mend by itself"
 	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
+	@echo "make pages      write again what pages take from the package: tables, sessions, worked examples"
 	@echo "make build      build the wheel to dist, install it into a clean environment and plan with it"
 	@echo "make bench      measure planning times against the published transcription (half an hour)"
 	@echo "make clean      remove the virtual environments and everything generated"
@@ -52,6 +53,9 @@ docs: $(DOCS)/.ready
 	$(DOCS)/bin/python -m sphinx -q -b html -W --keep-going -n -d docs/_build/doctrees docs docs/_build/html
 	$(DOCS)/bin/python -m pytest tests/repository/docs
 	@echo "documentation: $(CURDIR)/docs/_build/html/index.html"
+
+pages: $(VENV)/.ready
+	PYTHONPATH=docs/_ext $(VENV)/bin/python -m nospill_docs.blocks
 
 # A clean environment: the wheel and what it asks for, none of the extras, nothing of this folder on the path.
 build: $(VENV)/.ready

@@ -1,7 +1,8 @@
 """Sphinx configuration of the documentation: `make docs`.
 
-The pages are MyST Markdown. What can be read from the package is generated when the build starts (`_ext/nospill_docs`):
-tables, plans of the gallery, transcripts of the command line, executed notebooks. No step needs a network.
+The pages are Markdown that any host shows; what can be read from the package stands in them
+(`_ext/nospill_docs/blocks.py`). The build adds what takes plans, pictures, the gallery and executed notebooks
+(`_ext/nospill_docs/extension.py`), and the Python reference in full. No step needs a network.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ author = "the nospill authors"
 copyright = author
 version = release = installed_version("nospill")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "nospill_docs"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "nospill_docs.extension"]
 exclude_patterns = ["_build", "_generated", "_ext", "examples"]
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]

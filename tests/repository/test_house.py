@@ -125,7 +125,9 @@ def test_scenario_of_the_page_can_be_planned(page: str) -> None:
 
 @pytest.mark.parametrize("path", PAGES, ids=label)
 def test_files_named_in_the_pages_exist(path: Path) -> None:
-    folders = (ROOT, ROOT / "src", ROOT / "src" / "nospill", ROOT / "src" / "nospill" / "laws" / "constraints")
+    package = ROOT / "src" / "nospill"
+    added = (ROOT / "docs" / "examples" / "extending").glob("*/nospill")  # by the worked examples
+    folders = (ROOT, ROOT / "src", package, package / "laws" / "constraints", *added)
     for name in re.findall(r"`((?:[a-z_-]+/)*[a-z_0-9]+\.py)`", path.read_text()):
         assert any((folder / name).exists() for folder in folders), name
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import nospill
-from nospill_docs.places import Places, write_if_changed
 
 EXAMPLES = "examples/extending"
 
@@ -75,15 +74,12 @@ def new_files(example: Path) -> list[Path]:
     return sorted(path for path in found if path.is_file() and "__pycache__" not in path.parts)
 
 
-def write_extending(places: Places) -> None:
-    """Write, for each example, its files and lines as a page shows them."""
-    for example in sorted((places.docs / EXAMPLES).iterdir()):
-        if example.is_dir():
-            files = "".join(_file(path, example) for path in new_files(example))
-            lines = "".join(_shown(line) for line in read_lines(example))
-            tried = _fenced("python", (example / "try_it.py").read_text(encoding="utf-8"))
-            text = f"{files}{lines}Try it:\n\n{tried}"
-            write_if_changed(places.generated / f"extending-{example.name}.md", text)
+def worked_example(example: Path) -> str:
+    """The files and lines of one worked example and the script that tries it, as a page shows them."""
+    files = "".join(_file(path, example) for path in new_files(example))
+    lines = "".join(_shown(line) for line in read_lines(example))
+    tried = _fenced("python", (example / "try_it.py").read_text(encoding="utf-8"))
+    return f"{files}{lines}Try it:\n\n{tried}"
 
 
 def _file(path: Path, example: Path) -> str:

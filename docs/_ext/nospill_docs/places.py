@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-from sphinx.util import logging
 
 import nospill
 
@@ -25,7 +24,7 @@ class Places:
 
     Attributes:
         docs: the sources of the documentation.
-        generated: what pages include; made again by every build.
+        generated: pictures and pages of the site alone; made again by every build.
         cache: results kept between builds, by the content they were made from.
     """
 

@@ -39,7 +39,7 @@ _SCREENS: dict[str, tuple[tuple[str, str], ...]] = {
 
 
 def write_screens(places: Places) -> None:
-    """Take the pictures and write what the two pages include."""
+    """Take the pictures and write what the site puts into the two pages."""
     takers: dict[str, Callable[[Any, Path], None]] = {
         "studio": _studio,
         "viewer": lambda browser, target: _viewer(browser, places, target),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import typer
@@ -11,22 +11,9 @@ from nospill.cli import app
 from nospill.export import EXPORTERS
 from nospill.laws.constraints import BY_NAME
 from nospill.robots.description.catalog import robot_table
+from nospill.scenario.examples import EXAMPLES
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
-from nospill_docs.places import Places, write_if_changed
-
-
-def write_tables(places: Places) -> None:
-    """Write every table into the folder of generated content."""
-    for name, text in {
-        "constraints": constraints_table(),
-        "exporters": exporters_table(),
-        "robots": robots_page(),
-        "shapes": shapes_table(),
-        "liquids": liquids_table(),
-        "command-line": command_line(),
-    }.items():
-        write_if_changed(places.generated / f"{name}.md", text)
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -165,3 +152,22 @@ def _argument(item: Any) -> str:
 def _option(item: Any) -> str:
     names = ", ".join([*item.opts, *item.secondary_opts])
     return names if item.is_flag else f"{names} {item.metavar or item.name.upper()}"
+
+
+def examples_table() -> str:
+    """Name, scenario file and one line about every bundled example."""
+    data = "../../src/nospill/scenario/data"
+    rows = [(f"[`{name}`]({data}/{name}.toml)", f"{about[:1].upper()}{about[1:]}.") for name, about in EXAMPLES.items()]
+    return markdown_table(("example", "what it shows"), rows)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "command-line": command_line,
+    "constraints": constraints_table,
+    "examples": examples_table,
+    "exporters": exporters_table,
+    "liquids": liquids_table,
+    "robots": robots_page,
+    "shapes": shapes_table,
+}
+"""Name of a table in a page -> what writes it."""

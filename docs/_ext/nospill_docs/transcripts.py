@@ -1,4 +1,4 @@
-"""Sessions with the command line, run by the build, so that what the pages print is what the program prints."""
+"""Sessions with the command line, so that what the pages print is what the program prints."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ import shlex
 import shutil
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import tempfile
 from pathlib import Path
 
-from nospill_docs.places import Places, copy_if_changed
+from nospill_docs.places import Places
 
-TRANSCRIPTS: dict[str, tuple[str, ...]] = {
-    "two-cups": ("nospill plan two-cups.toml -o out/two-cups", "nospill check out/two-cups"),
+_PLAN = "nospill plan two-cups.toml -o out/two-cups"
+
+SESSIONS: dict[str, tuple[str, ...]] = {
+    "two-cups": (_PLAN,),
     "executed": (
-        "nospill plan two-cups.toml -o out/two-cups",
         "nospill executed out/two-cups/robot.csv --plan out/two-cups --bandwidth 250",
         "nospill identify out/two-cups/robot.csv --plan out/two-cups --stayed tea",
     ),
@@ -26,34 +27,40 @@ TRANSCRIPTS: dict[str, tuple[str, ...]] = {
 }
 """Name -> what is typed in a folder that holds the files of docs/examples."""
 
+BEFORE = {"executed": (_PLAN,)}
+"""What was typed before a session, and is not shown."""
 
-def write_transcripts(places: Places) -> None:
-    """Run every session and write it as text, with the exit code where it is not 0."""
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        folders = pool.map(lambda name: _run(places, name), TRANSCRIPTS)
-        for name, folder in zip(TRANSCRIPTS, folders, strict=True):
-            copy_if_changed(folder / "session.txt", places.generated / "sessions" / f"{name}.txt")
+PLANNED = {"two-cups", "executed", "out-of-reach", "impossible"}
+"""Sessions that solve an optimal control problem."""
+
+
+def shown(name: str, examples: Path) -> str:
+    """A session as a page shows it."""
+    with tempfile.TemporaryDirectory() as folder:
+        work = _work(examples, Path(folder))
+        session(BEFORE.get(name, ()), work)
+        return f"```console\n{session(SESSIONS[name], work).rstrip()}\n```"
 
 
 def planned_session(places: Places) -> Path:
     """The plan folder that the session `two-cups` leaves behind."""
-    return _run(places, "two-cups") / "work" / "out" / "two-cups"
-
-
-def _run(places: Places, name: str) -> Path:
-    """The folder of a session, run where it, its files or the package has changed."""
-    examples = sorted((places.docs / "examples").glob("*.toml"))
-    commands = TRANSCRIPTS[name]
+    examples = places.docs / "examples"
+    key = "".join(path.read_text(encoding="utf-8") for path in sorted(examples.glob("*.toml")))
 
     def run(folder: Path) -> None:
-        work = folder / "work"
-        work.mkdir()
-        for path in examples:
-            shutil.copy(path, work)
-        (folder / "session.txt").write_text(session(commands, work), encoding="utf-8")
+        session((_PLAN,), _work(examples, folder))
 
-    key = "".join(path.read_text(encoding="utf-8") for path in examples)
-    return places.cached(f"session-{name}", f"{commands} {key}", run)
+    made = places.cached("two-cups", f"{_PLAN} {key}", run)
+    return made / "work" / "out" / "two-cups"
+
+
+def _work(examples: Path, folder: Path) -> Path:
+    """A folder with the scenarios of docs/examples."""
+    work = folder / "work"
+    work.mkdir()
+    for path in sorted(examples.glob("*.toml")):
+        shutil.copy(path, work)
+    return work
 
 
 def session(commands: tuple[str, ...], folder: Path) -> str:

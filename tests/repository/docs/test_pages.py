@@ -17,8 +17,8 @@ from nospill_docs import screens
 from nospill_docs.formulas import formula
 from nospill_docs.links import broken_links
 from nospill_docs.notebooks import to_markdown
+from nospill_docs.pages import as_of_the_site, contents
 from nospill_docs.places import Places
-from nospill_docs.topics import write_topics
 from nospill_docs.transcripts import session
 
 from nospill.errors import NoSolutionError, ScenarioError
@@ -120,13 +120,19 @@ def test_links_that_lead_nowhere_are_found(tmp_path: Path) -> None:
     assert broken_links(tmp_path) == [("a.html", "b.html#gone"), ("a.html", "c.html")]
 
 
-def test_a_new_page_is_in_the_contents(tmp_path: Path) -> None:
-    for name in ("index", "performance", "robots", "new-topic", "faq"):
-        (tmp_path / f"{name}.md").write_text("```{toctree}\nfaq\n```" if name == "index" else f"# {name}")
-    write_topics(Places.of(tmp_path))
-    entries = (tmp_path / "_generated" / "topics.md").read_text().split("\n\n")[1].split()
-    assert entries[:3] == ["robots", "performance", "new-topic"]
-    assert "faq" not in entries
+def test_contents_of_an_index_are_the_pages_it_leads_to() -> None:
+    text = "# A\n\n- [x](../x.md)\n- [b](b.md#part): b\n\n## C\n\n| 1 | [d](d.md) |\nno [e](e.md)\n1. [f](f/g.md)\n"
+    first, second = contents(text)
+    assert "caption" not in first and first.endswith("\n\nb\n```\n")
+    assert ":caption: C\n" in second and second.endswith("\n\nd\nf/g\n```\n")
+
+
+def test_the_site_shows_more_than_a_clone() -> None:
+    page = as_of_the_site("reference/python", "<!-- made: python nospill.plan -->\n\n- plan\n\n<!-- end -->\n")
+    assert page == "```{eval-rst}\n.. autofunction:: nospill.plan\n\n```\n\n"
+    assert as_of_the_site("faq", "[n](notebooks/limits.ipynb)") == "[n](notebooks/limits.md)"
+    gallery = as_of_the_site("gallery/index", (DOCS / "gallery" / "index.md").read_text(encoding="utf-8"))
+    assert "_generated/gallery.md" in gallery and "[0-9]*" in gallery and "| example |" not in gallery
 
 
 def test_results_are_made_once_and_anew_when_their_key_changes(tmp_path: Path) -> None:
@@ -148,4 +154,5 @@ def test_pages_of_pictures_do_without_a_browser(tmp_path: Path, monkeypatch: pyt
     screens.write_screens(places)
     for page in ("studio", "viewer"):
         assert "missing" in (places.generated / f"screens-{page}.md").read_text(encoding="utf-8")
-        assert f"_generated/screens-{page}.md" in (DOCS / f"{page}.md").read_text(encoding="utf-8")
+        whole = as_of_the_site(page, (DOCS / f"{page}.md").read_text(encoding="utf-8"))
+        assert f"_generated/screens-{page}.md" in whole

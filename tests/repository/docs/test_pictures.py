@@ -7,15 +7,12 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
-from nospill_docs.cards import CARDS
 from nospill_docs.gallery import write_gallery  # noqa: F401  (the package imports its parts in this order)
 from nospill_docs.pictures import PICTURES
 from nospill_docs.pictures.paper import look, write
 
-from nospill.scenario.examples import EXAMPLES
-
 DOCS = Path(__file__).parents[3] / "docs"
-_DRAWN = re.compile(r"^(?:```\{(?:figure|image)\} |!\[.*\]\()(\S+?)\)?$", re.MULTILINE)
+_DRAWN = re.compile(r"^(?:```\{figure\} |!\[.*\]\()(\S+?)\)?$", re.MULTILINE)
 
 
 def _pictures() -> dict[Path, list[str]]:
@@ -33,13 +30,6 @@ def test_at_least_25_pages_show_what_they_speak_of() -> None:
     # The pages of the gallery and of the notebooks are made by the build and left out here.
     shown = [page for page, found in _pictures().items() if found and not page.name[0].isdigit()]
     assert len(shown) >= 25
-
-
-def test_cards_show_pictures_and_lead_to_pages() -> None:
-    files = {f"{name}{picture.suffix}" for name, picture in PICTURES.items()} | set(EXAMPLES)
-    assert {card.picture for card in CARDS} <= files
-    for card in CARDS:
-        assert (DOCS / card.page.partition("#")[0]).with_suffix(".md").is_file(), card.page
 
 
 @pytest.mark.slow

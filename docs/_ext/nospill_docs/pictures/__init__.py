@@ -77,7 +77,6 @@ PICTURES: dict[str, Picture] = {
     "planning-times": Picture(studies.planning_times),
     "commands": Picture(maps.commands),
     "plan-folder": Picture(maps.plan_folder),
-    "layers": Picture(maps.layers),
     "scenario": Picture(maps.scenario, (TWO_CUPS,)),
     "moments": Picture(stills.strip, (TWO_CUPS,), pixels=True),
     "views": Picture(stills.views, ("matrix-liquid-tilt",), pixels=True),

@@ -1,9 +1,6 @@
-"""Maps: what the commands do, what lies in a plan folder, the layers of the code, the tables of a scenario."""
+"""Maps: what the commands do, what lies in a plan folder, the tables of a scenario."""
 
 from __future__ import annotations
-
-import re
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,10 +10,6 @@ from nospill.plans.plan import Plan
 from nospill.plots.style import BLUE, DARK_RED, GREEN, GREY, ORANGE
 from nospill.plots.tray_plan import footprint_outline
 from nospill_docs.pictures.paper import BOARD, GLASS, LIQUID, arrow, box, note, sheet, sketch, words
-
-READS = ("design.md",)
-"""What its pictures read, from docs/."""
-_DOCS = Path(__file__).parents[3]
 
 
 def commands() -> Figure:
@@ -77,26 +70,6 @@ def plan_folder() -> Figure:
         arrow(axes, (2.65, middle), (3.15, middle), color=colour)
         words(axes, (3.25, middle), reader, size=8.5)
         y -= 0.04
-    return figure
-
-
-def layers() -> Figure:
-    """The packages by layer, as the page on the design lists them."""
-    text = (_DOCS / "design.md").read_text(encoding="utf-8")
-    found = re.search(r"^    cli\n(?:    .*\n)+", text, re.MULTILINE)
-    assert found is not None, "docs/design.md lists the layers in a block that begins with cli"
-    rows = [[name.strip() for name in line.split("|")] for line in found.group().splitlines() if line.strip()]
-    figure = sheet(0.3 * len(rows) + 0.1)
-    axes = sketch(figure, (0.0, 0.0, 1.0, 1.0), (0.0, 7.4), (0.0, 0.3 * len(rows) + 0.1))
-    sees = {"planning": "#F6EEDD", "judge": "#DDEBE4", "transcription": "#E4EDF4"}
-    for number, row in enumerate(rows):
-        y = 0.3 * (len(rows) - number - 1) + 0.08
-        wide = 5.9 / len(row)
-        for column, name in enumerate(row):
-            box(axes, (0.05 + wide * column, y), (wide - 0.06, 0.25), face=sees.get(name, "#F4F7FA"))
-            words(axes, (0.02 + wide * (column + 0.5), y + 0.12), name, ha="center", size=8.5)
-    arrow(axes, (6.15, 0.3 * len(rows)), (6.15, 0.1), color=GREY)
-    words(axes, (6.25, 0.15 * len(rows)), "imports go\ndown only;\nin one line\nnever across", size=8.5)
     return figure
 
 

@@ -7,18 +7,17 @@ import shutil
 from pathlib import Path
 
 import pytest
+from nospill_docs.extending import apply_example
 
+from tests.repository.modules import ROOT
 from tests.waiting import run_python
 
-ROOT = Path(__file__).parents[3]
 EXAMPLES = sorted(path for path in (ROOT / "docs" / "examples" / "extending").iterdir() if path.is_dir())
 
 
 @pytest.fixture
 def extended(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     """A folder with a copy of the package, changed as the example says."""
-    from nospill_docs.extending import apply_example
-
     package = tmp_path / "nospill"
     shutil.copytree(ROOT / "src" / "nospill", package, ignore=shutil.ignore_patterns("__pycache__"))
     apply_example(request.param, package)

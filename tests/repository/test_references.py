@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
 from typing import Any
 
 import typer
-from nospill_docs import tables
+from nospill_docs import api, tables
+from nospill_docs.blocks import DOCS, blocks
 
 import nospill
 from nospill.cli import app
@@ -16,8 +15,6 @@ from nospill.laws.constraints import CONSTRAINTS
 from nospill.robots.description.catalog import robot_table
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
-
-DOCS = Path(__file__).parents[3] / "docs"
 
 
 def test_tables_name_every_member() -> None:
@@ -43,8 +40,13 @@ def test_the_command_line_is_whole() -> None:
 
 
 def test_the_python_page_has_every_public_name() -> None:
-    page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"^\.\. auto\w+:: nospill\.(?:\w+\.)*(\w+)$", page, re.MULTILINE))
-    public = {"read_scenario" if name == "load" else name for name in nospill.__all__}
-    assert public <= named
-    assert "``nospill.load``" in page
+    named = [name for block in blocks(DOCS / "reference" / "python.md") for name in block.words]
+    assert len(named) == len(set(named))
+    assert {f"nospill.{name}" for name in nospill.__all__} <= set(named)
+
+
+def test_a_name_of_the_python_page_leads_to_its_file_and_to_its_directive() -> None:
+    entry = api.names_table("nospill.plan")
+    assert entry.startswith("- [`nospill.plan`](../../src/nospill/planning/planner.py) `(scene, *, warm=None")
+    assert api.directives("nospill.Plan") == ".. autoclass:: nospill.Plan\n   :members:\n\n"
+    assert api.directives("nospill.ScenarioError", "nospill.plan").count("autoexception") == 1
