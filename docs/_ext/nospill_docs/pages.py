@@ -11,6 +11,8 @@ from nospill_docs import api
 from nospill_docs.blocks import BLOCK
 
 _LISTED = re.compile(r"^(?:[-|]|\d+\.).*?\]\((?P<page>[^)#:]+)\.md\)", re.MULTILINE)
+_OUTSIDE = re.compile(r"(?<!!)\[(?P<words>[^\]]+)\]\((?:\.\./)+(?P<file>(?:benchmarks|examples|src)/[^)]+)\)")
+"""A link to a file that a clone has and the site has not."""
 _HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
 
 
@@ -23,6 +25,7 @@ def as_of_the_site(page: str, text: str) -> str:
     """
     text = re.sub(r"(\]\([^)#:]+)\.ipynb\)", r"\1.md)", text)  # a notebook is a page here
     text = BLOCK.sub(_in_full, text)
+    text = _OUTSIDE.sub(r"\g<words> (`\g<file>`)", text)
     text = text.replace("<!-- screens -->", f"```{{include}} _generated/screens-{page}.md\n```")
     if page == "index" or page.endswith("/index"):
         text += "".join(contents(text))

@@ -131,6 +131,7 @@ def test_the_site_shows_more_than_a_clone() -> None:
     page = as_of_the_site("reference/python", "<!-- made: python nospill.plan -->\n\n- plan\n\n<!-- end -->\n")
     assert page == "```{eval-rst}\n.. autofunction:: nospill.plan\n\n```\n\n"
     assert as_of_the_site("faq", "[n](notebooks/limits.ipynb)") == "[n](notebooks/limits.md)"
+    assert as_of_the_site("faq", "[notes](../benchmarks/notes/x.md).") == "notes (`benchmarks/notes/x.md`)."
     gallery = as_of_the_site("gallery/index", (DOCS / "gallery" / "index.md").read_text(encoding="utf-8"))
     assert "_generated/gallery.md" in gallery and "[0-9]*" in gallery and "| example |" not in gallery
 
