@@ -179,5 +179,10 @@ def test_licence_is_the_one_declared() -> None:
     assert "END OF TERMS AND CONDITIONS" in text
 
 
-def test_changelog_has_the_version() -> None:
-    assert f"## {PROJECT['project']['version']}" in (ROOT / "CHANGELOG.md").read_text()
+def test_changelog_has_the_version_with_its_date_and_every_version_is_read_in_minutes() -> None:
+    head, *versions = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
+    titles = [version.splitlines()[0] for version in versions]
+    assert titles[0] == "[Unreleased]"
+    assert all(re.fullmatch(r"\[\d+\.\d+\.\d+\] - \d{4}-\d\d-\d\d", title) for title in titles[1:])
+    assert titles[1].startswith(f"[{PROJECT['project']['version']}]")
+    assert max(map(len, versions)) <= 9000
