@@ -1,8 +1,9 @@
-"""How the files hang together: no circles, nothing private across packages, few layers, a small planner."""
+"""How the files hang together: no circles, nothing private across packages, few layers, and a page that says so."""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -73,6 +74,33 @@ def test_the_judge_and_the_optimiser_do_not_know_each_other(project: dict) -> No
     [contract] = [one for one in project["tool"]["importlinter"]["contracts"] if one["type"] == "layers"]
     [layer] = [layer for layer in contract["layers"] if "(judge)" in layer]
     assert "(transcription)" in layer.split(" | ")
+
+
+def test_the_page_on_the_design_has_the_layers_and_every_package(project: dict) -> None:
+    page = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    [contract] = [one for one in project["tool"]["importlinter"]["contracts"] if one["type"] == "layers"]
+    assert "".join(f"    {re.sub('[()]', '', layer)}\n" for layer in contract["layers"]) in page
+    tree = page[page.index("    src/nospill/\n") : page.index("The layers, highest first")]
+    listed = re.findall(r"^    [├└]── (\w+)/ ", tree, re.MULTILINE)
+    assert sorted(listed) == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+
+
+def test_the_page_on_the_design_names_the_packages_that_import_judge_and_optimiser() -> None:
+    page = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    [sentence] = re.findall(r"^\w+ packages import both: (.+)$", page, re.MULTILINE)
+    importers = {room: {path.relative_to(PACKAGE).parts[0] for path in importing(room)} for room in BOTH}
+    found = set.intersection(*importers.values()) - BOTH
+    assert found == set(re.findall(r"`(\w+)`", sentence))
+
+
+BOTH = {"judge", "transcription"}
+
+
+def importing(room: str) -> Iterator[Path]:
+    """Files of the package that import a room of it."""
+    for path in python_files("src"):
+        if path.parent != PACKAGE and any(item.module.startswith(f"nospill.{room}") for item in imports(path)):
+            yield path
 
 
 def overridden(folder: Path) -> Iterator[str]:

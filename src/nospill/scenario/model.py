@@ -188,7 +188,7 @@ class PlanningTable(Table):
             ge=1,
             le=FULL_MODES,
             description="liquid modes in each direction that are judged and recorded, 20 at full fidelity and 1 at "
-            "deliverable unless stated; a search begins with one and ends with up to three at full fidelity",
+            "deliverable unless stated; a search begins with one and ends with up to six at full fidelity",
         ),
     ] = None
 

@@ -34,7 +34,8 @@ omega does in the time T is a function of 1/v of bandwidth omega T, and this det
 fastest of twenty modes of a cup of 35 mm radius in 1.9 s."""
 
 _PLANNED_MODES = 3
-"""Most modes that the optimiser carries at full fidelity: the faster ones together are less than what is kept back."""
+"""Modes with which liquids join a problem at full fidelity; where the faster ones alone break a limit, it gets twice as
+many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +297,7 @@ class Scene:
 
     @property
     def planned_modes(self) -> int:
-        """Modes of a liquid in each direction that the optimiser carries in the end, where the judge objects."""
+        """Modes in each direction with which a liquid joins a problem where the judge objects; it may get more."""
         return self.slosh_modes if self.fidelity == "deliverable" else min(self.slosh_modes, _PLANNED_MODES)
 
     @property
