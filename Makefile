@@ -25,7 +25,7 @@ help:
 	@echo "make format     mend formatting and what else the linter can mend by itself"
 	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
 	@echo "make pages      write again what pages take from the package: tables, sessions, worked examples"
-	@echo "make build      build the wheel to dist, install it into a clean environment and plan with it"
+	@echo "make build      build the wheel to dist, install it into a clean environment, plan and run an example with it"
 	@echo "make bench      measure planning times against the published transcription (half an hour)"
 	@echo "make clean      remove the virtual environments and everything generated"
 
@@ -64,9 +64,10 @@ build: $(VENV)/.ready
 	$(PYTHON) -m venv $(WHEEL)
 	@$(WHEEL)/bin/python $(PIP) dist/nospill-*.whl
 	cd $(WHEEL) && bin/nospill examples
-	cd $(WHEEL) && bin/python -c "from nospill.native.libraries import CARRIED, LIBRARIES, file_name as of; \
-		assert all((CARRIED / of(name)).is_file() for name in LIBRARIES), 'the wheel carries no compiled libraries'"
+	cd $(WHEEL) && bin/python -c "from nospill.native.libraries import LIBRARIES, PREBUILT, file_name as of; \
+		assert all((PREBUILT / of(name)).is_file() for name in LIBRARIES), 'the wheel has no compiled libraries'"
 	cd $(WHEEL) && bin/nospill plan pp-two-cups --no-figures -o ../$(TRIAL)
+	cd $(WHEEL) && bin/python ../examples/first_plan.py
 	rm -rf $(WHEEL)
 	@echo "wheel: $(CURDIR)/$$(ls dist/*.whl)"
 

@@ -8,15 +8,16 @@ The pages are Markdown that any host shows; what can be read from the package st
 from __future__ import annotations
 
 import sys
-from importlib.metadata import version as installed_version
 from pathlib import Path
+
+import nospill
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "nospill"
-author = "the nospill authors"
+author = "nospill contributors"
 copyright = author
-version = release = installed_version("nospill")
+version = release = nospill.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "nospill_docs.extension"]
 exclude_patterns = ["_build", "_generated", "_ext", "examples"]

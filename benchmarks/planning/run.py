@@ -84,7 +84,7 @@ class Bench:
         shutil.copytree(REPOSITORY / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
         compiler = compiler_path()
         if compiler is not None:
-            libraries.compile_into(folder / "src" / libraries.CARRIED.relative_to(REPOSITORY / "src"), compiler)
+            libraries.compile_into(folder / "src" / libraries.PREBUILT.relative_to(REPOSITORY / "src"), compiler)
         # As an installation leaves it: with PYTHONDONTWRITEBYTECODE every process would compile the sources anew.
         compileall.compile_dir(folder / "src", quiet=1)
         own = shutil.ignore_patterns("__pycache__", "results")

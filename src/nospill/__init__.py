@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from nospill.scene.scene import Scene as Scene
     from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 
+__version__ = "0.2.0"
+
 _PLACES = {
     "Certificate": ("nospill.judge.verdict", "Certificate"),
     "certify": ("nospill.judge.certificate", "certify"),

@@ -6,11 +6,11 @@ import json
 import os
 import subprocess
 import sys
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
+from nospill import __version__
 from nospill.cli import app
 from tests.cli.commands import nospill
 from tests.waiting import run_python, wait_until
@@ -24,7 +24,7 @@ COMMANDS = (
 
 
 def test_version() -> None:
-    assert nospill("--version").stdout == f"nospill {version('nospill')}\n"
+    assert nospill("--version").stdout == f"nospill {__version__}\n"
 
 
 def test_every_command_is_in_the_list() -> None:

@@ -109,8 +109,8 @@ def nothing_compiled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("NOSPILL_COMPILE", "background")
     monkeypatch.setenv("CC", "no-such-compiler")
-    monkeypatch.setattr(libraries, "CARRIED", tmp_path / "carried")
-    return tmp_path / "carried"
+    monkeypatch.setattr(libraries, "PREBUILT", tmp_path / "prebuilt")
+    return tmp_path / "prebuilt"
 
 
 def served() -> ca.Function:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import nospill
 from nospill.cli import app
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.scenario import scene_from_table
@@ -184,5 +185,5 @@ def test_changelog_has_the_version_with_its_date_and_none_is_long() -> None:
     titles = [version.splitlines()[0] for version in versions]
     assert titles[0] == "[Unreleased]"
     assert all(re.fullmatch(r"\[\d+\.\d+\.\d+\] - \d{4}-\d\d-\d\d", title) for title in titles[1:])
-    assert titles[1].startswith(f"[{PROJECT['project']['version']}]")
+    assert titles[1].startswith(f"[{nospill.__version__}]")
     assert max(map(len, versions)) <= 9000

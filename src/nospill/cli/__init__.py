@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from nospill import __version__
 from nospill.cli.cache import cache
 from nospill.cli.checking import check
 from nospill.cli.designing import design_test
@@ -83,9 +84,7 @@ def main() -> None:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
-
-        print(f"nospill {version('nospill')}")
+        print(f"nospill {__version__}")
         raise typer.Exit()
 
 

@@ -1,4 +1,4 @@
-"""The libraries in C: carried by the wheel, or compiled at their first use and kept as compiled functions are."""
+"""The libraries in C: prebuilt in a wheel, or compiled at their first use and kept as compiled functions are."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def small_library(name: str, *, wait: bool) -> Path | None:
         The library, or None where it cannot be had, or not yet.
     """
     file_name = libraries.file_name(name)
-    carried = libraries.CARRIED / file_name
-    if carried.is_file():
-        return carried
+    prebuilt = libraries.PREBUILT / file_name
+    if prebuilt.is_file():
+        return prebuilt
     if mode() == "off":
         return None
     library = cache_folder() / file_name

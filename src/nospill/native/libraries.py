@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
+import sys
 from pathlib import Path
 
 from nospill.native import operations
@@ -15,7 +16,7 @@ from nospill.native import operations
 FLAGS = ("-O3", "-std=c99", "-shared", "-fPIC")
 """Of the compiler; C99 by itself contracts no products and sums."""
 
-CARRIED = Path(__file__).with_name("carried")
+PREBUILT = Path(__file__).with_name("prebuilt")
 """Where a wheel has the compiled libraries."""
 
 _FILES = {
@@ -54,3 +55,7 @@ def compile_into(folder: Path, compiler: str) -> None:
     for name in LIBRARIES:
         command = [compiler, *FLAGS, "-x", "c", "-", "-o", str(folder / file_name(name)), "-lm"]
         subprocess.run(command, input=source(name), text=True, check=True)
+
+
+if __name__ == "__main__":
+    compile_into(Path(sys.argv[1]), sys.argv[2])
