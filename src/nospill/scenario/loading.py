@@ -13,12 +13,14 @@ from nospill.core.suggestions import nearest
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.scenario.examples import EXAMPLES, example_path
+from nospill.scenario.model import Scenario
 from nospill.scenario.scenes import scene_from_table
 from nospill.scenario.sentences import report
 from nospill.scenario.settings import with_settings
+from nospill.scenario.tables import Table, plain
 from nospill.scene.scene import Scene
 
-ScenarioSource = str | os.PathLike[str] | Mapping[str, Any]
+ScenarioSource = str | os.PathLike[str] | Mapping[str, Any] | Scenario
 """What names or is a scenario."""
 
 KEPT_SCENARIO = "scenario.toml"
@@ -32,23 +34,24 @@ def load(scenario: ScenarioSource, *, settings: Sequence[str] = ()) -> Scene:
     """Read a scenario.
 
     Args:
-        scenario: a TOML file, a plan folder, a bundled example by its name, or a dictionary with the keys of a scenario
-            file (files that it names are looked up in the working folder).
+        scenario: a TOML file, a plan folder, a bundled example by its name, a `Scenario`, or a dictionary with the keys
+            of a scenario file (files that these name are looked up in the working folder).
         settings: values to replace, each as "motion.tilt=free", see `with_settings`.
 
     Raises:
         ScenarioError: it cannot be read, or describes no possible task; one line that names the file ("scenario" for a
             dictionary), the place in it, the value and what is allowed.
     """
-    if isinstance(scenario, Mapping):
-        _require_text_keys(scenario)
+    if isinstance(scenario, Mapping | Scenario):
+        table = plain(scenario)
+        _require_text_keys(table)
         label = _label("scenario", settings)
-        return scene_from_table(with_settings(scenario, settings), name="scenario", label=label)
+        return scene_from_table(with_settings(table, settings), name="scenario", label=label)
     if isinstance(scenario, str | os.PathLike):
         return read_scenario(scenario, settings=settings)
     raise ScenarioError(
-        f"a scenario is a TOML file, a plan folder, the name of a bundled example or a dictionary, not a value of type "
-        f"{type(scenario).__name__}"
+        f"a scenario is a TOML file, a plan folder, the name of a bundled example, a Scenario or a dictionary, "
+        f"not a value of type {scenario.title() if isinstance(scenario, Table) else type(scenario).__name__}"
     )
 
 

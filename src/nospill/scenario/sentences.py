@@ -49,7 +49,9 @@ def refusal(error: ValidationError, label: str, model: type[BaseModel]) -> Scena
         place, keys, inner = "", detail["loc"], model
         while len(keys) > 1 and (below := model_of(inner, str(keys[0]))) is not None:
             place, keys, inner = f"{place}.{keys[0]}".lstrip("."), keys[1:], below
-        faults.append((place, sentence(detail, keys, inner, subject=key_path(keys))))
+        # inside a list, pydantic names the member of a union, not its class
+        known = inner if len(keys) == 1 else None
+        faults.append((place, sentence(detail, keys, known, subject=key_path(keys))))
     return report(label, faults)
 
 
@@ -194,4 +196,4 @@ def _unknown_key(keys: Location, model: type[BaseModel] | None, owner: Callable[
         return f'{text}; did you mean "{near}"?'
     elsewhere = owner(key)
     hint = f"; it belongs to [{elsewhere}]" if elsewhere else ""
-    return f"{text}{hint}; allowed here: {', '.join(allowed)}"
+    return f"{text}{hint}; allowed here: {', '.join(allowed)}" if allowed else text + hint

@@ -49,7 +49,7 @@ else:
                 named = plain(given).get("name")
                 label = cls.title() + (f" {as_written(named)}" if isinstance(named, str) else "")
                 raise refusal(error, label, cls) from None
-            table._given = plain(given)
+            table._given = plain(given, tables=False)
             return table
 
 
@@ -98,6 +98,9 @@ class Table(BaseModel, metaclass=TableType):
 
     def __repr_name__(self) -> str:
         return self.title()
+
+    def __str__(self) -> str:
+        return repr(self)
 
 
 def plain(value: Any, *, tables: bool = True) -> Any:

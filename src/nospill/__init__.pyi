@@ -1,0 +1,77 @@
+# What `import nospill as ns` offers: the only list of it. `__init__.py` reads the names here and imports each at its
+# first use, so that reading a scenario needs no optimiser (as SPEC 1 of scientific Python has it).
+
+from nospill.errors import Change as Change
+from nospill.errors import MissingExtraError as MissingExtraError
+from nospill.errors import ModelError as ModelError
+from nospill.errors import NoSolutionError as NoSolutionError
+from nospill.errors import NospillError as NospillError
+from nospill.errors import PlanFolderError as PlanFolderError
+from nospill.errors import ScenarioError as ScenarioError
+from nospill.judge.certificate import certify as certify
+from nospill.judge.certificate import certify_joints as certify_joints
+from nospill.judge.histories import ContactLoad as ContactLoad
+from nospill.judge.histories import History as History
+from nospill.judge.histories import ModalStates as ModalStates
+from nospill.judge.verdict import Certificate as Certificate
+from nospill.motion.trajectory import Trajectory as Trajectory
+from nospill.planning.planner import Planner as Planner
+from nospill.planning.planner import plan as plan
+from nospill.plans.loading import load_plan as load_plan
+from nospill.plans.plan import Plan as Plan
+from nospill.plans.rows import starting_after as starting_after
+from nospill.scenario import approach_entry as _approach
+from nospill.scenario import arrays as _arrays
+from nospill.scenario import capsule_entry as _capsules
+from nospill.scenario import cargo_entries as _cargo
+from nospill.scenario import controller_entry as _controller
+from nospill.scenario import free_path_entry as _free
+from nospill.scenario import model as _model
+from nospill.scenario import place_entry as _places
+from nospill.scenario import robot_entry as _robot
+from nospill.scenario import tolerance_entry as _tolerance
+from nospill.scenario.free_path_entry import FreePath as FreePath
+from nospill.scenario.loading import load as load
+from nospill.scenario.model import Scenario as Scenario
+from nospill.scenario.obstacle_entries import BoxObstacle as BoxObstacle
+from nospill.scenario.obstacle_entries import CapsuleObstacle as CapsuleObstacle
+from nospill.scenario.obstacle_entries import CylinderObstacle as CylinderObstacle
+from nospill.scenario.obstacle_entries import HalfspaceObstacle as HalfspaceObstacle
+from nospill.scenario.obstacle_entries import MeshObstacle as MeshObstacle
+from nospill.scenario.obstacle_entries import SphereObstacle as SphereObstacle
+from nospill.scenario.path_entries import ArcPath as ArcPath
+from nospill.scenario.path_entries import BsplinePath as BsplinePath
+from nospill.scenario.path_entries import LinePath as LinePath
+from nospill.scenario.path_entries import PresetPath as PresetPath
+from nospill.scenario.path_entries import WaypointsPath as WaypointsPath
+from nospill.scene.scene import Scene as Scene
+from nospill.simulation.simulate import simulate_slosh as simulate_slosh
+
+# the tables of a scenario, as classes to fill
+Approach = _approach.ApproachTable
+CargoArray = _arrays.CargoArrayTable
+LinkCapsule = _capsules.LinkCapsuleTable
+Bowl = _cargo.BowlTable
+Box = _cargo.BoxTable
+ConicalFlask = _cargo.ConicalFlaskTable
+Cylinder = _cargo.CylinderTable
+Liquid = _cargo.LiquidTable
+Profile = _cargo.ProfileTable
+RoundFlask = _cargo.RoundFlaskTable
+Swing = _cargo.SwingTable
+Tapered = _cargo.TaperedTable
+TestTube = _cargo.TestTubeTable
+WineGlass = _cargo.WineGlassTable
+Controller = _controller.ControllerTable
+Region = _free.RegionTable
+Via = _free.ViaTable
+Motion = _model.MotionTable
+Output = _model.OutputTable
+Planning = _model.PlanningTable
+Tray = _model.TrayTable
+Place = _places.PlaceTable
+JointLimits = _robot.JointLimitsTable
+Robot = _robot.RobotTable
+Tolerance = _tolerance.ToleranceTable
+
+__version__: str
