@@ -178,6 +178,7 @@ def test_what_is_wrong_is_said_in_one_line_where_it_is_filled(make: Any, told: s
 def drawn_quantity(kind: Measured, draw: st.DrawFn) -> float | str:
     """A value inside the bounds of a key, bare or with a unit."""
     _, plausible, _ = PLAUSIBLE.get(kind.kind or kind.dimension, (0.0, 100.0, ""))
+    plausible = 0.06 if kind.dimension == "length" else plausible  # of objects that have room on a tray
     least = next((bound for bound in (kind.at_least, kind.above) if bound is not None), -plausible)
     most = next((bound for bound in (kind.at_most, kind.below) if bound is not None), plausible)
     share = draw(st.floats(0.001, 0.3))
@@ -237,13 +238,13 @@ def changes(draw: st.DrawFn, scene: ns.Scene) -> dict[str, Any]:
 
 
 @given(st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_what_the_schema_allows_survives_its_own_text(data: st.DataObject) -> None:
     """A scene of any shape and path, with any keys that it takes: text and back is the identity."""
     obstacle = data.draw(st.sampled_from(["", *OBSTACLES]))
     cargo, path = data.draw(st.sampled_from(list(CARGO))), data.draw(st.sampled_from(list(PATHS)))
-    scene = ns.load(scenario(cargo, path, obstacle))
-    for _ in range(5):
+    scene = ns.load(scenario(cargo, path, obstacle)).changed({"planning.slosh_modes": 1})
+    for _ in range(4):
         try:
             scene = scene.changed(data.draw(changes(scene)))
         except ns.ScenarioError as error:
