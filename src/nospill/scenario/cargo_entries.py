@@ -29,7 +29,7 @@ from nospill.scenario.fields import (
     Vector,
 )
 from nospill.scenario.profile_files import MOST_POINTS, read_profile
-from nospill.scenario.tables import OptionalQuantities, OptionalQuantity, Quantity, Table, default, tag
+from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Points, Quantity, Table, default, tag
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
@@ -69,7 +69,7 @@ class SwingTable(Table):
     """`[cargo.initial_swing]`: how the liquid swings when the motion begins; without it, it is at rest."""
 
     displacement: Annotated[
-        list[Annotated[tuple[float, ...], Vector(entry=_SWING, axes=("x", "y"))]],
+        Given[list[Annotated[tuple[float, ...], Vector(entry=_SWING, axes=("x", "y"))]], Points],
         Field(
             description="of the modal masses along x and y of the object, [x, y] mode by mode from the slowest; "
             "modes that are not given are at rest",
@@ -78,7 +78,7 @@ class SwingTable(Table):
         ),
     ]
     velocity: Annotated[
-        list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]],
+        Given[list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]], Points],
         Field(description="their velocities, of the same modes", min_length=1, max_length=FULL_MODES),
     ]
 
@@ -312,13 +312,13 @@ class ProfileTable(VesselTable):
 
     shape: Literal["profile"] = tag()
     profile: Annotated[
-        list[Annotated[tuple[float, ...], Vector(entry=_PLACE, axes=("r", "z"))]] | None,
+        Given[list[Annotated[tuple[float, ...], Vector(entry=_PLACE, axes=("r", "z"))]] | None, Points | None],
         Field(
             min_length=2,
             max_length=MOST_POINTS,
             description="points of the inside from the bottom's centre to the rim: radius and height above the tray",
         ),
-    ] = None
+    ] = default(None)
     profile_file: Annotated[
         str | None,
         Field(strict=True, description="CSV file of the points beside the scenario file: r, z in m, or r_mm, z_mm"),

@@ -119,7 +119,7 @@ class FreePath(PathTable):
         ),
     ] = default(None)
     way_joints: Annotated[
-        list[Annotated[list[Annotated[float, ANGLE]], Field(min_length=7, max_length=7)]] | None,
+        Given[list[Annotated[list[Annotated[float, ANGLE]], Field(min_length=7, max_length=7)]] | None, Points | None],
         Field(description="all joints of an arm of seven at each point of `way`, with `way_yaw`"),
     ] = default(None)
 
