@@ -139,24 +139,23 @@ def history(constraint: str, subject: str) -> Callable[..., object]:
     return lambda judgement, scene: history_of(judgement, scene, RowId(constraint, subject))
 
 
+def contact(name: str) -> Callable[..., object]:
+    return lambda judgement, scene: contact_load(judgement, scene, name)
+
+
+def modes(name: str) -> Callable[..., object]:
+    return lambda judgement, scene: modal_states(judgement, scene, name)
+
+
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
         (history("slosh heigt", "cup"), "no history 'slosh heigt': did you mean 'slosh height'? there are "),
         (history("slosh height", "cupp"), "of 'cupp': did you mean 'cup'? there are cup, mug, box"),
         (history("approach slip", "cup"), "'approach slip' is judged on the way to the start"),
-        (
-            lambda judgement, scene: contact_load(judgement, scene, "vase"),
-            "no object 'vase'; there are cup, mug, box, bottle",
-        ),
-        (
-            lambda judgement, scene: modal_states(judgement, scene, "mugg"),
-            "no object 'mugg': did you mean 'mug'? there are cup, mug, box",
-        ),
-        (
-            lambda judgement, scene: modal_states(judgement, scene, "bottle"),
-            "'bottle' holds no liquid; there are liquids in cup, mug, box",
-        ),
+        (contact("vase"), "no object 'vase'; there are cup, mug, box, bottle"),
+        (modes("mugg"), "no object 'mugg': did you mean 'mug'? there are cup, mug, box"),
+        (modes("bottle"), "'bottle' holds no liquid; there are liquids in cup, mug, box"),
     ],
 )
 def test_what_there_is_not_is_refused_with_what_there_is(judged, ask: Callable[..., object], message: str) -> None:

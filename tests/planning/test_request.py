@@ -42,7 +42,7 @@ COPY = replace(SCENE, cargo=SCENE.cargo[:1])
         (lambda: ns.plan(SCENE, ignore=3), r"ignore: 3 is no list of constraints"),  # type: ignore[arg-type]
         (lambda: ns.plan(SCENE, warm="out/tea"), r"an earlier plan is needed here, as load_plan"),  # type: ignore[arg-type]
         (lambda: ns.Planner("x.toml"), r"not 'x.toml' of type str; a scenario goes to"),  # type: ignore[arg-type]
-        (lambda: ns.certify(np.zeros((9, 6)), SCENE), r"not a value of type ndarray of shape \(9, 6\): joint samples"),  # type: ignore[arg-type]
+        (lambda: ns.certify(np.zeros((9, 6)), SCENE), r"ndarray of shape \(9, 6\): for times and"),  # type: ignore[arg-type]
     ],
 )
 def test_what_is_wanted_is_said_in_one_sentence(call: Any, told: str) -> None:

@@ -21,7 +21,7 @@ from nospill.judge.record_checks import (
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.run import command_traces, run_of
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Certificate, Row, Trace, fullest, worst_row
+from nospill.judge.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
@@ -132,16 +132,17 @@ def judge_motion(
         else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
     )
     of_command = [] if run.command is None else command_traces(scene, run.command)
-    worst = fullest([*found.fullest.values(), *controls, *of_command])
-    of_record = fullest(record_traces(trajectory, held, scene, recorded))
-    distances = [row for row in found.certificate.rows if row.id not in worst]
-    rows = (*map(worst_row, worst.values()), *distances, *map(worst_row, of_record.values()))
+    of_record = record_traces(trajectory, held, scene, recorded)
+    rows = (
+        *condensed([*found.certificate.rows, *map(worst_row, (*controls, *of_command))]),
+        *map(worst_row, of_record),
+    )
     return replace(
         found,
         certificate=replace(found.certificate, ok=all(row.ok for row in rows), rows=rows),
         traces=(*found.traces, *controls),
         end_time=trajectory.end_time,
-        fullest=worst | of_record,
+        fullest=fullest([*found.fullest.values(), *controls, *of_command, *of_record]),
     )
 
 
