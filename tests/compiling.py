@@ -1,10 +1,6 @@
-"""How the tests compile: a hasty compiler, and what is compiled before the first of them."""
+"""Functions made anew, and compared."""
 
 from __future__ import annotations
-
-import os
-import shutil
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -13,12 +9,6 @@ from nospill.core.batches import columns_at_once
 from nospill.judge import replay, traces
 from nospill.robots.kinematics import forward, newton_steps
 from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
-
-AT_FIRST = ("linear solver", "ur10e")
-"""Beginnings of the labels of usual parts: what most plans of the tests need, and takes longest to compile."""
-
-COMPILER = os.environ.get("CC", "cc")
-"""As the user has it."""
 
 _KEPT = (
     stage_functions.stage_functions,
@@ -60,21 +50,3 @@ def assert_same(ours: ca.Function, theirs: ca.Function, *, tolerance: float = 1e
             other = np.concatenate([part[place].full() for part in wanted], axis=1)
             largest = np.abs(other[np.isfinite(other)]).max(initial=1.0)
             np.testing.assert_allclose(one, other, rtol=tolerance, atol=tolerance * largest)
-
-
-def hasty_compiler(folder: Path) -> Path | None:
-    """A compiler that optimises less what is compiled for plans, None where there is no compiler.
-
-    -Og takes three quarters of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
-    time, they take ten times as long, since every operation on four columns goes through memory. The linear solver
-    (-O3) is optimised.
-
-    Args:
-        folder: where it is put.
-    """
-    found, place = shutil.which(COMPILER), folder / "cc"
-    if found is None:
-        return None
-    place.write_text(f'#!/bin/sh\ncase "$*" in *-O1*) set -- "$@" -Og ;; esac\nexec "{found}" "$@"\n')
-    place.chmod(0o755)
-    return place

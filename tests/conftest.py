@@ -8,38 +8,25 @@ import shutil
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is loaded; two threads wait for each other here
 
-import numpy as np
 import pytest
 from filelock import FileLock
 from hypothesis import settings
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from nospill.compiled.small_libraries import small_library
-from nospill.judge.certificate import judge
-from nospill.motion.interpolation import JointSamples
-from nospill.motion.trajectory import Trajectory
-from nospill.planning.planner import plan
-from nospill.plans.plan import Plan
-from nospill.plans.records import PlanningReport, motion_maxima
-from nospill.robots.joint_paths.search import JointPath
-from nospill.scenario import read_scenario
-from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import export_samples
-from nospill.transcription.stages import Stages
-from nospill.transcription.starting_motions import Start, smooth_start
-from nospill.warmup.usual import usual_parts
-from nospill.warmup.warming import warm_cache
-from tests.builders import joint_path_of, one_mode, with_few_speeds
-from tests.compiling import AT_FIRST, forget, hasty_compiler
-from tests.example_plans import planned_once
+from tests.hasty import compile_at_first, hasty_compiler
+
+if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
+    from nospill.motion.interpolation import JointSamples
+    from nospill.plans.plan import Plan
+    from nospill.scene.scene import Scene
+    from tests.motions import SmoothMotion
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.
@@ -71,9 +58,7 @@ def hasty() -> Iterator[Path | None]:
             compiler = hasty_compiler(COMPILED)
             if compiler is not None:
                 patch.setenv("CC", str(compiler))
-                # What every worker needs: one that comes while another compiles goes on without.
-                small_library("interpreter", wait=True)
-                warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
+                compile_at_first(COMPILED)
         patch.setenv("CC", "no-compiler-for-what-is-planned-once")
         yield compiler
 
@@ -81,6 +66,8 @@ def hasty() -> Iterator[Path | None]:
 @pytest.fixture(scope="module")
 def in_virtual_machine() -> Iterator[None]:
     """Functions of a module's tests are CasADi's own, which it can differentiate and look into."""
+    from tests.compiling import forget
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "off")
         forget()
@@ -117,6 +104,8 @@ def few_speeds_on_figures() -> Iterator[None]:
 def changed_scene() -> Callable[..., Scene]:
     """Make a variant of an example: its name, and new values by place, for example {"motion.tilt": "fixed"}."""
 
+    from nospill.scenario import read_scenario
+
     def make(name: str, changes: Mapping[str, Any]) -> Scene:
         return read_scenario(name).changed(changes)
 
@@ -126,6 +115,10 @@ def changed_scene() -> Callable[..., Scene]:
 @pytest.fixture(scope="session")
 def example_plan(hasty: Path | None) -> Callable[[str], Plan]:
     """Plan an example, once for all tests until the package changes (`example_plans`)."""
+
+    from nospill.planning.planner import plan
+    from nospill.scenario import read_scenario
+    from tests.example_plans import planned_once
 
     def planned(name: str) -> Plan:
         with pytest.MonkeyPatch.context() as patch:
@@ -140,84 +133,27 @@ def example_plan(hasty: Path | None) -> Callable[[str], Plan]:
     return shared
 
 
-@dataclass(frozen=True)
-class SmoothMotion:
-    """A scene with a quintic motion along its path, on the grid of the optimal control problem and as exported.
-
-    The scene states one mode of each liquid; the model is the scene with one mode, of which the grid is.
-    """
-
-    scene: Scene
-    model: Scene
-    stages: Stages
-    trajectory: Trajectory
-
-
-@cache
-def _joint_path(name: str) -> JointPath:
-    scene = read_scenario(name)
-    return joint_path_of(scene)
-
-
-@cache
-def _smooth_motion(name: str, cargo: int | None, intervals: int, start: Start) -> SmoothMotion:
-    scene = one_mode(name)
-    scene = scene.changed({"cargo": scene.source["cargo"][:cargo]})
-    model = scene.with_one_mode()
-    stages = smooth_start(model, _joint_path(name), intervals, start)
-    return SmoothMotion(scene, model, stages, export_samples(model, stages))
-
-
 @pytest.fixture(scope="session")
 def smooth_motion() -> Callable[..., SmoothMotion]:
-    """Make (once) the smooth motion of an example: name, number of objects kept, intervals, and how it starts."""
+    """Make (once) the smooth motion of an example (`motions`)."""
+    from tests.motions import smooth_motion
 
-    def make(
-        name: str,
-        *,
-        cargo: int | None = None,
-        intervals: int = 200,
-        stretch: float = 1.0,
-        skew: float = 0.0,
-        tilt: tuple[float, float] = (0.0, 0.0),
-    ) -> SmoothMotion:
-        return _smooth_motion(name, cargo, intervals, Start(stretch, skew, tilt))
-
-    return make
+    return smooth_motion
 
 
 @pytest.fixture(scope="session")
-def gentle_plan(smooth_motion) -> Callable[..., Plan]:
-    """A certified plan of an example, slow enough to keep every limit with room: its name, and how many objects."""
+def gentle_plan() -> Callable[..., Plan]:
+    """Make (once) a certified plan of a smooth motion (`motions`)."""
+    from tests.motions import gentle_plan
 
-    @cache
-    def make(name: str, cargo: int | None = None) -> Plan:
-        motion = smooth_motion(name, cargo=cargo, stretch=0.8 if name == "matrix-rigid" else 1.3)
-        judgement = judge(motion.trajectory, motion.scene)
-        assert judgement.certificate.ok
-        report = PlanningReport.empty()
-        maxima = motion_maxima(judgement, motion.scene)
-        return with_few_speeds(Plan(motion.scene, motion.trajectory, judgement.certificate, maxima, report))
-
-    return make
-
-
-def curve(samples: int = 40, joints: int = 6, rate: float = 500.0) -> JointSamples:
-    """A rest-to-rest quintic in every joint, with different ends; times as whole nanoseconds."""
-    t = np.round(np.arange(samples) / rate * 1e9) / 1e9
-    u, length = (t / t[-1])[:, None], t[-1]
-    start, way = np.linspace(-1.3, 2.1, joints), np.linspace(0.5, -3.0, joints)
-    return JointSamples(
-        t,
-        start + way * (10 * u**3 - 15 * u**4 + 6 * u**5),
-        way * (30 * u**2 - 60 * u**3 + 30 * u**4) / length,
-        way * (60 * u - 180 * u**2 + 120 * u**3) / length**2,
-    )
+    return gentle_plan
 
 
 @pytest.fixture(scope="session")
 def samples() -> Callable[..., JointSamples]:
-    """Make the `curve`."""
+    """Make joint samples from rest to rest (`motions`)."""
+    from tests.motions import curve
+
     return curve
 
 

@@ -31,7 +31,8 @@ from nospill.planning.planner import plan
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
-from tests.compiling import COMPILER, assert_same, forget
+from tests.compiling import assert_same, forget
+from tests.hasty import COMPILER
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from nospill.compiled.small_libraries import small_library
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native import libraries
 from tests.compiled.programs import OPERATIONS, of_two, random_program, same_as_step_after_step, swing, tape_of
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 
 SX = ca.SX
 pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")

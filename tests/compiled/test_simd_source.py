@@ -17,7 +17,7 @@ from nospill.compiled.tape_reading import read_tape
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native.operations import NAMES
 from tests.compiled.programs import OPERATIONS, of_two, random_program, same_as_step_after_step, swing, tape_of
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 
 SX = ca.SX
 pytestmark = [

@@ -12,7 +12,7 @@ from nospill.execution.motion import recorded_motion
 from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.motion.control import followed
 from nospill.scene.controller import Controller
-from tests.conftest import SmoothMotion
+from tests.motions import SmoothMotion
 
 CLOCK = 0.4
 

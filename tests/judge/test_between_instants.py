@@ -17,7 +17,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
-from tests.conftest import SmoothMotion
+from tests.motions import SmoothMotion
 
 OBJECT = [EvaluationPoint.OBJECT]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from nospill.native import libraries
 from nospill.transcription.solvers import linear_solvers
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 from tests.native.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
 from tests.native.systems import chain, check, factorised_in_growing_room, kkt, of_upper, refined
 

@@ -31,7 +31,8 @@ from nospill.transcription.stage_functions import stage_functions
 from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
 from tests.builders import one_mode
-from tests.compiling import COMPILER, assert_same
+from tests.compiling import assert_same
+from tests.hasty import COMPILER
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"

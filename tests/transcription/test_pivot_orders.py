@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from nospill.transcription.solvers import linear_solvers
 from nospill.transcription.solvers.pivot_orders import PivotOrder, with_order
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 from tests.native.ma27 import LIW_TOO_SMALL, Entries, Factor
 from tests.native.systems import chain, check, factorised_in_growing_room, kkt, of_upper, refined
 

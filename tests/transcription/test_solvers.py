@@ -25,7 +25,7 @@ from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
 from tests.builders import joint_path_of
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 
 INTERVALS = 20
 PATIENT = SolveOptions(max_iterations=300, max_time=60.0)

@@ -11,7 +11,7 @@ import pytest
 
 from nospill.compiled import codegen
 from nospill.laws.slosh.integrate import SHARED, STEPS, integrate, runge_kutta_step, step_sequence
-from tests.compiling import COMPILER
+from tests.hasty import COMPILER
 
 SX = ca.SX
 STEP = 1e-3

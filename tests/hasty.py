@@ -1,0 +1,52 @@
+"""A hasty compiler for the tests, and what is compiled before the first of them.
+
+Imports little: a file of tests that plans nothing is run in a second or two.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from nospill.compiled.codegen import source_digest
+
+AT_FIRST = ("linear solver", "ur10e")
+"""Beginnings of the labels of usual parts: what most plans of the tests need, and takes longest to compile."""
+
+COMPILER = os.environ.get("CC", "cc")
+"""As the user has it."""
+
+
+def compile_at_first(folder: Path) -> None:
+    """Compile what every worker needs, unless that has been done of this source: one that comes meanwhile goes on."""
+    done = folder / f"at-first-{source_digest()[:32]}"
+    if done.exists():
+        return
+    from nospill.compiled.small_libraries import small_library
+    from nospill.warmup.usual import usual_parts
+    from nospill.warmup.warming import warm_cache
+
+    small_library("interpreter", wait=True)
+    warm_cache(tuple(part for part in usual_parts() if part.label.startswith(AT_FIRST)), progress=print)
+    for earlier in folder.glob("at-first-*"):
+        earlier.unlink()
+    done.touch()
+
+
+def hasty_compiler(folder: Path) -> Path | None:
+    """A compiler that optimises less what is compiled for plans, None where there is no compiler.
+
+    -Og takes three quarters of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
+    time, they take ten times as long, since every operation on four columns goes through memory. The linear solver
+    (-O3) is optimised.
+
+    Args:
+        folder: where it is put.
+    """
+    found, place = shutil.which(COMPILER), folder / "cc"
+    if found is None:
+        return None
+    place.write_text(f'#!/bin/sh\ncase "$*" in *-O1*) set -- "$@" -Og ;; esac\nexec "{found}" "$@"\n')
+    place.chmod(0o755)
+    return place
