@@ -1,4 +1,4 @@
-"""Functions made anew, and compared."""
+"""Functions compared."""
 
 from __future__ import annotations
 
@@ -6,31 +6,6 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.batches import columns_at_once
-from nospill.judge import replay, traces
-from nospill.robots.kinematics import forward, newton_steps
-from nospill.transcription import clearance_block, export_samples, object_block, stage_functions, tray_block
-
-_KEPT = (
-    stage_functions.stage_functions,
-    tray_block._block,
-    object_block._object_block,
-    object_block._end_block,
-    clearance_block.clearance_block,
-    traces.object_figures_function,
-    traces.tray_figures_function,
-    forward._kinematics,
-    newton_steps.step_functions,
-    replay.liquid_steps,
-    export_samples.tray_function,
-    export_samples.crest_function,
-)
-"""What a process keeps of functions once made."""
-
-
-def forget() -> None:
-    """Let the process make its functions anew, as the settings then say."""
-    for kept in _KEPT:
-        kept.cache_clear()
 
 
 def assert_same(ours: ca.Function, theirs: ca.Function, *, tolerance: float = 1e-12) -> None:

@@ -66,13 +66,13 @@ def hasty() -> Iterator[Path | None]:
 @pytest.fixture(scope="module")
 def in_virtual_machine() -> Iterator[None]:
     """Functions of a module's tests are CasADi's own, which it can differentiate and look into."""
-    from tests.compiling import forget
+    from nospill.compiled.kept import forget_functions
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "off")
-        forget()
+        forget_functions()
         yield
-    forget()
+    forget_functions()
 
 
 @pytest.fixture(scope="session", autouse=True)

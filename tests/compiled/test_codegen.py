@@ -20,6 +20,7 @@ import pytest
 
 from nospill.compiled import codegen as compiled
 from nospill.compiled.cache_folder import cache_folder
+from nospill.compiled.kept import forget_functions
 from nospill.compiled.small_libraries import small_library
 from nospill.judge import traces
 from nospill.laws.constraints.base import EvaluationPoint
@@ -31,7 +32,7 @@ from nospill.planning.planner import plan
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
-from tests.compiling import assert_same, forget
+from tests.compiling import assert_same
 from tests.hasty import COMPILER
 from tests.waiting import finished
 
@@ -64,9 +65,9 @@ def as_users_have_it() -> Iterator[None]:
 @pytest.fixture
 def forgotten() -> Iterator[None]:
     """Nothing kept from before, nothing left behind."""
-    forget()
+    forget_functions()
     yield
-    forget()
+    forget_functions()
 
 
 def run(folder: Path | str, **environment: str) -> str:
@@ -120,7 +121,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     structure = structure_of(small)
     slow = plan(small)
     plain = _functions(structure)
-    forget()
+    forget_functions()
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     assert stage_functions.stage_functions(structure).compiled

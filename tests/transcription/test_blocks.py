@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.compiled.kept import forget_functions
 from nospill.core.frames import SX, FrameMotion
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
@@ -37,7 +38,6 @@ from tests.hasty import COMPILER
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
 SCENES = ("matrix-liquid", "matrix-liquid-tilt", "matrix-liquid-corridor", "mixed-tray", SLOWED)
-BLOCKS = (tray_block._block, object_block._object_block, object_block._end_block)
 
 
 @cache
@@ -236,11 +236,9 @@ def test_entries_of_stacked_parts_are_found() -> None:
 @pytest.fixture
 def forgotten() -> Iterator[None]:
     """No block kept from before, none left behind."""
-    for kept in (*BLOCKS, stage_functions):
-        kept.cache_clear()
+    forget_functions()
     yield
-    for kept in (*BLOCKS, stage_functions):
-        kept.cache_clear()
+    forget_functions()
 
 
 def functions(block: object) -> dict[str, ca.Function]:
@@ -261,8 +259,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     monkeypatch.setenv("CC", COMPILER)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
-    for kept in (*BLOCKS, stage_functions):
-        kept.cache_clear()
+    forget_functions()
     fast = stage_functions(structure)
     assert fast.compiled
     made = sorted(tmp_path.iterdir())
@@ -277,8 +274,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
         for name, value in vars(theirs).items():
             if isinstance(value, tuple):
                 assert all(np.array_equal(a, b) for a, b in zip(value, vars(ours)[name], strict=True))
-    for kept in (*BLOCKS, stage_functions):
-        kept.cache_clear()
+    forget_functions()
     seven = dataclasses.replace(structure, spans=23, objects=structure.objects[:1] * 7)
     assert stage_functions(seven).compiled
     assert sorted(tmp_path.iterdir()) == made

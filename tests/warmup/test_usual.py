@@ -9,6 +9,7 @@ from functools import partial
 import pytest
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import forget_functions
 from nospill.judge import replay, traces
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
@@ -21,7 +22,6 @@ from nospill.scene.carriers import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
 from nospill.transcription.solvers.linear_solvers import ldl_library
 from nospill.warmup.usual import Part, usual_parts
-from tests.compiling import forget
 
 Entry = tuple[str, Structure]
 
@@ -39,7 +39,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Entry]]:
         entries.append((kind, structure))
         raise AskedError
 
-    forget()
+    forget_functions()
     monkeypatch.setattr(codegen, "functions", functions)
     yield entries
 

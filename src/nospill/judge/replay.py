@@ -8,13 +8,13 @@ with the arm at rest before and after; a receiver that moves otherwise between i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
 from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
@@ -214,7 +214,7 @@ def slosh_accelerations(structure: Structure, numbers: SceneNumbers, tray: Frame
     return ca.vertcat(*rates)
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def liquid_steps(kind: Structure) -> Any:
     """Steps of liquids of a kind, for `integrate`: the body rows are the inputs, `numbers_of_object` the parameters."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.judge.after_end import residual_height
@@ -197,7 +197,7 @@ def third_differences(values: np.ndarray) -> np.ndarray:
     return np.diff(padded, n=3, axis=0)
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
     """(columns of `Inputs` of one object, `numbers_of_object`) -> value, limit, margin of its constraints; names."""
 
@@ -228,7 +228,7 @@ def _object_at_rest(kind: Structure) -> tuple[list[SX], Sample]:
     return [q, qd, parameters], Sample(kind, numbers, objects=objects)
 
 
-@lru_cache(maxsize=16)
+@kept(maxsize=16)
 def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any, list[str]]:
     """(columns of `Inputs`, `numbers_of_tray`) -> value, limit, margin of the constraints; their names, by subject."""
 

@@ -10,13 +10,13 @@ share: these are what the block gives, so the arm's kinematics are found once fo
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.frames import SX
 from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.description.urdf_tree import read_tree
@@ -80,7 +80,7 @@ class ClearanceBlock:
     curvature: Any
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def clearance_block(between: Between) -> ClearanceBlock:
     """The block of a pair of joints."""
     made, _, _ = codegen.functions("plane", between, lambda: (_build(between), None))

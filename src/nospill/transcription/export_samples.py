@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.attitudes import tray_quaternions
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
@@ -130,7 +130,7 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
     return replace(stages, table=table)
 
 
-@lru_cache(maxsize=16)
+@kept(maxsize=16)
 def tray_function(kind: Structure) -> Any:
     """(chains, piece of the path, gravity) -> the tray's pose and motion."""
 
@@ -157,7 +157,7 @@ def tray_function(kind: Structure) -> Any:
     return codegen.functions("export", kind, build, of_columns={"tray": codegen.LAST})[0]["tray"]
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def crest_function(kind: Structure) -> Any:
     """(displacements, the tray's motion, gravity and numbers of the object) -> crest of its liquid."""
 

@@ -9,13 +9,13 @@ derivatives it has of (y, h) alone, with gamma = dL/dy, is summed over the objec
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, frame_at_rest
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
@@ -118,7 +118,7 @@ def end_block(structure: Structure, item: ObjectStructure) -> EndBlock:
     return _end_block(object_kind(structure, item, end=structure.end))
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def _object_block(kind: Structure) -> ObjectBlock:
     made, data, compiled = codegen.functions("object", kind, lambda: _build(kind), of_columns=SHARED_OF_OBJECT)
     names = ("tray_jacobian", "own_jacobian", "cross_hessian", "own_hessian")
@@ -126,7 +126,7 @@ def _object_block(kind: Structure) -> ObjectBlock:
     return ObjectBlock(kind.objects[0].coordinates, Rows.of(data["rows"]), **triplets, **made, compiled=compiled)
 
 
-@lru_cache(maxsize=64)
+@kept(maxsize=64)
 def _end_block(kind: Structure) -> EndBlock:
     made, data, compiled = codegen.functions("end", kind, lambda: _build_end(kind))
     triplets = {name: _triplets(data[name]) for name in ("jacobian", "hessian")}

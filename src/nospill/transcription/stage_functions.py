@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
+from nospill.compiled.kept import kept
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.parameters import Structure
 from nospill.transcription.layout import Layout, layout_of
@@ -92,7 +92,7 @@ class StageFunctions:
         return all([self.tray.block.compiled, *(item.block.compiled and item.end.compiled for item in self.objects)])
 
 
-@lru_cache(maxsize=16)
+@kept(maxsize=16)
 def stage_functions(structure: Structure) -> StageFunctions:
     """The stage of a structure.
 

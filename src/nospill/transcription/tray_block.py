@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.frames import SX
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
@@ -103,7 +103,7 @@ def tray_block(structure: Structure) -> TrayBlock:
     return _block(replace(tray_kind(structure), degree=piece_degree(structure)))
 
 
-@lru_cache(maxsize=16)
+@kept(maxsize=16)
 def _block(kind: Structure) -> TrayBlock:
     made, data, compiled = codegen.functions("tray", kind, lambda: _build(kind), of_columns=SHARED_OF_TRAY)
     jacobian, hessian = (tuple(np.array(part, dtype=int) for part in data[name]) for name in ("jacobian", "hessian"))

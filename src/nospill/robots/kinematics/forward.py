@@ -7,13 +7,14 @@ are in the robot's base frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import without_place
@@ -238,7 +239,7 @@ def kinematics(robot: ArmChain) -> Kinematics:
     return _kinematics(robot.urdf, robot.joints, robot.tip)
 
 
-_kinematics = lru_cache(maxsize=32)(Kinematics)
+_kinematics = kept(maxsize=32)(Kinematics)
 
 
 def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:

@@ -6,11 +6,10 @@ the step is dq = J^T (J J^T + d I)^-1 e. Where a combination of the joints is he
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 
 from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.frames import SX
 from nospill.robots.kinematics.chain import ChainExpressions
 from nospill.robots.kinematics.forward import SHARED, Kinematics
@@ -25,7 +24,7 @@ _NO_TURN = 1e-9
 """Sine of a rotation below which its axis is lost."""
 
 
-@lru_cache(maxsize=32)
+@kept(maxsize=32)
 def step_functions(arm: Kinematics, *, held: bool) -> codegen.Functions:
     """Functions of columns of an arm, with the pose (12,) as position and rotation row by row.
 
