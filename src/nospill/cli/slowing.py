@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -40,8 +39,7 @@ def slow(
         target = output or folder.with_name(f"{folder.resolve().name}-{100 * speed:.3g}-percent")
         require_replaceable(target, replaceable=is_plan_folder)
         planned = load_plan(folder)
-        motion = replace(planned.scene.motion, duration=planned.duration / speed)
-        scene = replace(planned.scene, motion=motion)
+        scene = planned.scene.changed({"motion.duration": planned.duration / speed})
         progress.say(LOADING)
         from nospill.planning.planner import plan
 
