@@ -41,7 +41,7 @@ class AbiIndependentWheel(bdist_wheel):
     """A wheel that uses no ABI of Python's, for every Linux whose C library is as new as its libraries ask for."""
 
     def get_tag(self) -> tuple[str, str, str]:
-        """That of the compiler; where the libraries name versions of glibc, every Linux that has the newest (PEP 600)."""
+        """That of the compiler; where the libraries name versions of glibc, any Linux that has the newest (PEP 600)."""
         platform = super().get_tag()[2]
         libraries = (Path(self.get_finalized_command("build_py").build_lib) / PREBUILT).glob("*.so")
         wanted = [int(n) for file in libraries for n in re.findall(rb"\0GLIBC_2\.(\d+)", file.read_bytes())]

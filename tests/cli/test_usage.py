@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,12 +16,15 @@ from nospill.cli import app
 from tests.cli.commands import nospill
 from tests.waiting import run_python, wait_until
 
-# fmt: off
-COMMANDS = (
-    "plan", "slow", "check", "verify", "margins", "plot", "view", "film", "studio", "report", "export", "simulate",
-    "compare", "executed", "identify", "measure", "design-test", "examples", "robots", "schema", "cache",
-)
-# fmt: on
+GROUPS = {
+    "Plan": ("plan", "examples", "robots", "schema", "studio", "slow"),
+    "Look": ("view", "plot", "report", "film"),
+    "Judge": ("check", "executed", "verify"),
+    "Hand over": ("export",),
+    "Laboratory": ("identify", "design-test", "measure", "simulate", "compare"),
+    "Many": ("margins", "cache"),
+}
+COMMANDS = tuple(name for names in GROUPS.values() for name in names)
 
 
 def test_version() -> None:
@@ -31,6 +35,20 @@ def test_every_command_is_in_the_list() -> None:
     assert {
         command.callback.__name__.replace("_", "-") for command in app.registered_commands if command.callback
     } == set(COMMANDS)
+
+
+def test_help_has_the_commands_by_what_a_user_wants() -> None:
+    lines = [" ".join(re.findall(r"[\w-]+", line)) for line in nospill("--help").stdout.splitlines()]
+    entries = [line if line in GROUPS else line.partition(" ")[0] for line in lines[lines.index("Plan") :]]
+    shown = [entry for entry in entries if entry in {*GROUPS, *COMMANDS}]
+    assert shown == [word for group, names in GROUPS.items() for word in (group, *names)]
+
+
+def test_the_page_on_the_commands_has_the_same_groups() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")
+    parts = {part.partition("\n")[0]: part for part in page.split("\n## ")[1:]}
+    named = {group: re.findall(r"^\| `nospill ([a-z-]+)", parts[group], re.MULTILINE) for group in GROUPS}
+    assert {group: tuple(dict.fromkeys(names)) for group, names in named.items()} == GROUPS
 
 
 @pytest.mark.parametrize("command", COMMANDS)

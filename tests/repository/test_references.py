@@ -33,7 +33,7 @@ def test_the_command_line_is_whole() -> None:
     page = tables.command_line()
     root: Any = typer.main.get_command(app)
     for name, command in root.commands.items():
-        part = page[page.index(f"\n## nospill {name}\n") :].split("\n## ", 2)[1]
+        part = page[page.index(f"\n### nospill {name}\n") :].split("\n### ", 2)[1]
         for item in command.params:
             if "--help" not in item.opts and item.param_type_name == "option":
                 assert all(word in part for word in item.opts), (name, item.opts)

@@ -89,9 +89,9 @@ def _nospill(*arguments: str) -> None:
 def viewer_is_there() -> bool:
     """Whether `nospill view` exists and its library is installed."""
     with contextlib.suppress(ModuleNotFoundError):
-        from nospill.cli import COMMANDS
+        from nospill.cli import GROUPS
 
-        named = any(command.__name__ == "view" for command in COMMANDS)
+        named = any(command.__name__ == "view" for commands in GROUPS.values() for command in commands)
         return named and importlib.util.find_spec("viser") is not None
     return False
 

@@ -128,9 +128,15 @@ def _known(value: object) -> str:
 
 
 def command_line() -> str:
-    """Every command with its arguments and options, read from the application itself."""
+    """Every command with its arguments and options, read from the application itself, in the groups of its help."""
     root: Any = typer.main.get_command(app)
-    return "".join(_command(name, command) for name, command in root.commands.items())
+    text, group = "", ""
+    for name, command in root.commands.items():
+        if command.rich_help_panel != group:
+            group = command.rich_help_panel
+            text += f"\n## {group}\n"
+        text += _command(name, command)
+    return text
 
 
 def _command(name: str, command: Any) -> str:
@@ -141,7 +147,7 @@ def _command(name: str, command: Any) -> str:
     rows += [(f"`{_option(item)}`", item.help or "") for item in options]
     usage = f"```console\n$ nospill {' '.join([name, *words])}\n```\n"
     table = markdown_table(("argument", "meaning"), rows) if rows else ""
-    return f"\n## nospill {name}\n\n{' '.join((command.help or '').split())}\n\n{usage}\n{table}"
+    return f"\n### nospill {name}\n\n{' '.join((command.help or '').split())}\n\n{usage}\n{table}"
 
 
 def _argument(item: Any) -> str:

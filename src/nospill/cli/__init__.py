@@ -33,30 +33,16 @@ from nospill.cli.studio import studio
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
-COMMANDS: tuple[Callable[..., int], ...] = (
-    plan,
-    slow,
-    check,
-    verify,
-    margins,
-    plot,
-    view,
-    film,
-    studio,
-    report,
-    export,
-    simulate,
-    compare,
-    executed,
-    identify,
-    measure,
-    design_test,
-    examples,
-    robots,
-    schema,
-    cache,
-)
-"""Every command, in the order of the help text: a new one is a function in a file here and an entry in this table."""
+GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
+    "Plan": (plan, examples, robots, schema, studio, slow),
+    "Look": (view, plot, report, film),
+    "Judge": (check, executed, verify),
+    "Hand over": (export,),
+    "Laboratory": (identify, design_test, measure, simulate, compare),
+    "Many": (margins, cache),
+}
+"""What a user wants -> the commands for it, both in the order of the help text: a new command is a function in a file
+here and an entry in this table."""
 
 app = typer.Typer(
     name="nospill",
@@ -97,5 +83,6 @@ def _options(
     """Plan and certify the fastest motion of a robot arm that carries open cups and loose objects on a tray."""
 
 
-for _command in COMMANDS:
-    app.command()(reported(_command))
+for _group, _commands in GROUPS.items():
+    for _command in _commands:
+        app.command(rich_help_panel=_group)(reported(_command))

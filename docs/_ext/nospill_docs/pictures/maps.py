@@ -23,14 +23,14 @@ def commands() -> Figure:
     _station(axes, (2.65, 1.0), (1.45, 0.75), "plan folder", "motion, certificate", face="#E4EDF4")
     readers = (
         ("look", "view, film, plot, report"),
-        ("trust", "check, verify, margins"),
-        ("play it", "export: URScript, ROS 2, CSV, MAT"),
+        ("judge", "check, executed, verify, margins"),
+        ("hand over", "export: URScript, ROS 2, CSV, MAT"),
     )
     for row, (name, what) in enumerate(readers):
         y = 2.1 - 0.95 * row
         _station(axes, (4.95, y - 0.1), (2.4, 0.65), name, what)
         arrow(axes, (4.1, 1.375), (4.93, y + 0.225), color=GREY)
-    words(axes, (0.05, 0.62), "also: examples, robots, schema, cache;", size=8.5)
+    words(axes, (0.05, 0.62), "also: slow, examples, robots, schema, cache, identify;", size=8.5)
     words(axes, (0.05, 0.4), "simulate and compare work on one container, without a plan.", size=8.5)
     return figure
 
