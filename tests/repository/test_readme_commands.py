@@ -49,6 +49,14 @@ def write_what_they_read(folder: Path) -> None:
     (folder / "camera.csv").write_text("\n".join(rows) + "\n")
 
 
+def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(tmp_path: Path) -> None:
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8").partition("\ndemo:")[2].partition("\n\n")[0]
+    [(verdict, command)] = re.findall(r'physics, (.+)"\n.+"    \$\(VENV\)/bin/nospill (.+)"', recipe)
+    done = run_python("-c", "from nospill.cli import main; main()", *shlex.split(command), "--no-figures", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert verdict in done.stdout + done.stderr
+
+
 def test_the_commands_run_as_printed(tmp_path: Path) -> None:
     write_what_they_read(tmp_path)
     # `make demo` comes before them in the page.
