@@ -31,9 +31,9 @@ from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certified_by_refinement
-from nospill.planning.search import best_of, found_motion
+from nospill.planning.search import PassageSearch, best_of, found_motion, passage_searches
 from nospill.plans.plan import Plan
-from nospill.robots.joint_paths.search import JointPath, joint_paths, preferred_path
+from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
@@ -212,11 +212,11 @@ def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[
         NospillError: the start leads nowhere, or to a coarse answer that is known.
     """
 
-    def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
-        best, last = best_of(task, joint_path, log, (Attempt(start, STEP_BY_STEP),))
+    def search(own: PassageSearch, log: Log) -> Candidate:
+        best, last = best_of(own.task, own.joint_path, log, (Attempt(start, STEP_BY_STEP),))
         if best is None:
             raise NoSolutionError("the start led nowhere" if last is None else last.solution.status)
-        bounded, duration = task.passage.determinant is not None, best.stages.duration
+        bounded, duration = own.task.passage.determinant is not None, best.stages.duration
         for coarse in known:
             if coarse.bounded == bounded and abs(duration / coarse.duration - 1.0) < _ALIKE:
                 raise _SameAnswerError(coarse.outcome)
@@ -226,7 +226,7 @@ def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[
     log = Log(None, scene.planning.max_plan_time)
     paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    return certified_by_refinement(found_motion(Task.of(scene), joint_path, log, search=search), log)
+    return certified_by_refinement(found_motion(passage_searches(Task.of(scene), joint_path), log, search), log)
 
 
 def _print(line: dict[str, Any]) -> None:

@@ -20,7 +20,7 @@ from nospill.path_search import free_path as free_ways
 from nospill.path_search.branches import are_clear, tray_is_clear
 from nospill.path_search.candidates import PossibleWay, along, ways
 from nospill.planning.log import Log
-from nospill.planning.search import Searcher
+from nospill.planning.search import searcher
 from nospill.planning.task import Task
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
@@ -101,7 +101,7 @@ def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> Non
     scene = scene_of(COLUMN, TABLE)
     through = along(scene, scene.path.at(np.linspace(0.0, 1.0, 7))[:, :3])
     path = preferred_path(joint_paths(through.robot, through.path, tool=through.tray.tool), through.robot, None)
-    run = Searcher(Task.of(through), Log(None, 60.0))
+    run = searcher(Task.of(through), Log(None, 60.0))
     error = not_found(Trials(run, path), None)
     assert re.match(
         r"No way found: on the one with most room clearance of \w+ to column is −.* and random searches found no clear "

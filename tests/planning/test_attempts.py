@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from nospill.planning.attempts import attempts
+from nospill.planning.attempts import attempts, first_attempts
 from nospill.planning.task import Task
 from nospill.plans.records import Starts
 from nospill.scenario import read_scenario
@@ -17,7 +17,7 @@ from nospill.transcription.starting_motions import USUAL_START
 def test_the_last_starts_are_for_when_nothing_is_found(compared: int, first: int) -> None:
     scene = read_scenario("matrix-rigid")
     scene = replace(scene, planning=replace(scene.planning, starts=compared))
-    found = attempts(Task.of(scene), brief=False)
+    found = attempts(Task.of(scene))
     starts = [attempt.start for attempt in found]
     assert starts[0] == USUAL_START
     assert len(set(starts[: first + 1])) == first + 1
@@ -26,7 +26,7 @@ def test_the_last_starts_are_for_when_nothing_is_found(compared: int, first: int
     # the usual two again, then what has not been tried
     assert starts[first + 1 : first + 3] == [starts[1], starts[0]]
     assert not set(starts[first + 3 :]) & set(starts[: first + 1])
-    assert attempts(Task.of(scene), brief=True) == found[:first]
+    assert first_attempts(Task.of(scene)) == first
 
 
 def test_both_barrier_strategies_take_turns() -> None:
@@ -34,7 +34,7 @@ def test_both_barrier_strategies_take_turns() -> None:
     for name, expected in turns.items():
         task = Task.of(read_scenario(name))
         assert task.keeps_apart != expected[0]
-        assert ["barrier_start" in attempt.options for attempt in attempts(task, brief=True)] == expected
+        assert ["barrier_start" in attempt.options for attempt in attempts(task)[:3]] == expected
 
 
 def test_answers_near_the_best_are_counted() -> None:

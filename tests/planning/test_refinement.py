@@ -22,7 +22,8 @@ def test_on_planes_only_the_least_barrier_is_tried(
     )
     candidate: Any = SimpleNamespace(active=SimpleNamespace(with_rows=lambda rows: active), stages=None)
 
-    def solved(active: object, start: object, log: Log, options: dict[str, float]) -> Any:
+    def solved(active: object, start: object, log: Log, options: dict[str, float], *, tightens: bool) -> Any:
+        assert not tightens  # no judged motion asks for it
         tried.append(options["barrier_start"])
         return SimpleNamespace(has_converged=False)
 

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from nospill.errors import NoSolutionError
 from nospill.laws.constraints.base import RowId
 from nospill.planning import candidate, search
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.attempts import attempts
 from nospill.planning.candidate import Candidate, problem_about
 from nospill.planning.log import Log
+from nospill.planning.search import PassageSearch
 from nospill.planning.task import Task
 from nospill.scenario import read_scenario
 from nospill.transcription.solvers import Solution
+from nospill.transcription.solvers.options import Options
+from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import coarse_start
 from tests.builders import joint_path_of
 
@@ -72,7 +77,32 @@ def test_whether_a_task_is_hopeless_is_looked_at_once(
     monkeypatch.setattr(search, "solved_lazily", answer)
     monkeypatch.setattr(search, "usable", lambda _: False)
     log = Log(None, 60.0)
-    best, last = search.best_of(task, joint_path_of(task.scene), log, attempts(task, brief=True))
+    best, last = search.best_of(task, joint_path_of(task.scene), log, attempts(task)[:3])
     assert best is None and last is not None
     assert log.starts == [None] * tried
     assert len(looks) == 1
+
+
+@pytest.mark.parametrize("compared", [1, 2])
+def test_a_search_goes_on_where_it_was_left(monkeypatch: pytest.MonkeyPatch, compared: int) -> None:
+    """Every attempt is made once, whatever else was tried in the same call."""
+    scene = read_scenario("matrix-rigid")
+    task = Task.of(replace(scene, planning=replace(scene.planning, starts=compared)))
+    tries, made = attempts(task), list[Options]()
+
+    def noted(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
+        made.append(options)
+        return answer(active, start)
+
+    monkeypatch.setattr(search, "solved_lazily", noted)
+    monkeypatch.setattr(search, "usable", lambda _: len(made) >= 2)  # the first attempt leads nowhere
+    monkeypatch.setattr(search.diagnosis, "is_hopeless", lambda *_: False)
+    found, log = PassageSearch(task, joint_path_of(task.scene), iter(tries)), Log(None, 60.0, starts=[None, 1.5])
+    found.first(log)
+    assert len(made) == 2
+    assert log.starts[:3] == [None, None, None]  # what was found on another passage does not compare
+    while len(made) < len(tries):
+        found.further(log)
+    assert all(ours is own.options for ours, own in zip(made, tries, strict=True))
+    with pytest.raises(NoSolutionError, match="No other motion"):
+        found.further(log)

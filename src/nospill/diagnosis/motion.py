@@ -52,7 +52,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
     """
     trials = Trials(run, joint_path)
     require_possible_at_rest(trials)
-    if run.out_of_time:
+    if run.out_of_time():
         raise no_time_to_plan(run.scene, last)
     found = trials.fastest(run.scene, enough=trials.limit)
     if found is not None and found.duration <= trials.limit:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem
 from nospill.transcription.solvers import Solution, usable
 from nospill.transcription.stages import Stages
-from nospill.transcription.starting_motions import USUAL_START, Start
+from nospill.transcription.starting_motions import USUAL_START, Start, coarse_start
 
 _MORE_TIME = 8.0
 """Times the longest motion allowed that a trial may take."""
@@ -41,62 +41,45 @@ WITHIN = 0.98
 """Part of the time allowed that a changed task should need: what the fine grid and the judge take on top."""
 
 
-class Answer(Protocol):
-    """A motion on a grid, as a planner returns it."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """A motion on a grid, and the problem that it answers.
 
-    @property
-    def solution(self) -> Solution:
-        """What the solver returned."""
-        ...
+    Attributes:
+        solution: what the solver returned.
+        problem: that was solved.
+    """
 
-    @property
-    def problem(self) -> Problem:
-        """The problem that it answers."""
-        ...
+    solution: Solution
+    problem: Problem
 
 
-class Trial(Protocol):
+@dataclass(frozen=True, slots=True)
+class Trial:
     """A changed scene along one joint path.
 
     Attributes:
-        scene: the objects of the problem at their stated numbers, with the least friction.
+        scene: of the problem: its objects at their stated numbers, with the least friction.
+        solve: starting motion, most iterations -> the answer.
     """
 
-    @property
-    def scene(self) -> Scene:
-        """Of the problem."""
-        ...
-
-    def start(self, start: Start) -> Stages:
-        """A smooth starting motion."""
-        ...
-
-    def solve(self, start: Stages, *, iterations: int) -> Answer:
-        """The answer from a starting motion."""
-        ...
+    scene: Scene
+    solve: Callable[[Stages, int], Answer]
 
 
-class Searcher(Protocol):
+@dataclass(frozen=True, slots=True)
+class Searcher:
     """A failed search, and how it tries a changed scene.
 
     Attributes:
         scene: what was searched for.
+        trial: a changed scene along a joint path.
         out_of_time: whether the time of the search is up; a trial has a time of its own.
     """
 
-    @property
-    def scene(self) -> Scene:
-        """The task."""
-        ...
-
-    @property
-    def out_of_time(self) -> bool:
-        """Whether no more time is left."""
-        ...
-
-    def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
-        """A changed scene along a joint path."""
-        ...
+    scene: Scene
+    trial: Callable[[Scene, JointPath], Trial]
+    out_of_time: Callable[[], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,16 +157,17 @@ class Trials:
         if longest is None:
             longest = min(max(_MORE_TIME * self.limit, _LEAST_TIME), MOST_TIME)
         scene = replace(scene, motion=replace(scene.motion, max_duration=longest, duration=None))
-        trial = self.run.trial(scene, joint_path or self.joint_path)
+        joint_path = joint_path or self.joint_path
+        trial = self.run.trial(scene, joint_path)
         kinds = _STARTS if enough is None else (*_STARTS, *_FURTHER_STARTS)
-        starts = [trial.start(kind) for kind in kinds]
+        starts = [coarse_start(trial.scene, joint_path, kind) for kind in kinds]
         best: Found | None = None
         for tried, start in enumerate(([near] if near is not None else []) + starts):
             if best is not None and tried >= len(_STARTS):
                 break
             if start.intervals > _MOST_INTERVALS or self.over:
                 break
-            answer = trial.solve(start, iterations=_PATIENCE)
+            answer = trial.solve(start, _PATIENCE)
             if usable(answer.solution) and (best is None or answer.solution.stages.duration < best.duration):
                 best = Found(answer, _sensitivities(answer))
             if best is not None and (enough is None or best.duration <= enough):

@@ -29,19 +29,21 @@ class Attempt:
     all_rows: bool = False
 
 
-def attempts(task: Task, *, brief: bool) -> tuple[Attempt, ...]:
-    """The attempts of a search, one after the other; brief: without those for when nothing is found.
+def first_attempts(task: Task) -> int:
+    """How many of its attempts a brief search makes: without those for when nothing is found."""
+    return max(task.searched_scene.planning.starts, _FIRST_STARTS)
+
+
+def attempts(task: Task) -> tuple[Attempt, ...]:
+    """The attempts of a search, one after the other.
 
     Starts alternate between two barrier strategies: a problem that stalls under one often converges under the other; on
     planes the adaptive one comes first. Where none of the first leads anywhere, a random start with more iterations
     often does; then come, with all rows, the usual two again and further random ones.
     """
-    scene, turns = task.searched_scene, [STEP_BY_STEP, _ADAPTIVE]
-    count = max(scene.planning.starts, _FIRST_STARTS)
-    starts = list(enumerate(starting_motions(scene, count + _LAST_STARTS)))
+    turns, count = [STEP_BY_STEP, _ADAPTIVE], first_attempts(task)
+    starts = list(enumerate(starting_motions(task.searched_scene, count + _LAST_STARTS)))
     first = [Attempt(start, turns[(index + task.keeps_apart) % 2]) for index, start in starts[:count]]
-    if brief:
-        return tuple(first)
     last = [Attempt(start, turns[index % 2] | _PATIENT, all_rows=index > count) for index, start in starts[count:]]
     again = [Attempt(starts[1][1], _ADAPTIVE, all_rows=True), Attempt(starts[0][1], STEP_BY_STEP, all_rows=True)]
     return (*first, last[0], *again, *last[1:])

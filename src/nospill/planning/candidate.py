@@ -118,14 +118,16 @@ def solved(
     options: Options = MappingProxyType({}),
     warm: Candidate | None = None,
     problem: Problem | None = None,
+    *,
+    tightens: bool = False,
 ) -> Candidate:
     """Solve on a start's grid with the multipliers of `warm`, of a problem of the same shape; of one task, its planes.
 
-    `problem` is the one about the start, where it is at hand. Where the weights of a longer motion hold the answer
-    back, it is solved again from there with its own.
+    `problem` is the one about the start, where it is at hand; `tightens` says that a judged motion asks for it. Where
+    the weights of a longer motion hold the answer back, it is solved again from there with its own.
     """
     planning = active.scene.planning
-    stage = "tighten" if log.rounds else "fine" if start.intervals >= planning.intervals else "coarse"
+    stage = "tighten" if tightens else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
         planes = warm.planes if warm and warm.active.task is active.task else None
         problem = problem or problem_about(active, start, planes)
@@ -142,7 +144,7 @@ def solved(
     expected, found = active.expected or start.duration, solution.stages.duration
     if usable(solution) and weigh_too_much(active.scene, expected, found):
         options = {**options, **near_optimum(BARRIERS[1])}
-        again = solved(replace(active, expected=found), solution.stages, log, options)
+        again = solved(replace(active, expected=found), solution.stages, log, options, tightens=tightens)
         if usable(again.solution):
             return again
     return Candidate(active, solution, problem)

@@ -1,4 +1,4 @@
-"""Clock, counters and progress of one call of the planner: the only thing in it that changes."""
+"""Clock, counters and progress of one call of the planner: nothing but the time left decides what it does next."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from nospill.plans.records import TIME_IS_UP, PlanningReport, Starts
+from nospill.plans.records import PlanningReport, Starts
 from nospill.transcription.solvers import Solution
 
 
@@ -82,6 +82,10 @@ class Log:
         if self.progress is not None:
             self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
 
+    def passage_begins(self) -> None:
+        """What the starts before led to is on another passage, and does not compare."""
+        self.starts = [None] * len(self.starts)
+
     def report(self, last: str, **found: Any) -> PlanningReport:
         """What was spent.
 
@@ -96,7 +100,8 @@ class Log:
             rounds=self.rounds,
             starts=Starts.of(self.starts),
             phases=self.phases,
-            solver_status=last + (TIME_IS_UP if self.out_of_time else ""),
+            solver_status=last,
+            ran_out=self.out_of_time,
             linear_solvers=tuple(solution.linear_solver for solution in self.solutions),
             **found,
         )

@@ -20,7 +20,7 @@ from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
-from nospill.planning.search import Searcher, found_motion, search_elsewhere
+from nospill.planning.search import PassageSearch, found_motion, passage_searches, searcher
 from nospill.planning.task import Task
 from nospill.planning.warm_start import restarted, restarted_on, started_beside
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
@@ -71,10 +71,10 @@ def _planned(
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:
-        with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, ignore), log)):
+        with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
     if has_free_way(scene):
-        with log.phase("way"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, ignore), log)):
+        with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = diagnosis.freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
@@ -100,18 +100,20 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
     if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
         yield found
-    with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: Searcher(Task.of(scene, task.ignored), log)):
+    with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = diagnosis.free_paths(scene, diagnosis.paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
         yield found
+    searches = passage_searches(task, joint_path)
     with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
-        yield found_motion(task, joint_path, log)
+        yield found_motion(searches, log)
     if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified
-        given = certified_by_refinement(found_motion(task.on_path, joint_path, log), log)
+        on_path = passage_searches(task.on_path, joint_path)
+        given = certified_by_refinement(found_motion(on_path, log), log)
         again = started_beside(task, given, log)
         yield from (found for found in (again, given.candidate) if found is not None)
-    yield found_motion(task, joint_path, log, search=search_elsewhere)
+    yield found_motion(searches, log, PassageSearch.further)
 
 
 def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:

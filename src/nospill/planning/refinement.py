@@ -74,13 +74,15 @@ def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log:
     return _converged(active, start, BARRIERS[:1] if active.task.keeps_apart else BARRIERS, log)
 
 
-def _converged(active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log) -> Candidate | None:
+def _converged(
+    active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log, *, tightens: bool = False
+) -> Candidate | None:
     """The first converged answer from a start that is nearly optimal, with one first barrier after the other."""
     for barrier in barriers:
         if log.out_of_time:
             break
         options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
-        found = solved(active, start, log, options)
+        found = solved(active, start, log, options, tightens=tightens)
         if found.has_converged:
             return found
     return None
@@ -175,9 +177,9 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
     same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
-    again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None)
+    again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None, tightens=True)
     if not again.has_converged:
-        again = solved(active, before.stages, log)
+        again = solved(active, before.stages, log, tightens=True)
     return again if usable(again.solution) else None
 
 
@@ -196,7 +198,7 @@ def solved_from(
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    found = _converged(active, start, barriers, log)
+    found = _converged(active, start, barriers, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)
 
@@ -205,4 +207,4 @@ def _off_singularities(active: ActiveSet, start: Stages, log: Log) -> Candidate 
     """A motion solved from a start with the determinant bounded as there; None where it is, or that leads nowhere."""
     passage = bounded_as(active.task.passage, active.scene, start)
     bounded = passage and replace(active, task=replace(active.task, passage=passage))
-    return bounded and _converged(bounded, start, (*BARRIERS, None), log)
+    return bounded and _converged(bounded, start, (*BARRIERS, None), log, tightens=True)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from nospill import diagnosis
+from nospill.diagnosis.search import Answer, Searcher, Trial
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.attempts import Attempt, attempts
+from nospill.planning.attempts import Attempt, attempts, first_attempts
 from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
 from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
@@ -18,59 +20,80 @@ from nospill.scene.scene import Scene
 from nospill.transcription.passages import passages
 from nospill.transcription.solvers import usable
 from nospill.transcription.stages import Stages
-from nospill.transcription.starting_motions import Start, coarse_start, estimate_duration
+from nospill.transcription.starting_motions import coarse_start, estimate_duration
 
 _LONG = 0.79
 """Part of the longest motion allowed; where even the estimate takes it, a look at that motion saves a vain search."""
 
-Search = Callable[[Task, JointPath, Log], Candidate]
 
+@dataclass(frozen=True, slots=True)
+class PassageSearch:
+    """The search on one passage of the arm's singularities: made once, and gone on with where it was left.
 
-def search(task: Task, joint_path: JointPath, log: Log) -> Candidate:
-    """The best answer on the coarse grid.
-
-    Raises:
-        NoSolutionError: there is none; where the search is brief, without much of a reason.
+    Attributes:
+        task: with that passage.
+        joint_path: along which is searched.
+        attempts: that have not been made yet.
     """
-    scene, brief = task.searched_scene, task.passage.brief
-    log.starts[:] = [None] * len(log.starts)  # answers on another passage do not compare
-    best = last = None
-    long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.longest
-    if not (long and diagnosis.is_hopeless(scene, joint_path)):
-        best, last = best_of(task, joint_path, log, attempts(task, brief=brief or scene.motion.duration is not None))
-    if best is not None:
-        return best
-    if brief:
-        raise NoSolutionError("No motion found at once.")
-    return Searcher(task, log).last_resort(joint_path, last)
+
+    task: Task
+    joint_path: JointPath
+    attempts: Iterator[Attempt]
+
+    def first(self, log: Log) -> Candidate:
+        """The best answer on the coarse grid.
+
+        Raises:
+            NoSolutionError: there is none; where the search is brief, without much of a reason.
+        """
+        task, joint_path, scene = self.task, self.joint_path, self.task.searched_scene
+        log.passage_begins()
+        best = last = None
+        long = estimate_duration(scene, joint_path) >= _LONG * scene.motion.longest
+        if not (long and diagnosis.is_hopeless(scene, joint_path)):
+            brief = task.passage.brief or scene.motion.duration is not None
+            tries = islice(self.attempts, first_attempts(task)) if brief else self.attempts
+            best, last = best_of(task, joint_path, log, tries)
+        if best is not None:
+            return best
+        if task.passage.brief:
+            raise NoSolutionError("No motion found at once.")
+        return _overlooked(task, joint_path, last, log)
+
+    def further(self, log: Log) -> Candidate:
+        """The best answer on the coarse grid of the attempts that are left.
+
+        Raises:
+            NoSolutionError: there is none.
+        """
+        found, _ = best_of(self.task, self.joint_path, log, self.attempts)
+        if found is None:
+            raise NoSolutionError("No other motion found.")
+        return found
 
 
-def search_elsewhere(task: Task, joint_path: JointPath, log: Log) -> Candidate:
-    """The best answer on the coarse grid of the starts after those that were tried.
+Search = Callable[[PassageSearch, Log], Candidate]
 
-    Raises:
-        NoSolutionError: there is none.
-    """
-    found, _ = best_of(task, joint_path, log, attempts(task, brief=False)[len(log.starts) :])
-    if found is None:
-        raise NoSolutionError("No other motion found.")
-    return found
+
+def passage_searches(task: Task, joint_path: JointPath) -> tuple[PassageSearch, ...]:
+    """A search on each passage of the singularities along a joint path, in the order in which they are made."""
+    ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
+    tasks = [replace(task, passage=way) for way in ways]
+    return tuple(PassageSearch(own, joint_path, iter(attempts(own))) for own in tasks)
 
 
 def best_of(
-    task: Task, joint_path: JointPath, log: Log, tries: Sequence[Attempt]
+    task: Task, joint_path: JointPath, log: Log, tries: Iterable[Attempt]
 ) -> tuple[Candidate | None, Candidate | None]:
-    """The best answer and the last one of several starts, None where there is none.
+    """The best answer and the last one of several attempts, None where there is none.
 
-    The first answer ends it, or the best of as many starts as the scenario compares.
+    The first answer ends it, or the best of as many starts as the scenario compares; no further attempt is drawn then.
     """
     scene = task.searched_scene
     active = ActiveSet.of(task, joint_path.q).with_rows(())
     best: Candidate | None = None
     last: Candidate | None = None
-    for tried, attempt in enumerate(tries):
-        if (tried >= scene.planning.starts and best is not None) or (tried and log.out_of_time):
-            break
+    for tried, attempt in enumerate(tries, start=1):
         motion = coarse_start(active.scene, joint_path, attempt.start)
         rows = active.possible if attempt.all_rows else active.rows
         active = with_near_rows(active.with_rows(rows), motion)
@@ -80,88 +103,66 @@ def best_of(
         if usable(last.solution):
             if best is None or last.solution.objective < best.solution.objective:
                 best = last
-        elif not tried and diagnosis.is_hopeless(scene, joint_path):
+        elif tried == 1 and diagnosis.is_hopeless(scene, joint_path):
+            break
+        if log.out_of_time or (best is not None and tried >= scene.planning.starts):
             break
     return best, last
 
 
-def found_motion(task: Task, joint_path: JointPath, log: Log, *, search: Search = search) -> Candidate:
+def found_motion(searches: Sequence[PassageSearch], log: Log, search: Search = PassageSearch.first) -> Candidate:
     """The best motion on the fine grid, on a way past the singularities on which the arm keeps its branch.
+
+    Args:
+        searches: on each passage.
+        log: of the call.
+        search: what is made of each; `PassageSearch.further` for the attempts that are left.
 
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
-    ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
-    *first, last = (replace(task, passage=passage) for passage in ways)
-    for way in first:
+    *first, last = searches
+    for own in first:
+        passage = own.task.passage
         try:
-            coarse = search(way, joint_path, log)
+            coarse = search(own, log)
         except NoSolutionError:
-            if not way.passage.brief:
+            if not passage.brief:
                 raise
             continue
-        if coarse.keeps_branch or way.passage.brief:
+        if coarse.keeps_branch or passage.brief:
             fine = to_fine_grid(coarse, log)
             if fine.is_playable:
                 return fine
-    return to_fine_grid(search(last, joint_path, log), log)
+    return to_fine_grid(search(last, log), log)
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One changed scene along one joint path."""
+def searcher(task: Task, log: Log) -> Searcher:
+    """A search, as the diagnosis of its failure sees it: nothing that is learnt of a changed scene comes back to it."""
 
-    active: ActiveSet
-    joint_path: JointPath
-    log: Log
+    def trial(scene: Scene, joint_path: JointPath) -> Trial:
+        changed = Task.of(scene, task.ignored)
+        ways = passages(changed.model, joint_path, coarse_start(changed.model, joint_path))
+        way = ways[min(1, len(ways) - 1)] if task.passage.determinant is not None else ways[0]
+        active = ActiveSet.of(replace(changed, passage=way), joint_path.q).with_rows(())
 
-    @property
-    def scene(self) -> Scene:
-        """The objects of the problem at their stated numbers, with the least friction."""
-        return self.active.scene
+        def solve(start: Stages, iterations: int) -> Answer:
+            found = solved_lazily(with_near_rows(active, start), start, log, {"max_iterations": iterations})
+            return Answer(found.solution, found.problem)
 
-    def start(self, start: Start) -> Stages:
-        """A smooth starting motion."""
-        return coarse_start(self.active.scene, self.joint_path, start)
+        return Trial(active.scene, solve)
 
-    def solve(self, start: Stages, *, iterations: int) -> Candidate:
-        """The answer from a start."""
-        active = with_near_rows(self.active, start)
-        return solved_lazily(active, start, self.log, {"max_iterations": iterations})
+    return Searcher(task.searched_scene, trial, lambda: log.out_of_time)
 
 
-@dataclass(frozen=True, slots=True)
-class Searcher:
-    """A search, as the diagnosis of its failure sees it."""
+def _overlooked(task: Task, joint_path: JointPath, last: Candidate | None, log: Log) -> Candidate:
+    """The motion that the search has overlooked: it is found where the time is left open, and short enough.
 
-    task: Task
-    log: Log
-
-    @property
-    def scene(self) -> Scene:
-        """What is searched for."""
-        return self.task.searched_scene
-
-    @property
-    def out_of_time(self) -> bool:
-        """Whether the time of the search is up; a trial has a time of its own."""
-        return self.log.out_of_time
-
-    def trial(self, scene: Scene, joint_path: JointPath) -> Trial:
-        """A changed scene along a joint path; nothing that is learnt of it comes back to the search."""
-        task = Task.of(scene, self.task.ignored)
-        ways = passages(task.model, joint_path, coarse_start(task.model, joint_path))
-        way = ways[min(1, len(ways) - 1)] if self.task.passage.determinant is not None else ways[0]
-        task = replace(task, passage=way)
-        return Trial(ActiveSet.of(task, joint_path.q).with_rows(()), joint_path, self.log)
-
-    def last_resort(self, joint_path: JointPath, last: Candidate | None) -> Candidate:
-        """The motion that the search has overlooked: it is found where the time is left open, and short enough.
-
-        Raises:
-            NoSolutionError: there is none; names the constraint in the way.
-        """
-        found = diagnosis.last_resort(self, joint_path, last)
-        assert isinstance(found, Candidate)  # as `Trial.solve` returns it
-        self.log.starts.append(found.stages.duration)
-        return replace(found, active=ActiveSet.of(self.task, joint_path.q).with_rows(found.active.rows))
+    Raises:
+        NoSolutionError: there is none; names the constraint in the way.
+    """
+    tried = last and Answer(last.solution, last.problem)
+    found = diagnosis.last_resort(searcher(task, log), joint_path, tried)
+    log.starts.append(found.solution.stages.duration)
+    active = ActiveSet.of(task, joint_path.q).with_rows(place.row for place in found.problem.places)
+    return Candidate(active, found.solution, found.problem)

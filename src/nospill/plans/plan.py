@@ -371,6 +371,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "jerk_weight_factor": _Kept("report", "jerk_weight_factor"),
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
+    "ran_out": _Kept("report", "ran_out"),
     "linear_solvers": _Kept("report", "linear_solvers", Counter, _solvers_read),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),

@@ -15,9 +15,6 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.scene import Scene
 
-TIME_IS_UP = "; the time planning.max_plan_time was up"
-"""End of the status of a planner whose time was up."""
-
 
 @dataclass(frozen=True, slots=True)
 class MotionMaxima:
@@ -91,6 +88,7 @@ class PlanningReport:
             that hold the motion back longest.
         compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
         jerk_weight_factor: factor on the weights of the jerks, above 1 where fast modes of a liquid had to be damped.
+        ran_out: whether planning ended because the time planning.max_plan_time was up.
     """
 
     plan_time: float
@@ -107,16 +105,12 @@ class PlanningReport:
     savings: dict[str, float] = field(default_factory=dict)
     compared: dict[str, float] = field(default_factory=dict)
     jerk_weight_factor: float = 1.0
+    ran_out: bool = False
 
     @classmethod
     def empty(cls, solver_status: str = "none") -> PlanningReport:
         """The report of a motion that no planner made."""
         return cls(0.0, 0.0, 0, 0, Starts(0, 0, 0, ()), {}, solver_status, {})
-
-    @property
-    def ran_out(self) -> bool:
-        """Whether planning ended because its time was up."""
-        return self.solver_status.endswith(TIME_IS_UP)
 
 
 def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:

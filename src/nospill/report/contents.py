@@ -182,7 +182,7 @@ def _planning(plan: Plan) -> TextTable:
         ("iterations", str(report.iterations)),
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),
         *((f"back-off, {name}", f"{100 * share:.2f} % kept back") for name, share in report.backoff.items()),
-        ("solver", report.solver_status),
+        ("solver", report.solver_status + ("; the time planning.max_plan_time was up" if report.ran_out else "")),
         ("linear solver", _in_words(report.linear_solvers)),
     ]
     return TextTable("How it was planned", (), tuple((name, text) for name, text in rows if text))
