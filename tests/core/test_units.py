@@ -9,7 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nospill.core.units import DIMENSIONS, as_written, format_quantity, listed, quantity, unit_written
+from nospill.core.units import (
+    DIMENSIONS,
+    as_written,
+    format_quantity,
+    listed,
+    number_written,
+    quantity,
+    unit_written,
+)
 from nospill.errors import ScenarioError
 
 
@@ -178,3 +186,13 @@ def test_values_are_shown_as_they_stand_in_a_file() -> None:
 def test_bounds_are_shown_in_the_unit_of_the_value(value: object, dimension: str, unit: str) -> None:
     assert unit_written(value, dimension) == unit
     assert quantity(format_quantity(0.25, dimension, unit=unit, digits=15), dimension) == pytest.approx(0.25, rel=1e-12)
+
+
+@pytest.mark.parametrize(("text", "number"), [("1.5", 1.5), (" -2e3 ", -2000.0), ("inf", math.inf), ("1", 1.0)])
+def test_a_number_of_a_table_is_read(text: str, number: float) -> None:
+    assert number_written(text) == number
+
+
+@pytest.mark.parametrize("text", ["", "1_0", "0x1", "٣", "1,5", "1 m", "None"])
+def test_what_is_no_number_of_a_table_is_none(text: str) -> None:
+    assert number_written(text) is None

@@ -146,6 +146,17 @@ def listed(words: list[str] | tuple[str, ...], *, last: str = "or") -> str:
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" {last} {words[-1]}"
 
 
+def number_written(text: str) -> float | None:
+    """A number in digits as they are written in a table; None where it is none.
+
+    Python's own reader takes 1_0 for 10, and digits of any script.
+    """
+    try:
+        return float(text) if text.isascii() and "_" not in text else None
+    except ValueError:
+        return None
+
+
 def _from_text(text: str, kind: Dimension) -> float:
     match = _NUMBER_AND_UNIT.fullmatch(text)
     shown = as_written(text)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.core.files import UnreadableError, bounded_text
-from nospill.core.units import as_written
+from nospill.core.units import as_written, number_written
 from nospill.errors import ScenarioError
 from nospill.execution.log import RawLog
 
@@ -51,7 +51,7 @@ def read_table(path: str | os.PathLike[str], *, joints: int, rate: float | None 
         raise ScenarioError(f"{origin}: is empty; give a joint log as CSV or as a ROS bag")
     separator = next((sign for sign in (";", ",", "\t") if sign in lines[0]), None)
     header = [cell.strip().strip('"') for cell in lines[0].split(separator)]
-    named = not _is_number(header[0])
+    named = number_written(header[0]) is None
     table = _numbers(lines[1 if named else 0 :], separator, len(header), origin, first_line=2 if named else 1)
     if not named:
         if len(header) != joints:
@@ -100,17 +100,10 @@ def _numbers(lines: list[str], separator: str | None, columns: int, origin: str,
             last = "; the log stops in the middle of a line" if number == first_line + len(lines) - 1 else ""
             raise ScenarioError(f"{origin}: row {number} has {len(cells)} values where {columns} are needed{last}")
         for cell in cells:
-            if not _is_number(cell) or not math.isfinite(float(cell)):
+            value = number_written(cell.strip())
+            if value is None or not math.isfinite(value):
                 raise ScenarioError(f"{origin}: row {number}: {as_written(cell.strip())} is not a finite number")
     raise ScenarioError(f"{origin}: no rows of numbers below the header")
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def is_table(path: Path) -> bool:

@@ -190,7 +190,7 @@ def _expected(
         covariance = _inverse(slopes.T @ slopes / records.height_noise**2)
         own = [NUMBERS.index(name) for name in ("fill", "damping")]
         value -= float(np.linalg.slogdet(covariance[np.ix_(own, own)])[1])
-        first = min(cargo.filling.modes.oscillators, key=lambda mode: mode.frequency)
+        first = cargo.filling.modes.slowest
         fill, ratio = cargo.filling.liquid_height, first.damping
         deviation = np.sqrt(np.diag(covariance))[own]
         found.append(Estimate("fill", cargo.name, "m", fill, float(deviation[0]), LIQUIDS_TOLD["fill"]))

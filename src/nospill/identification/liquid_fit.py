@@ -66,7 +66,7 @@ def fit_liquid(
     """
     cargo = next(item for item in scene.cargo if item.name == subject)
     assert cargo.filling is not None  # checked with the measured heights
-    first = min(cargo.filling.modes.oscillators, key=lambda mode: mode.frequency)
+    first = cargo.filling.modes.slowest
     length = float(measured.t[-1] - measured.t[0])
     law = LiquidLaw(motion, replace(scene, cargo=(cargo,)), begin, end + max(length - (end - begin), 0.5) + 0.5)
     stated = law.heights(0.0, 0.0)

@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nospill.core.units import number_written
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
 
@@ -249,33 +250,18 @@ def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
         cells = line.split(",")
         if len(cells) != len(header):
             raise PlanFolderError(f"{path}: line {number} has {len(cells)} values, the header {len(header)}")
-        try:
-            rows.append([_number(cell) for cell in cells])
-        except ValueError:
-            column = next(index for index, cell in enumerate(cells) if not _is_number(cell))
+        values = [number_written(cell) for cell in cells]
+        if None in values:
+            column = values.index(None)
             message = f"line {number}, column {header[column]}: {cells[column]!r} is not a number"
-            raise PlanFolderError(f"{path}: {message}") from None
-    table = np.array(rows)
+            raise PlanFolderError(f"{path}: {message}")
+        rows.append(values)
+    table = np.array(rows, dtype=float)
     if not np.all(np.isfinite(table)):
         row, column = np.argwhere(~np.isfinite(table))[0]
         value = table[row, column]
         raise PlanFolderError(f"{path}: line {row + 2}, column {header[column]}: {value:g} is not a finite number")
     return table
-
-
-def _is_number(text: str) -> bool:
-    try:
-        _number(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _number(text: str) -> float:
-    """A number in digits as they are written; Python's own reader takes 1_0 for 10, and digits of any script."""
-    if "_" in text or not text.isascii():
-        raise ValueError(text)
-    return float(text)
 
 
 def read_trajectory(path: FilePath) -> Trajectory:

@@ -46,7 +46,7 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
     filling = cargo.filling
     if filling is None or filling.modes.count == count:
         return cargo
-    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    slowest = filling.modes.slowest
     modes = liquid_modes(
         cargo.container,
         filling.liquid,
@@ -119,7 +119,7 @@ def _pushing(filled: Sequence[tuple[Cargo, Filling]], carrier: Cargo) -> Iterabl
     """The modal masses that stand for all liquids in a carrier."""
     groups: dict[tuple[object, ...], list[tuple[Cargo, Filling]]] = {}
     for item, filling in filled:
-        slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+        slowest = filling.modes.slowest
         turned = _crosswise(item, carrier)
         level = round(filling.liquid_height, 12), round(slowest.damping, 12)
         surface = filling.contact_line, filling.contact_angle

@@ -127,7 +127,7 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
 
 
 def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
-    slowest = min(filling.modes.oscillators, key=lambda mode: mode.frequency)
+    slowest = filling.modes.slowest
     level = filling.liquid_height + by.liquid_height
     line = "pinned" if by.pinned else filling.contact_line
     angle = None if filling.contact_angle is None else filling.contact_angle + by.contact_angle

@@ -15,7 +15,7 @@ from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.leaning import edge_of_plane
 from nospill.scene.liquids import Liquid
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.surface_tension.meniscus import WETTED, meniscus_in
 from nospill.scene.surface_tension.tension import ContactLine, liquid_modes
 
@@ -115,7 +115,9 @@ def contact_line(facts: Facts) -> Iterator[PlanWarning]:
         pinned = cargo.tolerance is not None and cargo.tolerance.pinned
         if filling.contact_line != "free" or pinned:
             continue
-        ratio = _other_frequency(cargo, filling, "pinned", filling.contact_angle) / _slowest(filling).frequency - 1.0
+        ratio = (
+            _other_frequency(cargo, filling, "pinned", filling.contact_angle) / filling.modes.slowest.frequency - 1.0
+        )
         if ratio > FREQUENCY_SHIFT:
             text = (
                 f"a contact line that is pinned and not free raises the first frequency by {100 * ratio:.2g} %; "
@@ -130,7 +132,7 @@ def contact_angle(facts: Facts) -> Iterator[PlanWarning]:
         round_section = isinstance(cargo.container.footprint, DiscFootprint)
         if not filling.contact_line or filling.contact_angle is not None or not round_section:
             continue
-        shift = 1.0 - _other_frequency(cargo, filling, filling.contact_line, WETTED) / _slowest(filling).frequency
+        shift = 1.0 - _other_frequency(cargo, filling, filling.contact_line, WETTED) / filling.modes.slowest.frequency
         if shift > FREQUENCY_SHIFT:
             text = (
                 f"the first frequency is that of a surface at a right angle to the wall; a liquid that wets the wall "
@@ -145,7 +147,7 @@ def _other_frequency(cargo: Cargo, filling: Filling, line: ContactLine, angle: f
     try:
         other = liquid_modes(cargo.container, filling.liquid, level, 1, contact_line=line, contact_angle=angle)
     except ModelError:  # too shallow for its meniscus
-        return _slowest(filling).frequency
+        return filling.modes.slowest.frequency
     return min(item.frequency for item in other.oscillators)
 
 
@@ -167,10 +169,6 @@ def meniscus(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("meniscus", cargo.name, text, rise, room)
 
 
-def _slowest(filling: Filling) -> Oscillator:
-    return min(filling.modes.oscillators, key=lambda mode: mode.frequency)
-
-
 def surface_tension(facts: Facts) -> Iterator[PlanWarning]:
     """Surface tension, which the slosh model leaves out where no contact line is stated, raises the first frequency.
 
@@ -180,7 +178,7 @@ def surface_tension(facts: Facts) -> Iterator[PlanWarning]:
     for cargo, filling in _fillings(facts):
         if filling.contact_line:
             continue
-        liquid, slowest = filling.liquid, _slowest(filling)
+        liquid, slowest = filling.liquid, filling.modes.slowest
         inverse_bond = liquid.surface_tension * slowest.wave_number**2 / (liquid.density * STANDARD_GRAVITY)
         shift = math.sqrt(1.0 + inverse_bond) - 1.0
         if shift > FREQUENCY_SHIFT:
@@ -196,7 +194,7 @@ def damping(facts: Facts) -> Iterator[PlanWarning]:
     """The damping ratio is beyond what was measured."""
     for cargo, filling in _fillings(facts):
         factor = 1.0 if cargo.tolerance is None else cargo.tolerance.damping[1]
-        ratio = factor * _slowest(filling).damping
+        ratio = factor * filling.modes.slowest.damping
         if ratio > LARGEST_USUAL_DAMPING:
             text = (
                 f"the damping ratio is {ratio:.3g}, above {LARGEST_USUAL_DAMPING:g}: so viscous a liquid hardly "

@@ -93,6 +93,11 @@ class SloshModes:
     quasi_static_gain: np.ndarray
 
     @property
+    def slowest(self) -> Oscillator:
+        """The one of the lowest frequency: the first mode, of a box that along its longer side."""
+        return min(self.oscillators, key=lambda mode: mode.frequency)
+
+    @property
     def count(self) -> int:
         """Number of modes in each direction."""
         return max(mode.number for mode in self.oscillators)
