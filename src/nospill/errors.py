@@ -26,12 +26,21 @@ class Change:
             "cargo.*.max_slosh_height" (every object that has the key).
         value: its new value, SI.
         text: the change in words.
+        constraint: of the certificate whose limit it widens, as a row names it; empty where it is about no limit.
+        subject: that needs it most, likewise.
     """
 
     what: str
     place: str
     value: Setting
     text: str
+    constraint: str = ""
+    subject: str = ""
+
+    @classmethod
+    def of_limit(cls, constraint: str, subject: str, place: str, value: Setting, text: str) -> Change:
+        """A change that widens the limit of a constraint on a subject."""
+        return cls(f"{constraint} of {subject}", place, value, text, constraint, subject)
 
     @property
     def values(self) -> dict[str, Setting | None]:

@@ -110,11 +110,11 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
 
     certificate = found.judgement.certificate
     rows = certificate.rows if everything else certificate.listed_rows()
-    planned = {} if found.planned is None else {(r.constraint, r.subject): r for r in found.planned.certificate.rows}
+    planned = {} if found.planned is None else {row.id: row for row in found.planned.certificate.rows}
     cells = []
     for row in rows:
         text, band = row_text(row), use_band(found, row)
-        before = planned.get((row.constraint, row.subject))
+        before = planned.get(row.id)
         cells.append(
             [
                 row.constraint,

@@ -55,7 +55,7 @@ def relaxed_joint_limit(
         def rescaled(share: float) -> Change:
             value = factor * (1.0 + share)
             text = instead_text(f"limits.{key}_scale", value, factor, "ratio", subject)
-            return Change(f"{constraint} of {subject}", f"robot.limits.{key}_scale", value, text)
+            return Change.of_limit(constraint, subject, f"robot.limits.{key}_scale", value, text)
 
         def loosened(share: float) -> Scene:
             return _with_limits(scene, attribute, now * (1.0 + share))
@@ -77,7 +77,7 @@ def relaxed_joint_limit(
             value: Setting = values.tolist()
             whose = subject if len(chosen) == 1 else f"{subject}, the others alike"
             text = instead_text(f"limits.{key}", float(values[index]), float(now[index]), dimension, whose)
-            return Change(f"{constraint} of {subject}", f"robot.limits.{key}", value, text)
+            return Change.of_limit(constraint, subject, f"robot.limits.{key}", value, text)
 
         def stronger(share: float, raised: Raised = raised) -> Scene:
             return _with_limits(scene, attribute, raised(share))
@@ -113,6 +113,6 @@ def lighter_load(scene: Scene, constraint: str, subject: str) -> list[Relaxation
     def change(share: float) -> Change:
         value = item.total.mass / (1.0 + share)
         text = instead_text("mass", value, item.total.mass, "mass", item.name)
-        return Change(f"{constraint} of {subject}", f"cargo.{item.name}.mass", value, text)
+        return Change.of_limit(constraint, subject, f"cargo.{item.name}.mass", value, text)
 
     return [Relaxation(constraint, subject, MOST, change, lighter)]

@@ -168,36 +168,32 @@ def _with_residual(scene: Scene, culprits: list[_Culprit]) -> list[_Culprit]:
 
 def _slowest_liquid(scene: Scene) -> str | None:
     """The object whose liquid swings most slowly, and so takes longest to settle."""
-    swings = {
-        item.name: min(mode.frequency for mode in item.filling.modes.oscillators)
-        for item in scene.cargo
-        if item.filling is not None
-    }
+    swings = {item.name: item.filling.modes.slowest.frequency for item in scene.cargo if item.filling is not None}
     return min(swings, key=lambda name: swings[name]) if swings else None
 
 
 def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
     """The constraint that the message names: that of the smallest change, else that of most sensitivity."""
-    for _, change in helped:
-        for culprit in culprits:
-            if change.what == f"{culprit.constraint} of {culprit.subject}":
-                return culprit
-        if change.place == "motion.end":
-            return _Culprit(_STILL, change.what.removeprefix(f"{_STILL} of "), 0.0, 1.0)
-    return culprits[0] if culprits else None
+    change = next((change for _, change in helped if change.constraint), None)
+    if change is None:
+        return culprits[0] if culprits else None
+    own = (item for item in culprits if (item.constraint, item.subject) == (change.constraint, change.subject))
+    return next(own, _Culprit(change.constraint, change.subject, 0.0, 1.0))  # or what a milder end condition leaves out
 
 
 def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
     """A milder end condition, where it makes the motion fast enough."""
     scene = trials.run.scene
     slowest = _slowest_liquid(scene)
-    for end in _MILDER[scene.motion.end] if slowest is not None else ():
+    if slowest is None:
+        return []
+    for end in _MILDER[scene.motion.end]:
         if trials.over:
             break
         trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.stages)
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             text = f'end "{end}" instead of "{scene.motion.end}"'
-            return [(_SWITCH, Change(f"{_STILL} of {slowest}", "motion.end", end, text))]
+            return [(_SWITCH, Change.of_limit(_STILL, slowest, "motion.end", end, text))]
     return []
 
 

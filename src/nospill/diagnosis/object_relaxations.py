@@ -26,7 +26,7 @@ def relaxed_friction(scene: Scene, constraint: str, subject: str, sensitivities:
 
     def change(share: float) -> Change:
         value = now * (1.0 + share)
-        return Change(f"{constraint} of {subject}", place, value, instead_text("friction", value, now, "ratio", whose))
+        return Change.of_limit(constraint, subject, place, value, instead_text("friction", value, now, "ratio", whose))
 
     def rougher(share: float) -> Scene:
         return with_cargo(scene, alike, lambda item: replace(item, friction=now * (1.0 + share)))
@@ -53,7 +53,7 @@ def relaxed_slosh_height(scene: Scene, constraint: str, subject: str, sensitivit
         def change(share: float, place: str = place, whose: str = whose) -> Change:
             value = now * (1.0 + share)
             text = instead_text("max_slosh_height", value, now, "length", whose)
-            return Change(f"{constraint} of {subject}", f"cargo.{place}.max_slosh_height", value, text)
+            return Change.of_limit(constraint, subject, f"cargo.{place}.max_slosh_height", value, text)
 
         def higher(share: float, whose: tuple[str, ...] = tuple(names[i] for i in chosen)) -> Scene:
             indices = [index for index, item in enumerate(scene.cargo) if item.name in whose]
@@ -89,7 +89,7 @@ def relaxed_centre_of_mass(
         def change(share: float) -> Change:
             value = height / (1.0 + share)
             text = instead_text("centre_of_mass_height", value, height, "length", subject)
-            return Change(f"{constraint} of {subject}", f"cargo.{subject}.centre_of_mass_height", value, text)
+            return Change.of_limit(constraint, subject, f"cargo.{subject}.centre_of_mass_height", value, text)
 
         return [Relaxation(constraint, subject, 9.0, change, lowered)]
     reserve = item.footprint_reserve
@@ -97,7 +97,7 @@ def relaxed_centre_of_mass(
     def less(share: float) -> Change:
         value = 1.0 - (1.0 - reserve) * (1.0 + share)
         text = instead_text("footprint_reserve", value, reserve, "ratio", subject)
-        return Change(f"{constraint} of {subject}", f"cargo.{subject}.footprint_reserve", value, text)
+        return Change.of_limit(constraint, subject, f"cargo.{subject}.footprint_reserve", value, text)
 
     def used(share: float) -> Scene:
         value = 1.0 - (1.0 - reserve) * (1.0 + share)

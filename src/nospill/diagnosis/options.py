@@ -256,7 +256,7 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
             values[joint] += sign * amount
             new, old = (format_quantity(float(angle[joint]), "angle", digits=4) for angle in (values, limits))
             text = f"limits.{key} {new} instead of {old} ({reason.subject})"
-            return Change(f"{JointPosition.name} of {reason.subject}", f"robot.limits.{key}", values.tolist(), text)
+            return Change.of_limit(JointPosition.name, reason.subject, f"robot.limits.{key}", values.tolist(), text)
 
         amounts = tuple(most * part / 8.0 for part in range(1, 9))
         options.append(

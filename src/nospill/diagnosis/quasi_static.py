@@ -47,7 +47,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     judged = quasi_static_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
     subject = key.subject
     rows = () if judged is None else judged[0].rows
-    row = next((row for row in rows if (row.constraint, row.subject) == (key.constraint, subject)), None)
+    row = next((row for row in rows if row.id == key), None)
     use = 1.1 if row is None else max(row.use, 1.0)
     changes = [change for _, change in wide_enough(trials, key.constraint, subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)

@@ -54,8 +54,8 @@ def _relaxed_rule(scene: Scene, limit: MotionKey, constraint: str, subject: str)
 
     def change(share: float) -> Change:
         value = now * (1.0 + share)
-        return Change(
-            f"{constraint} of {subject}", f"{limit.table}.{key}", value, instead_text(key, value, now, limit.dimension)
+        return Change.of_limit(
+            constraint, subject, f"{limit.table}.{key}", value, instead_text(key, value, now, limit.dimension)
         )
 
     def milder(share: float) -> Scene:

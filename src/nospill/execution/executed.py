@@ -191,7 +191,7 @@ def _row_bands(rough: tuple[Trace, ...], drawn: list[tuple[Trace, ...]]) -> dict
     for index, trace in enumerate(rough):
         margin = worst_row(trace).worst_margin
         off = [worst_row(own[index]).worst_margin - margin for own in drawn]
-        bands[RowId(trace.constraint, trace.subject)] = WIDE * float(np.sqrt(np.mean(np.square(off))))
+        bands[trace.id] = WIDE * float(np.sqrt(np.mean(np.square(off))))
     return bands
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from nospill.execution.executed import Executed
 from nospill.execution.tracking import Tracking
 from nospill.judge.verdict import Row, limit_use
-from nospill.laws.constraints.base import RowId
 
 _SMALL = 0.01
 """mm; narrower bands are not told apart."""
@@ -17,7 +16,7 @@ _SMALL = 0.01
 
 def use_band(found: Executed, row: Row) -> float | None:
     """Half width of the 95 % band of a row's use of its limit; None where nothing is known of it."""
-    band = found.bands.get(RowId(row.constraint, row.subject))
+    band = found.bands.get(row.id)
     if band is None:
         return None
     return float(limit_use(row.constraint, row.limit, row.worst_margin - band)) - row.use
@@ -26,7 +25,7 @@ def use_band(found: Executed, row: Row) -> float | None:
 def undecided(found: Executed) -> list[Row]:
     """Rows that the noise of the log leaves open: their limit is within the band."""
     rows = found.judgement.certificate.rows
-    return [row for row in rows if abs(row.worst_margin) < found.bands.get(RowId(row.constraint, row.subject), 0.0)]
+    return [row for row in rows if abs(row.worst_margin) < found.bands.get(row.id, 0.0)]
 
 
 def height_text(height: float, band: float) -> str:
@@ -87,7 +86,7 @@ def executed_table(found: Executed) -> dict[str, Any]:
     recorded, sampling = found.recorded, found.recorded.sampling
     rows = []
     for row, plain in zip(found.judgement.certificate.rows, found.judgement.certificate.to_dict()["rows"], strict=True):
-        rows.append(plain | {"band": found.bands.get(RowId(row.constraint, row.subject))})
+        rows.append(plain | {"band": found.bands.get(row.id)})
     joints = found.scene.robot.joints
     return {
         "scenario": found.scene.name,

@@ -59,7 +59,7 @@ def limiting_rows(judgement: Judgement) -> tuple[Limiting, ...]:
     for trace in judgement.traces:
         if len(trace.t) < 2:
             continue
-        row = RowId(trace.constraint, trace.subject)
+        row = trace.id
         if row not in judgement.corner_use and np.max(trace.use) < NEAR:
             continue
         use = np.interp(t, trace.t, trace.use)

@@ -123,7 +123,7 @@ class ActiveSet:
 
     def without_far(self, rows: Iterable[Row]) -> ActiveSet:
         """The same without the rows that stay far from their limits in a judged motion."""
-        return self.with_rows(self.rows - {RowId(row.constraint, row.subject) for row in rows if row.use < 1.0 - _NEAR})
+        return self.with_rows(self.rows - {row.id for row in rows if row.use < 1.0 - _NEAR})
 
     def with_backoff(self, known: Mapping[RowId, float]) -> ActiveSet:
         """The same with at least the back-off that is known to be needed."""

@@ -163,7 +163,7 @@ def tightened(
     """
     joining, found = set[RowId](), dict(backoff)
     for row in condensed(rows):
-        key = RowId(row.constraint, row.subject)
+        key = row.id
         if key in active:
             excess, point = row.shortfall / row.size, BY_NAME[row.constraint].evaluated_at
             found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), point)
@@ -176,8 +176,7 @@ def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:
     """The largest use of each row."""
     uses: dict[RowId, float] = {}
     for row in rows:
-        key = RowId(row.constraint, row.subject)
-        uses[key] = max(row.use, uses.get(key, 0.0))
+        uses[row.id] = max(row.use, uses.get(row.id, 0.0))
     return uses
 
 

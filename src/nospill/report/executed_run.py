@@ -53,11 +53,11 @@ def executed_run(found: Executed) -> ExecutedRun:
 
 
 def _rows(found: Executed) -> TextTable:
-    planned = {} if found.planned is None else {(r.constraint, r.subject): r for r in found.planned.certificate.rows}
+    planned = {} if found.planned is None else {row.id: row for row in found.planned.certificate.rows}
     rows = found.judgement.certificate.listed_rows()
     cells = []
     for row in rows:
-        text, band, before = row_text(row), use_band(found, row), planned.get((row.constraint, row.subject))
+        text, band, before = row_text(row), use_band(found, row), planned.get(row.id)
         cells.append(
             (
                 row.constraint,

@@ -13,7 +13,7 @@ from nospill.judge.rims import RimDistance, rim_distances
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.base import Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -86,12 +86,12 @@ def cargo_table(scene: Scene, certificate: Certificate) -> TextTable:
 
 def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) -> TextTable:
     """Every joint: its range and the largest value of every limited quantity, against the limit."""
-    rows = {(row.constraint, row.subject): row for row in certificate.rows}
+    rows = {row.id: row for row in certificate.rows}
     names = [item.name for item in CONSTRAINTS if item.role is Role.JOINT]
-    limited = [name for name in names if name != JointPosition.name and any(key[0] == name for key in rows)]
+    limited = [name for name in names if name != JointPosition.name and any(key.constraint == name for key in rows)]
     columns = ["joint", "position [deg]", "allowed [deg]"]
     for name in limited:
-        unit = next(row.unit for key, row in rows.items() if key[0] == name)
+        unit = next(row.unit for key, row in rows.items() if key.constraint == name)
         columns.append(f"{name.removeprefix('joint ')} [{superscript(shown_unit(unit)[1])}]")
     table = []
     for index, (joint, short) in enumerate(zip(scene.robot.joints, short_names(scene.robot.joints), strict=True)):
@@ -99,7 +99,7 @@ def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) 
         low, high = np.degrees((scene.robot.lower[index], scene.robot.upper[index]))
         cells = [short, _span(float(angles.min()), float(angles.max())), _span(float(low), float(high))]
         for name in limited:
-            row = rows.get((name, joint))
+            row = rows.get(RowId(name, joint))
             if row is None:
                 cells.append("")
                 continue
@@ -244,7 +244,7 @@ def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tu
 
 def _height(certificate: Certificate, constraint: str, name: str) -> str:
     for row in certificate.rows:
-        if (row.constraint, row.subject) == (constraint, name):
+        if row.id == (constraint, name):
             text = row_text(row)
             return f"{text.value} of {text.limit}"
     return ""
