@@ -67,14 +67,8 @@ def test_bounds_are_below_the_distances_and_near_them(changed_scene, example: st
         assert -3e-4 <= gap <= allowed + 5e-4, item.pair.subject
 
 
-def test_two_processes_find_what_one_finds(changed_scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = changed_scene("coffee-to-go", {"obstacle": OBSTACLES})
-    motion, pairs = swinging(scene, 3, seconds=0.3), scene_pairs(scene)
-    found = least_distances(motion, pairs)
-    monkeypatch.setenv("NOSPILL_THREADS", "2")
-    assert least_distances(motion, pairs) == found
-    assert {id(item.pair) for item in found} <= {id(pair) for pair in pairs}
-    assert least_distances(motion, []) == ()
+def test_without_pairs_there_is_no_distance(changed_scene) -> None:
+    assert least_distances(swinging(changed_scene("coffee-to-go", {"obstacle": OBSTACLES}), 3, seconds=0.3), []) == ()
 
 
 def test_an_obstacle_in_the_gap_between_two_samples_is_caught(changed_scene) -> None:

@@ -139,16 +139,6 @@ def test_a_goal_beside_an_obstacle_is_bad_input() -> None:
     assert caught.value.exit_code == 2
 
 
-def test_two_processes_find_the_same_sampled_way_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = scene_of(COLUMN, TABLE)
-    monkeypatch.setattr(free_ways, "SEEDS", (0, 1, 2))
-    found = free_ways.sampled_way_of(scene)
-    monkeypatch.setenv("NOSPILL_THREADS", "2")
-    again = free_ways.sampled_way_of(scene)
-    assert found is not None and again is not None
-    assert found[0] == again[0] and found[1].source == again[1].source
-
-
 def test_a_sampled_way_round_a_column_is_clear_and_the_same_every_time() -> None:
     scene = scene_of(COLUMN, TABLE)
     found, again = free_ways.sampled_way_of(scene), free_ways.sampled_way_of(scene)

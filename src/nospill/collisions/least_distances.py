@@ -26,7 +26,6 @@ from nospill.collisions.distances import Distances, separation
 from nospill.collisions.motion_bounds import SampledMotion
 from nospill.collisions.pairs import Pair
 from nospill.core.arrays import cross
-from nospill.core.processes import shared_out
 from nospill.robots.kinematics.frames import JointFrames, axis_reach, joint_frames
 
 _BLOCK = 128
@@ -61,11 +60,11 @@ def least_distances(motion: SampledMotion, pairs: Sequence[Pair]) -> tuple[Least
     subjects: dict[str, list[Pair]] = {}
     for pair in pairs:
         subjects.setdefault(pair.subject, []).append(pair)
-    groups = [*subjects.values()]
-    found = shared_out(_Search(motion, pairs).least_of, groups) if groups else []
-    return tuple(
-        LeastDistance(group[number], distance, at) for group, (number, distance, at) in zip(groups, found, strict=True)
-    )
+    if not subjects:
+        return ()
+    search = _Search(motion, pairs)
+    found = [(group, *search.least_of(group)) for group in subjects.values()]
+    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in found)
 
 
 class _Blocks:

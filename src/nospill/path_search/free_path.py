@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from itertools import product
+from functools import lru_cache
+from itertools import islice, product
 
 import numpy as np
 
-from nospill.core.processes import shared_out
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.path_search.branches import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
 from nospill.path_search.candidates import PossibleWay, along, possible_ways, ways
@@ -82,8 +81,8 @@ def freest_way(scene: Scene) -> Scene:
 
 def open_ways(scene: Scene) -> list[PossibleWay]:
     """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
-    possible = [*possible_ways(scene)]
-    figures = zip(possible, shared_out(partial(_figure, LevelArm(scene)), possible), strict=True)
+    arm = LevelArm(scene)
+    figures = [(way, _figure(arm, way)) for way in possible_ways(scene)]
     # rounded, so that ways that are alike compare by their order
     return [way for way, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
 
@@ -167,14 +166,9 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     kinds = (False, True) if seven or axis is not None else (False,)
     for farther, spare in product(kinds, _SPARES):
         arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
-        short = [way for way in shared_out(partial(_short_way, arm, over), SEEDS) if way is not None]
+        short = [way for seed in SEEDS if (way := _short_way(arm, over, seed)) is not None]
         short.sort(key=lambda way: time_along(arm, way.q))
-        smooth: list[_SmoothWay] = []
-        while short and len(smooth) < _SMOOTHED:
-            missing = _SMOOTHED - len(smooth)
-            found = shared_out(partial(_smooth, scene, arm, over), short[:missing])
-            smooth += [way for way in found if way is not None]
-            short = short[missing:]
+        smooth = [*islice(filter(None, (_smooth(scene, arm, over, way) for way in short)), _SMOOTHED)]
         if smooth:
             best = min(smooth, key=lambda way: way.speed_figure)
             return best.speed_figure, best.along(scene)
