@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import nospill as ns
-from nospill.diagnosis import paths_along
+from nospill.path_search.free_path import paths_along
 from nospill.robots.joint_paths.search import preferred_path
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nospill import diagnosis
 from nospill.approach.judge import judge_segment
 from nospill.approach.segment import Segment
 from nospill.collisions import distances
@@ -22,6 +21,7 @@ from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.judge.wording import describe
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.trajectory import Trajectory
+from nospill.path_search.branches import free_paths
 from nospill.plans.approach import judge_whole
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
@@ -40,7 +40,7 @@ ONE_MODE = {"planning.slosh_modes": 1}
 def passing(changed_scene) -> tuple[Scene, JointPath, Trajectory]:
     """Two cups past a column, slowly, on a branch that is free."""
     scene = changed_scene("cups-past-a-column", ONE_MODE)
-    path = diagnosis.free_paths(scene, joint_paths_of(scene))[0]
+    path = free_paths(scene, joint_paths_of(scene))[0]
     return scene, path, smooth_record(scene, path, 100, Start(1.5))
 
 

@@ -16,8 +16,7 @@ from nospill.judge.tracks import variant_tracks
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
-from nospill.planning.variant_rows import far_peaks, missing
-from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
+from nospill.planning.worst_speeds import beside, evenly, peaks
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object
@@ -137,60 +136,3 @@ def test_between_speeds_only_what_asks_and_is_tried_there_is_played(smooth_motio
     assert len(found) > 100
     assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found if 0.51 < own.speed < 0.97)
     assert _at_speeds(corners, {}, closer) == []
-
-
-def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) -> None:
-    """A residual height between two members joins where it is well above, or one of them keeps nearly all back."""
-    scene = smooth_motion("mixed-tray").scene
-    cup = replace(next(item for item in scene.cargo if item.oscillators), name="a")
-    speeds = {("a", ""): 1.0} | {("a", str(speed)): speed / 10 for speed in range(3, 10)}
-    names = {("a", ""): "a", ("a", "4"): "a at 4", ("a", "8"): "a at 8"}
-    uses = {"3": 0.2, "4": 0.9, "5": 0.95, "6": 1.05, "7": 0.9, "8": 0.8, "9": 0.7}
-
-    def joining(constraint: str, worst: float, **kept: float) -> set[str]:
-        peak = {**uses, "6": worst}
-        rows = [Row(constraint, "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, at) for at, use in peak.items()]
-        backoff = {RowId(constraint, f"a at {number[1:]}"): value for number, value in kept.items()}
-        room = {"outer": ["a"], "t": np.array([0.0, 0.01]), "cargo": [cup]}  # no speed is far from another
-        return {text for _, text in missing(rows, names, speeds, above=1.005, backoff=backoff, **room)}
-
-    assert joining("residual height", 1.2, _4=0.3, _8=0.5) == {"6"}
-    assert joining("residual height", 1.05, _4=0.3, _8=0.5) == set()
-    assert joining("residual height", 1.05, _4=0.3, _8=0.9) == {"6"}
-    assert joining("residual height", 0.99, _4=0.3, _8=0.9) == set()
-    assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()
-
-
-def test_solids_join_wherever_they_break_a_limit(smooth_motion: Callable) -> None:
-    """They bring no states; objects with liquids join where they are well over it."""
-    scene = with_range(smooth_motion("mixed-tray").scene, 0.5)
-    families = variants_by_object(scene)
-    speeds = {item.id: item.speed for own in families for item in own}
-    names = {own[0].id: own[0].name for own in families}
-    (solid,) = (own[0].name for own in families if not own[0].cargo.oscillators)
-
-    def joining(use: float) -> set[str]:
-        slowed = [item for own in families for item in own[1:]]
-        rows = [Row("slip", item.name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, item.text) for item in slowed]
-        room = {"outer": [], "t": np.array([0.0, 2.0]), "cargo": scene.cargo, "backoff": {}}
-        return {name for name, _ in missing(rows, names, speeds, above=1.5, **room)}
-
-    assert joining(0.99) == set() and joining(1.01) == {solid} and joining(1.6) > {solid}
-
-
-def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> None:
-    """Back-off of members more than half of pi / (omega T) in 1/v away says nothing of it; nearer ones keep it."""
-    cargo = smooth_motion("mixed-tray").scene.cargo
-    slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
-    t = np.array([0.0, 2.0])
-    half = 0.5 * math.pi / (slowest * t[-1])
-    for away, expected in ((1.1, {"at"}), (0.9, set())):
-        speeds = {("a", ""): 1.0, ("a", "b"): 0.5, ("a", "at"): 1.0 / (2.0 + away * half), ("a", "end"): 0.2}
-        names = {("a", ""): "a", ("a", "b"): "a at b"}
-        uses = {"b": 0.9, "at": 1.02, "end": 0.3}
-        rows = [
-            Row("residual height", "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for text, use in uses.items()
-        ]
-        assert {text for _, text in far_peaks(rows, names, speeds, t=t, cargo=cargo)} == expected
-        assert far_peaks(rows, {("a", ""): "a"}, speeds, t=t, cargo=cargo) == set()  # nothing is slowed yet
-    assert not is_far(0.3, [("a", "")], {("a", ""): 1.0}, 0.1)

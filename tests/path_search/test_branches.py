@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from nospill.collisions.along_path import nearest_along
-from nospill.diagnosis import free_paths
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.path_search.branches import free_paths
 from nospill.robots.joint_paths.search import preferred_path
 from tests.builders import joint_paths_of
 

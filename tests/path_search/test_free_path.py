@@ -11,7 +11,6 @@ from benchmarks.carry.draw import PROBLEMS, read_problems
 from nospill.collisions.along_path import nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
-from nospill.diagnosis import freest_way
 from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
@@ -19,6 +18,7 @@ from nospill.path_search import candidates as free_way
 from nospill.path_search import free_path as free_ways
 from nospill.path_search.branches import are_clear, tray_is_clear
 from nospill.path_search.candidates import PossibleWay, along, ways
+from nospill.path_search.free_path import freest_way
 from nospill.planning.log import Log
 from nospill.planning.search import searcher
 from nospill.planning.task import Task

@@ -8,9 +8,9 @@ import matplotlib
 import numpy as np
 import pytest
 
-from nospill import diagnosis
 from nospill.collisions.over_time import nearest_over_time
 from nospill.judge.certificate import judge
+from nospill.path_search.branches import free_paths
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.plots.distances import distances_figure
@@ -30,7 +30,7 @@ def evidence(changed_scene) -> Evidence:
     ball = {"name": "ball", "shape": "sphere", "at": ["0.3 m", "0 m", "0.1 m"], "radius": "20 mm"}
     scene = changed_scene("cups-past-a-column", {"planning.slosh_modes": 1})
     scene = changed_scene("cups-past-a-column", {"planning.slosh_modes": 1, "obstacle": [*obstacles(scene), ball]})
-    path = diagnosis.free_paths(scene, joint_paths_of(scene))[0]
+    path = free_paths(scene, joint_paths_of(scene))[0]
     record = smooth_record(scene, path, 100, Start(1.5))
     judgement = judge(record, scene)
     report = PlanningReport.empty()

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill import diagnosis
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import scene_pairs
+from nospill.path_search.branches import free_paths
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
 from nospill.verify.report import Thresholds, VerifyReport
@@ -32,7 +32,7 @@ AROUND = [
 
 
 def along(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    path = diagnosis.free_paths(scene, joint_paths_of(scene))[0]
+    path = free_paths(scene, joint_paths_of(scene))[0]
     s = np.linspace(0.0, 1.0, 400)
     return s, path.at(s)
 

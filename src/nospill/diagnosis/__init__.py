@@ -5,9 +5,17 @@ from nospill.diagnosis.certification import not_playable as not_playable
 from nospill.diagnosis.motion import last_resort as last_resort
 from nospill.diagnosis.quasi_static import is_hopeless as is_hopeless
 from nospill.diagnosis.reach import advised as advised
+from nospill.diagnosis.search import Answer as Answer
 from nospill.diagnosis.search import Searcher as Searcher
-from nospill.path_search.branches import free_paths as free_paths
-from nospill.path_search.free_path import freest_way as freest_way
-from nospill.path_search.free_path import paths_along as paths_along
+from nospill.diagnosis.search import Trial as Trial
 
-__all__ = ["Searcher", "advised", "is_hopeless", "last_resort"]
+__all__ = [
+    "Answer",
+    "Searcher",
+    "Trial",
+    "advised",
+    "infeasible_with_more",
+    "is_hopeless",
+    "last_resort",
+    "not_playable",
+]

@@ -20,9 +20,9 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.planning.members import Members, tightened, uses_of
 from nospill.planning.task import Task
 from nospill.planning.tightening import ROUGH, beyond_backoff, heavier_jerks, relaxed_backoff, shared_backoff
-from nospill.planning.variant_rows import attributed, far_peaks, missing, spent_at_end, tightened, uses_of
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 
@@ -108,6 +108,10 @@ class ActiveSet:
         """What the members are called in the problem."""
         return {variant: name for variant, name in labels(self.task.variants).items() if variant in self.members}
 
+    @property
+    def _members(self) -> Members:
+        return Members(self.names, self.task.speeds, self.task.model.cargo)
+
     def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""
         return replace(self, rows=self.possible.intersection(rows) | self._final)
@@ -161,8 +165,7 @@ class ActiveSet:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
         broken = self._on_members(row for row in rows if row.shortfall > 0.0)
         backoff, joining = tightened(broken, self.rows, self.backoff, slack)
-        t, cargo = judgement.replay.t, self.task.model.cargo
-        far = far_peaks(rows, self.names, self.task.speeds, t=t, cargo=cargo)
+        far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
             return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
         backoff = shared_backoff(backoff, self.backoff, uses)
@@ -180,7 +183,7 @@ class ActiveSet:
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
-        spent = dict.fromkeys(spent_at_end(self.backoff, self.names, self.task.speeds), _OF_SUM)
+        spent = dict.fromkeys(self._members.spent_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
         grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
@@ -196,9 +199,9 @@ class ActiveSet:
 
     def _outside(self, rows: Iterable[Row], use: float, judgement: Judgement) -> frozenset[VariantId]:
         """Variants outside of which a constraint has a use above `use`."""
-        t, cargo, speeds, outer = judgement.replay.t, self.task.model.cargo, self.task.speeds, self.task.outer
-        return missing(rows, self.names, speeds, above=use, outer=outer, backoff=self.backoff, t=t, cargo=cargo)
+        t, outer = judgement.replay.t, self.task.outer
+        return self._members.missing(rows, above=use, outer=outer, backoff=self.backoff, t=t)
 
     def _on_members(self, rows: Iterable[Row], *, own: bool = False) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem; `own`: of the members alone."""
-        return attributed(rows, self.names, self.task.speeds, own=own)
+        return self._members.attributed(rows, own=own)

@@ -14,7 +14,9 @@ from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
+from nospill.path_search.branches import free_paths
 from nospill.path_search.candidates import has_free_way
+from nospill.path_search.free_path import freest_way, paths_along
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -75,7 +77,7 @@ def _planned(
             scene = choose_base_yaw(scene)
     if has_free_way(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
-            scene = diagnosis.freest_way(scene)
+            scene = freest_way(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
     report = log.report(
@@ -101,7 +103,7 @@ def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log)
     if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
         yield found
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
-        paths = diagnosis.free_paths(scene, diagnosis.paths_along(scene))
+        paths = free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
         yield found

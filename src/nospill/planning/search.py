@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from nospill import diagnosis
-from nospill.diagnosis.search import Answer, Searcher, Trial
+from nospill.diagnosis import Answer, Searcher, Trial
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.attempts import Attempt, attempts, first_attempts

@@ -1,0 +1,98 @@
+"""Which variants join a problem, and whom the rows of the others concern."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.judge.verdict import Row
+from nospill.laws.constraints.base import RowId
+from nospill.planning.members import Members, tightened
+from nospill.planning.worst_speeds import is_far
+from nospill.scenario import read_scenario
+from nospill.scene.scene import Scene
+from nospill.scene.variants import variants_by_object
+
+
+def _with_range(scene: Scene, least: float) -> Scene:
+    return replace(scene, motion=replace(scene.motion, speed_range=(least, 1.0)))
+
+
+def test_the_example_of_two_like_cups() -> None:
+    """As the module tells it: the worst variant of each joins, the others are for the rows in the problem."""
+    uses = {("c1", ""): 1.004, ("c1", "+2 mm"): 1.020, ("c2", "+2 mm"): 1.018, ("c2", "-2 mm"): 1.003}
+    members = Members({("c1", ""): "c1"}, dict.fromkeys(uses, 1.0), read_scenario("matrix-liquid").cargo[:2])
+    rows = [
+        Row("slosh height", name, "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for (name, text), use in uses.items()
+    ]
+    backoff = {RowId("slosh height", "c1"): 0.0}
+    found = members.missing(rows, above=1.005, outer=["c1"], backoff=backoff, t=np.array([0.0, 1.0]))
+    assert found == {("c1", "+2 mm"), ("c2", "+2 mm")}
+    beside = [row for row in rows if (row.subject, row.variant) not in found]
+    assert {row.id for row in members.attributed(beside, own=False)} == backoff.keys()
+    assert [row.use for row in members.attributed(rows, own=True)] == [1.004]
+    more, joining = tightened(members.attributed(beside, own=False), backoff.keys(), backoff, {})
+    assert more[RowId("slosh height", "c1")] > 0.004 and not joining
+
+
+def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) -> None:
+    """A residual height between two members joins where it is well above, or one of them keeps nearly all back."""
+    scene = smooth_motion("mixed-tray").scene
+    cup = replace(next(item for item in scene.cargo if item.oscillators), name="a")
+    speeds = {("a", ""): 1.0} | {("a", str(speed)): speed / 10 for speed in range(3, 10)}
+    names = {("a", ""): "a", ("a", "4"): "a at 4", ("a", "8"): "a at 8"}
+    uses = {"3": 0.2, "4": 0.9, "5": 0.95, "6": 1.05, "7": 0.9, "8": 0.8, "9": 0.7}
+
+    def joining(constraint: str, worst: float, **kept: float) -> set[str]:
+        peak = {**uses, "6": worst}
+        rows = [Row(constraint, "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, at) for at, use in peak.items()]
+        backoff = {RowId(constraint, f"a at {number[1:]}"): value for number, value in kept.items()}
+        t = np.array([0.0, 0.01])  # no speed is far from another
+        found = Members(names, speeds, (cup,)).missing(rows, above=1.005, outer=["a"], backoff=backoff, t=t)
+        return {text for _, text in found}
+
+    assert joining("residual height", 1.2, _4=0.3, _8=0.5) == {"6"}
+    assert joining("residual height", 1.05, _4=0.3, _8=0.5) == set()
+    assert joining("residual height", 1.05, _4=0.3, _8=0.9) == {"6"}
+    assert joining("residual height", 0.99, _4=0.3, _8=0.9) == set()
+    assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()
+
+
+def test_solids_join_wherever_they_break_a_limit(smooth_motion: Callable) -> None:
+    """They bring no states; objects with liquids join where they are well over it."""
+    scene = _with_range(smooth_motion("mixed-tray").scene, 0.5)
+    families = variants_by_object(scene)
+    speeds = {item.id: item.speed for own in families for item in own}
+    names = {own[0].id: own[0].name for own in families}
+    (solid,) = (own[0].name for own in families if not own[0].cargo.oscillators)
+
+    def joining(use: float) -> set[str]:
+        slowed = [item for own in families for item in own[1:]]
+        rows = [Row("slip", item.name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, item.text) for item in slowed]
+        found = Members(names, speeds, scene.cargo).missing(
+            rows, above=1.5, outer=[], backoff={}, t=np.array([0.0, 2.0])
+        )
+        return {name for name, _ in found}
+
+    assert joining(0.99) == set() and joining(1.01) == {solid} and joining(1.6) > {solid}
+
+
+def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> None:
+    """Back-off of members more than half of pi / (omega T) in 1/v away says nothing of it; nearer ones keep it."""
+    cargo = smooth_motion("mixed-tray").scene.cargo
+    slowest = min(mode.frequency for item in cargo for mode in item.oscillators)
+    t = np.array([0.0, 2.0])
+    half = 0.5 * math.pi / (slowest * t[-1])
+    for away, expected in ((1.1, {"at"}), (0.9, set())):
+        speeds = {("a", ""): 1.0, ("a", "b"): 0.5, ("a", "at"): 1.0 / (2.0 + away * half), ("a", "end"): 0.2}
+        names = {("a", ""): "a", ("a", "b"): "a at b"}
+        uses = {"b": 0.9, "at": 1.02, "end": 0.3}
+        rows = [
+            Row("residual height", "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for text, use in uses.items()
+        ]
+        assert {text for _, text in Members(names, speeds, cargo).far_peaks(rows, t)} == expected
+        assert Members({("a", ""): "a"}, speeds, cargo).far_peaks(rows, t) == set()  # nothing is slowed yet
+    assert not is_far(0.3, [("a", "")], {("a", ""): 1.0}, 0.1)
