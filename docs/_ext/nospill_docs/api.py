@@ -54,4 +54,5 @@ def _directive(name: str, item: Any) -> str:
     if inspect.isclass(item):
         kind = "exception" if issubclass(item, Exception) else "class"
     members = "   :members:\n" if kind == "class" else ""
+    members += "   :special-members: __call__\n" if kind == "class" and "__call__" in vars(item) else ""
     return f".. auto{kind}:: {_PUBLIC.get(item, name)}\n{members}\n"
