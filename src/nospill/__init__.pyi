@@ -14,6 +14,12 @@ from nospill.judge.histories import ContactLoad as ContactLoad
 from nospill.judge.histories import History as History
 from nospill.judge.histories import ModalStates as ModalStates
 from nospill.judge.verdict import Certificate as Certificate
+from nospill.laws.constraints.base import Cone as Cone
+from nospill.laws.constraints.base import Constraint as Constraint
+from nospill.laws.constraints.base import EvaluationPoint as EvaluationPoint
+from nospill.laws.constraints.base import Range as Range
+from nospill.laws.constraints.base import Role as Role
+from nospill.laws.sample import Sample as Sample
 from nospill.motion.trajectory import Trajectory as Trajectory
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan

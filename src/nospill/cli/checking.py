@@ -52,7 +52,7 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     """Judge a plan, print what is found, and return whether all is well."""
     from nospill.export.plan_files import compare_plan_files
     from nospill.judge.other_speeds import uses_at
-    from nospill.judge.wording import describe
+    from nospill.judge.wording import finding
     from nospill.plans.approach import judge_whole
     from nospill.plans.warnings import plan_warnings
     from nospill.plans.warnings.speeds import other_speeds
@@ -68,7 +68,7 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")
     changed = [f"{folder / name} {difference}" for name, difference in compared.items() if difference]
     if not certificate.ok:
-        say(f"Not certified: {describe(certificate.worst)}.")
+        say(f"Not certified: {finding(certificate)}.")
     elif changed:
         say(f"{changed[0]}; plan again before it goes to a robot.")
     good = certificate.ok and not changed

@@ -67,9 +67,9 @@ def executed(
             print(f"written to {output}")
         print_verdict(f"executed: {found.judgement.certificate.word}", found.ok)
     if not found.ok:
-        from nospill.judge.wording import describe
+        from nospill.judge.wording import finding
 
-        say(f"Not certified as executed: {describe(found.judgement.certificate.worst)}.")
+        say(f"Not certified as executed: {finding(found.judgement.certificate)}.")
     return 0 if found.ok else 1
 
 

@@ -104,10 +104,10 @@ def _beside(target: Path, exporter: Exporter) -> Path:
 
 
 def _say_why_not_approach(done: Handover) -> None:
-    from nospill.judge.wording import describe
+    from nospill.judge.wording import finding
 
     name = done.exporter.name
-    say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; try another --rate.")
+    say(f"{done.path} is not certified as {name}: {finding(done.certificate)}; try another --rate.")
 
 
 def _report(done: Handover) -> None:
@@ -121,7 +121,7 @@ def _report(done: Handover) -> None:
 
 
 def _say_why(plan: Plan, done: Handover) -> None:
-    from nospill.judge.wording import describe
+    from nospill.judge.wording import finding
     from nospill.plans.handover import rate_that_would_do
 
     name = done.exporter.name
@@ -132,4 +132,4 @@ def _say_why(plan: Plan, done: Handover) -> None:
         advice = f"--rate {would_do:g} would do"
     else:
         advice = f'none of the usual rates would do; plan with rate = "{done.rate:.6g} Hz" under [output]'
-    say(f"{done.path} is not certified as {name}: {describe(done.certificate.worst)}; {advice}.")
+    say(f"{done.path} is not certified as {name}: {finding(done.certificate)}; {advice}.")

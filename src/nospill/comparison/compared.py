@@ -44,7 +44,7 @@ def _level(found: Plan) -> float | None:
     motion = {key: value for key, value in given.items() if key != "duration"} if isinstance(given, dict) else {}
     table = {**source, "motion": {**motion, "tilt": "fixed"}}
     try:
-        level = plan(scene_from_table(table, name=found.scene.name))
+        level = plan(scene_from_table(table, name=found.scene.name).limited_as(found.scene))
     except NospillError:
         return None
     return level.duration if level.certificate.ok else None

@@ -13,7 +13,6 @@ from nospill.errors import REST, Change, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
 from nospill.judge.wording import describe
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
@@ -109,7 +108,7 @@ def quasi_static_motion(scene: Scene, joint_path: JointPath) -> tuple[Certificat
         verdict = judge(trajectory, scene).certificate
     except ModelError:
         return None
-    rows: tuple[Row, ...] = tuple(row for row in verdict.rows if row.constraint in BY_NAME)
+    rows: tuple[Row, ...] = tuple(row for row in verdict.rows if not row.of_record)
     return Certificate(all(row.ok for row in rows), verdict.grid_hz, rows), trajectory
 
 

@@ -13,7 +13,6 @@ from nospill.core.frames import SX, body_motion
 from nospill.drawing.surfaces import liquid_surface
 from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
-from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.parameters import constants
@@ -172,9 +171,9 @@ def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
 
 def _contact_use(judgement: Judgement, scene: Scene, picked: np.ndarray) -> dict[str, np.ndarray]:
     """The largest use over every constraint of the object's contact."""
-    wanted = {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
     found = {cargo.name: np.zeros(len(picked)) for cargo in scene.standing}
     for trace in judgement.traces:
-        if trace.constraint in wanted and trace.subject in found:
+        of_contact = trace.known is not None and trace.known.role is Role.CONTACT
+        if of_contact and len(trace.t) > 1 and trace.subject in found:
             found[trace.subject] = np.maximum(found[trace.subject], trace.use[picked])
     return found

@@ -19,7 +19,7 @@ def use_band(found: Executed, row: Row) -> float | None:
     band = found.bands.get(row.id)
     if band is None:
         return None
-    return float(limit_use(row.constraint, row.limit, row.worst_margin - band)) - row.use
+    return float(limit_use(row.known, row.limit, row.worst_margin - band)) - row.use
 
 
 def undecided(found: Executed) -> list[Row]:

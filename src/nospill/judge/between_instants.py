@@ -14,7 +14,6 @@ import numpy as np
 from nospill.judge.replay import Replay, between
 from nospill.judge.traces import evaluated_traces, motion_inputs
 from nospill.judge.verdict import Trace
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -43,7 +42,7 @@ def peaks_between(
     """
     found: list[Trace] = []
     for point, near in _NEAR.items():
-        own = [trace for trace in traces if BY_NAME[trace.constraint].evaluated_at is point]
+        own = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
         intervals = _beside_peaks(played, own, near)
         if len(intervals):
             t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,7 +22,8 @@ from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.run import command_traces, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
-from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
+from nospill.laws.constraints import constrained
+from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, RowId
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -73,7 +74,12 @@ class Judgement:
 
 
 def certify(
-    trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None, rate: float = MINIMUM_RATE
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    constraints: Iterable[Constraint] | None = None,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
 ) -> Certificate:
     """Judge an exported trajectory.
 
@@ -85,30 +91,33 @@ def certify(
     Args:
         trajectory: the record.
         scene: what it must keep to.
+        constraints: limits of your own classes, beside those of the scenario; those that the scene has from its
+            planning when left out.
         motion: what the receiver's joints do; the quintic spline through the recorded positions when left out.
         rate: Hz, the least rate of the grid; a second, finer certificate is one at a higher rate (8 kHz, say).
 
     Raises:
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
-        ScenarioError: no trajectory, or no scene.
+        ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
             is not finite, time that does not run forward).
     """
-    return judge(trajectory, scene, motion=motion, rate=rate).certificate
+    return judge(trajectory, scene, constraints=constraints, motion=motion, rate=rate).certificate
 
 
 def judge(
     trajectory: Trajectory,
     scene: Scene,
     *,
+    constraints: Iterable[Constraint] | None = None,
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`certify` with its evidence; the same arguments and errors."""
     require_record(trajectory, scene)
     require_same_joints_and_liquids(trajectory, scene)
-    return judge_motion(trajectory, scene, motion=motion, rate=rate)
+    return judge_motion(trajectory, constrained(scene, constraints), motion=motion, rate=rate)
 
 
 def judge_motion(
@@ -139,14 +148,21 @@ def judge_motion(
     )
     return replace(
         found,
-        certificate=replace(found.certificate, ok=all(row.ok for row in rows), rows=rows),
+        certificate=replace(found.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
         traces=(*found.traces, *controls),
         end_time=trajectory.end_time,
         fullest=fullest([*found.fullest.values(), *controls, *of_command, *of_record]),
     )
 
 
-def certify_joints(t: ArrayLike, q: ArrayLike, scene: Scene, *, rate: float = MINIMUM_RATE) -> Certificate:
+def certify_joints(
+    t: ArrayLike,
+    q: ArrayLike,
+    scene: Scene,
+    *,
+    constraints: Iterable[Constraint] | None = None,
+    rate: float = MINIMUM_RATE,
+) -> Certificate:
     """Judge joint samples, wherever they come from, from rest to rest; what the joints do, whatever was asked for.
 
     Between the samples the joints move on the quintic spline through them, before and after they stand still; tray and
@@ -159,14 +175,16 @@ def certify_joints(t: ArrayLike, q: ArrayLike, scene: Scene, *, rate: float = MI
         t: (m,) increasing times, s.
         q: (m, n) joint positions in the order of `scene.robot.joints`, rad.
         scene: what they must keep to.
+        constraints: limits of your own classes, as in `certify`.
         rate: Hz, the least rate of the grid.
 
     Raises:
-        ScenarioError: no scene, or arrays that are no samples of a motion of its joints.
+        ScenarioError: no scene, a constraint that is none, or arrays that are no samples of a motion of its joints.
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
     """
-    return judge_joints(joint_record(t, q, scene), scene, rate=rate).certificate
+    record = joint_record(t, q, scene)
+    return judge_joints(record, constrained(scene, constraints), rate=rate).certificate
 
 
 def judge_joints(
@@ -214,5 +232,12 @@ def _judged(
     near = [row for row in distances if row.use >= _NEAR]
     traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, near))
     published = scene.fidelity == "deliverable"
-    verdict = Certificate(all(row.ok for row in rows), played.rate, tuple(rows), published, scene.fewer_modes)
+    verdict = Certificate(
+        ok=all(row.ok for row in rows) and not scene.unjudged,
+        grid_hz=played.rate,
+        rows=tuple(rows),
+        published=published,
+        modes=scene.fewer_modes,
+        unjudged=scene.unjudged,
+    )
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use, worst)

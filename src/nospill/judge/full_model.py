@@ -9,8 +9,6 @@ from dataclasses import replace
 
 from nospill.judge.certificate import judge_motion
 from nospill.judge.verdict import Certificate
-from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import Role
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.carriers import with_modes
@@ -42,6 +40,4 @@ def with_full_model(
     if scene.fidelity == "full" and scene.fewer_modes is None:
         return replace(certificate, full_model=())
     rows = judge_motion(trajectory, full_scene(scene), motion=motion).certificate.rows
-    broken = (row for row in rows if not row.ok and row.constraint in BY_NAME)
-    of_objects = tuple(row for row in broken if BY_NAME[row.constraint].role in (Role.LIQUID, Role.CONTACT))
-    return replace(certificate, full_model=of_objects)
+    return replace(certificate, full_model=tuple(row for row in rows if not row.ok and row.of_object))

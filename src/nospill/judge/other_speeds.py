@@ -14,7 +14,6 @@ import numpy as np
 
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Role
 from nospill.laws.like_objects import outer_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
@@ -64,6 +63,6 @@ def _use(trajectory: Trajectory, scene: Scene, motion: JointMotion, speed: float
     _, worst = max(uses, key=itemgetter(0))
 
     def largest(role: Role) -> float:
-        return max((use for use, trace in uses if BY_NAME[trace.constraint].role is role), default=0.0)
+        return max((use for use, trace in uses if trace.known is not None and trace.known.role is role), default=0.0)
 
     return SpeedUse(speed, largest(Role.LIQUID), largest(Role.CONTACT), f"{worst.constraint} | {worst.subject}")

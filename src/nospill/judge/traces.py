@@ -17,13 +17,14 @@ from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
 from nospill.judge.replay import Replay, slosh_accelerations, states_at
 from nospill.judge.verdict import Trace
-from nospill.laws.constraints import CONSTRAINTS, END_NAMES
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.kinds import (
+    functions_of_kind,
+    limited_object_kind,
     numbers_of_object,
     numbers_of_tray,
-    object_kind,
     symbolic_object,
     symbolic_tray,
     tray_kind,
@@ -77,7 +78,7 @@ def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[
     return {
         EvaluationPoint.OBJECT: (played.t, [played.body, *liquids]),
         EvaluationPoint.JOINT: (played.t, [*joints, *_beside_path(trajectory, scene, played)]),
-        EvaluationPoint.TRAY: (played.t, [played.tray.velocity.T, played.tray.acceleration.T]),
+        EvaluationPoint.TRAY: (played.t, [played.tray.position.T, played.tray.velocity.T, played.tray.acceleration.T]),
     }
 
 
@@ -99,7 +100,7 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
     structure, numbers = structure_of(scene), numbers_of(scene)
     owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     for trace in traces:
-        if trace.constraint not in END_NAMES:
+        if trace.known is None or trace.known.evaluated_at is not EvaluationPoint.END:
             yield trace
             continue
         is_residual, index = trace.constraint == ResidualHeight.name, owners[trace.subject]
@@ -118,7 +119,7 @@ def evaluated_traces(
     scene: Scene,
     inputs: Mapping[EvaluationPoint, Inputs],
     *,
-    constraints: Collection[Constraint] = CONSTRAINTS,
+    constraints: Collection[Constraint] | None = None,
     payload: Sequence[Cargo] | None = None,
 ) -> tuple[Trace, ...]:
     """Traces of some constraints on given inputs.
@@ -126,13 +127,15 @@ def evaluated_traces(
     Args:
         scene: what has to be kept.
         inputs: by evaluation point; constraints of others are left out.
-        constraints: which, of `CONSTRAINTS`.
+        constraints: which; all of the scene when left out.
         payload: what the flange carries; the cargo of the scene when left out.
 
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in CONSTRAINTS}
+    every = constraints_of(scene)
+    constraints = every if constraints is None else constraints
+    traces: dict[str, list[Trace]] = {constraint.name: [] for constraint in every}
     for point, (t, columns) in inputs.items():
         present = [item for item in constraints if item.evaluated_at is point and item.subjects(scene)]
         if not present:
@@ -141,7 +144,9 @@ def evaluated_traces(
         figures = found(scene, point, columns, numbers_of(scene, payload))
         for constraint in present:
             for subject, own in zip(constraint.subjects(scene), figures[constraint.name], strict=True):
-                traces[constraint.name].append(Trace(constraint.name, subject, constraint.unit, t, *own))
+                traces[constraint.name].append(
+                    Trace(constraint.name, subject, constraint.unit, t, *own, law=constraint)
+                )
     return tuple(trace for own in traces.values() for trace in own)
 
 
@@ -161,7 +166,7 @@ def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarr
     *body, q, qd = columns
     end = structure.end if point is EvaluationPoint.END else "residual"
     for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
-        function, names = object_figures_function(object_kind(structure, item, end=end), point)
+        function, names = object_figures_function(limited_object_kind(structure, item, end=end), point)
         if names:
             rows = evaluate(function, [*body, q[own], qd[own]], flatten(numbers_of_object(numbers, index)))
             for name, figures in _by_constraint(names, rows).items():
@@ -205,7 +210,7 @@ def object_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[An
         inputs, sample = moving_object(kind) if point is EvaluationPoint.OBJECT else _object_at_rest(kind)
         return _figures(sample, point, inputs)
 
-    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
+    made, names, _ = functions_of_kind(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
     return made["figures"], names
 
 
@@ -248,21 +253,24 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
                 path_parameter=inputs[4] if kind.corridor_steps else None,
             )
         elif point is EvaluationPoint.TRAY:
-            inputs = [SX.sym(name, 3) for name in ("velocity", "acceleration")]
-            sample = Sample(kind, numbers, tray_velocity=inputs[0], tray_acceleration=inputs[1])
+            inputs = [SX.sym(name, 3) for name in ("position", "velocity", "acceleration")]
+            position, velocity, acceleration = inputs
+            sample = Sample(
+                kind, numbers, tray_position=position, tray_velocity=velocity, tray_acceleration=acceleration
+            )
         else:
             inputs = [SX.sym("tilt", 2), SX.sym("jerks", kind.freedom.chains), SX.sym("joint_jerk", joints)]
             sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
         return _figures(sample, point, [*inputs, parameters])
 
-    made, names, _ = codegen.functions(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
+    made, names, _ = functions_of_kind(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})
     return made["figures"], names
 
 
 def _figures(sample: Sample, point: EvaluationPoint, inputs: list[SX]) -> tuple[codegen.Functions, list[str]]:
     found = [
         (constraint.name, worst_figures(constraint, budgets))
-        for constraint in CONSTRAINTS
+        for constraint in constraints_of(sample.structure)
         if constraint.evaluated_at is point
         for budgets in constraint.budgets(sample)
     ]

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.base import OF_OBJECTS, Constraint, EvaluationPoint, Role, RowId
+from nospill.scene.limits import LimitRecord
 
 APPROACH = "approach "
 """What the constraints of the rows about the approach begin with."""
 
 
-def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:
+def limit_use(constraint: Constraint | None, limit: np.ndarray | float, margin: np.ndarray | float) -> np.ndarray:
     """Use of a limit, 1 - margin/size: 1 at the limit, more where it is broken.
 
     The size is that of the limit itself, and at least `Constraint.least_size` (half a turn of a joint, one weight, one
     gravity); a limit of zero counts as one of its unit. A margin that is no number is infinite use.
 
     Args:
-        constraint: its name.
+        constraint: that it is the limit of; None for a check of the record.
         limit: (m,) or one number, in the constraint's unit.
         margin: likewise.
     """
@@ -32,9 +33,8 @@ def limit_use(constraint: str, limit: np.ndarray | float, margin: np.ndarray | f
     return np.where(missing, np.inf, use) if missing.any() else use
 
 
-def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
-    known = BY_NAME.get(constraint.removeprefix(APPROACH))
-    least, size = 0.0 if known is None else known.least_size, np.abs(limit)
+def _size(constraint: Constraint | None, limit: np.ndarray | float) -> np.ndarray:
+    least, size = 0.0 if constraint is None else constraint.least_size, np.abs(limit)
     return np.maximum(size, least) if least > 0.0 else np.where(size > 0.0, size, 1.0)
 
 
@@ -42,7 +42,8 @@ def _size(constraint: str, limit: np.ndarray | float) -> np.ndarray:
 class Row:
     """One constraint and one subject: the instant that uses most of the limit. `ok` is worst_margin >= 0.
 
-    `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst.
+    `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst;
+    `law` is the constraint itself, where it is none of the table.
     """
 
     constraint: str
@@ -54,6 +55,12 @@ class Row:
     at_s: float
     ok: bool
     variant: str = ""
+    law: Constraint | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def known(self) -> Constraint | None:
+        """The constraint that it is about; None for a check of the record."""
+        return self.law or BY_NAME.get(self.constraint.removeprefix(APPROACH))
 
     @property
     def id(self) -> RowId:
@@ -68,17 +75,32 @@ class Row:
     @cached_property
     def use(self) -> float:
         """`limit_use` at that instant; cached, since rows are sorted by it."""
-        return float(limit_use(self.constraint, self.limit, self.worst_margin))
+        return float(limit_use(self.known, self.limit, self.worst_margin))
 
     @property
     def size(self) -> float:
         """What its margin is measured by (`limit_use`), in its unit."""
-        return float(_size(self.constraint, self.limit))
+        return float(_size(self.known, self.limit))
 
     @property
     def of_record(self) -> bool:
         """Whether it is about the record itself, and no constraint of the motion: it fails where a file is damaged."""
-        return self.constraint.removeprefix(APPROACH) not in BY_NAME
+        return self.known is None
+
+    @property
+    def of_object(self) -> bool:
+        """Whether it is about an object on the tray by itself, its liquid or its place."""
+        return self.known is not None and self.known.evaluated_at in OF_OBJECTS
+
+    @property
+    def of_liquid(self) -> bool:
+        """Whether it is about the liquid in an object."""
+        return self.known is not None and self.known.role is Role.LIQUID
+
+    @property
+    def at_end(self) -> bool:
+        """Whether it is about the final state."""
+        return self.known is not None and self.known.evaluated_at is EvaluationPoint.END
 
     @property
     def shortfall(self) -> float:
@@ -86,7 +108,7 @@ class Row:
 
         A row about the record leaves nothing to find: it falls short only where it fails.
         """
-        constraint = BY_NAME.get(self.constraint)
+        constraint = None if self.constraint.startswith(APPROACH) else self.known
         if constraint is None:
             return -self.worst_margin
         found = constraint.judge_resolution * abs(self.limit) + constraint.integration_error
@@ -116,6 +138,7 @@ class Certificate:
         modes: modes of each liquid in each direction where the full model has more (`Scene.fewer_modes`), else None.
         full_model: rows on objects that the full model breaks in the same motion (see `judge.full_model`), no part of
             `ok`; None where nobody has looked.
+        unjudged: limits of the scene whose classes are not at hand; with any of them nothing is certified.
     """
 
     ok: bool
@@ -124,6 +147,7 @@ class Certificate:
     published: bool = False
     modes: int | None = None
     full_model: tuple[Row, ...] | None = field(default=None, compare=False)
+    unjudged: tuple[LimitRecord, ...] = ()
 
     @property
     def word(self) -> str:
@@ -167,15 +191,15 @@ class Certificate:
 
 def _plain(row: Row) -> dict[str, Any]:
     """A row as it is written; a variant only where there is one."""
-    table = asdict(row)
-    return table if row.variant else {key: value for key, value in table.items() if key != "variant"}
+    names = (item.name for item in fields(Row) if item.name != "law")
+    return {name: getattr(row, name) for name in names if name != "variant" or row.variant}
 
 
 @dataclass(frozen=True)
 class Trace:
     """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit.
 
-    `variant` as of a row.
+    `variant` as of a row; `law` is the constraint itself, where it is none of the table.
     """
 
     constraint: str
@@ -186,6 +210,12 @@ class Trace:
     limit: np.ndarray
     margin: np.ndarray
     variant: str = ""
+    law: Constraint | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def known(self) -> Constraint | None:
+        """The constraint, as `Row.known`."""
+        return self.law or BY_NAME.get(self.constraint)
 
     @property
     def id(self) -> RowId:
@@ -195,7 +225,7 @@ class Trace:
     @cached_property
     def use(self) -> np.ndarray:
         """`limit_use` over time, shape (m,); cached, since rows, peaks and what holds the motion back all read it."""
-        return limit_use(self.constraint, self.limit, self.margin)
+        return limit_use(self.known, self.limit, self.margin)
 
 
 def worst_row(trace: Trace) -> Row:
@@ -214,6 +244,7 @@ def worst_row(trace: Trace) -> Row:
         at_s=float(trace.t[index]),
         ok=bool(margin >= 0.0),
         variant=trace.variant,
+        law=trace.law,
     )
 
 

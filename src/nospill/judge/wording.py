@@ -68,8 +68,22 @@ def verdict_line(certificate: Certificate) -> str:
     """The verdict with how many rows it rests on, on one line."""
     rows, grid = certificate.rows, f"on a grid of {certificate.grid_hz:g} Hz"
     failed = sum(not row.ok for row in rows)
-    counted = f"all {len(rows)} rows hold" if certificate.ok else f"{failed} of {len(rows)} rows fail"
-    return f"{certificate.word}: {counted} {grid}"
+    counted = f"all {len(rows)} rows hold" if not failed else f"{failed} of {len(rows)} rows fail"
+    missing = "".join(f', "{limit.name}" was not judged' for limit in certificate.unjudged)
+    return f"{certificate.word}: {counted} {grid}{missing}"
+
+
+def finding(certificate: Certificate) -> str:
+    """Why a motion is not certified, in one phrase: its worst row, or a limit that nobody could judge."""
+    if not certificate.unjudged or not certificate.worst.ok:
+        return describe(certificate.worst)
+    names = ", ".join(f'"{limit.name}"' for limit in certificate.unjudged)
+    given = ", ".join(limit.text for limit in certificate.unjudged)
+    limit = "constraint {} was" if len(certificate.unjudged) == 1 else "constraints {} were"
+    return (
+        f"the {limit.format(names)} not judged, of a class that is not at hand; judge from Python, "
+        f"ns.load_plan(folder, constraints=[{given}])"
+    )
 
 
 def integrity_line(certificate: Certificate) -> str:

@@ -6,8 +6,14 @@ path or another cargo finds those of its parts made. A kind is a structure in wh
 
 from __future__ import annotations
 
+import hashlib
+import json
+from collections.abc import Callable
 from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 
+from nospill.compiled.codegen import Functions, Shared, functions
 from nospill.core.frames import SX
 from nospill.laws.parameters import (
     Number,
@@ -25,7 +31,8 @@ from nospill.scene.scene import EndCondition
 
 def tray_kind(structure: Structure) -> Structure:
     """Tray and joints: the same for any cargo and path."""
-    return replace(structure, fidelity="full", end="residual", spans=1, degree=1, objects=())
+    own = tuple(item for item in structure.constraints if item.count)
+    return replace(structure, fidelity="full", end="residual", spans=1, degree=1, objects=(), constraints=own)
 
 
 def motion_kind(structure: Structure) -> Structure:
@@ -35,9 +42,35 @@ def motion_kind(structure: Structure) -> Structure:
     return replace(way, offset_free=offset, yaw_free=yaw)
 
 
-def object_kind(structure: Structure, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
-    """One object: the same on any robot and path, and under any end condition but at the end itself."""
-    return Structure(structure.fidelity, True, end, 1, 1, "", (), "", (item,), slowed=item.slowed)
+def object_kind(structure: Structure, item: ObjectStructure) -> Structure:
+    """One object without what limits it: the same on any robot and path, and under any end condition."""
+    return _alone(structure, replace(item, constraints=()), "residual")
+
+
+def limited_object_kind(structure: Structure, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
+    """One object with its constraints: the same on any robot and path, and any end condition but at the end itself."""
+    return _alone(structure, item, end)
+
+
+def _alone(structure: Structure, item: ObjectStructure, end: EndCondition) -> Structure:
+    whole = Structure(structure.fidelity, True, end, 1, 1, "", (), "", (item,), slowed=item.slowed)
+    return replace(whole, constraints=item.constraints)
+
+
+def functions_of_kind(
+    name: str, kind: Structure, build: Callable[[], tuple[Functions, Any]], *, of_columns: Shared = MappingProxyType({})
+) -> tuple[Functions, Any, bool]:
+    """`codegen.functions` of a kind with its constraints.
+
+    A class given from Python has no place in the key of what is kept on the disk: with one, the key is the content of
+    the functions, which are built to know it.
+    """
+    if not kind.constraints:
+        return functions(name, kind, build, of_columns=of_columns)
+    made, data = build()
+    content = [function.serialize() for function in made.values()]
+    digest = hashlib.sha256(json.dumps([content, data]).encode()).hexdigest()
+    return functions(name, digest, lambda: (made, data), of_columns=of_columns)
 
 
 def numbers_of_tray(numbers: SceneNumbers) -> SceneNumbers:

@@ -49,7 +49,7 @@ def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
         swing = cargo.filling.initial_swing if cargo.filling else None
         # at one height, on the tray or in a carrier: the hull is one of places on a plane, and what is carried has no
         # contact of its own
-        own = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier))
+        own = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier), cargo.constraints)
         groups.setdefault((*key, *own), []).append(index)
     outer: set[int] = set()
     for members in groups.values():

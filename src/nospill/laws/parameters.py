@@ -20,6 +20,7 @@ import numpy as np
 
 from nospill.core.frames import SX
 from nospill.scene.containers.footprints import Footprint
+from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
 
 Number = Any
@@ -202,6 +203,7 @@ class ObjectStructure:
         spread: whether its oscillators are those of liquids that it carries, off its middle.
         carried: whether it stands in a carrier, and no law of contact is its own.
         slowed: whether it is moved at another speed than the others.
+        constraints: given from Python, that are about it.
     """
 
     footprint: type[Footprint]
@@ -212,6 +214,7 @@ class ObjectStructure:
     spread: bool = False
     carried: bool = False
     slowed: bool = False
+    constraints: tuple[Limit, ...] = ()
 
     @property
     def liquid(self) -> bool:
@@ -247,6 +250,7 @@ class Structure:
         slowed: whether objects are in it that are moved at another speed, and read where up is.
         vias: how many places the tray passes.
         corridor_steps: at how many places the width of the corridor is given; 0 where it is the same everywhere.
+        constraints: given from Python.
     """
 
     fidelity: Fidelity
@@ -268,6 +272,7 @@ class Structure:
     slowed: bool = False
     vias: int = 0
     corridor_steps: int = 0
+    constraints: tuple[Limit, ...] = ()
 
     @property
     def freedom(self) -> Freedom:

@@ -15,7 +15,17 @@ from nospill.laws.slosh.motion import OscillatorState
 
 @dataclass(frozen=True, slots=True)
 class ObjectSample:
-    """One object: numbers, structure, motion of its frame, wrench from the tray, surface height (2, 1) m, states."""
+    """One object at one instant, in its own axes: origin at its bottom centre, z along its axis.
+
+    Attributes:
+        numbers: of the object, SI.
+        structure: of the object; `structure.liquid` says whether it has a surface.
+        motion: of its frame: angular_velocity and angular_acceleration, rad/s and rad/s^2, and specific_force, the
+            acceleration of its origin less that of gravity, m/s^2; (3, 1) each.
+        wrench: from the tray: force, N, and moment about its bottom centre, N m; (3, 1) each. `force[2]` presses.
+        surface: (2, 1), rise of the liquid at the wall in the directions x and y, m.
+        states: of its modal masses: displacement, m, velocity and acceleration.
+    """
 
     numbers: ObjectNumbers
     structure: ObjectStructure
@@ -29,7 +39,7 @@ class ObjectSample:
 class Sample:
     """One instant of a scene; a part that the asker cannot supply is absent.
 
-    A constraint says by its `place` which parts it needs.
+    A constraint says by `evaluated_at` which parts it needs.
 
     Attributes:
         structure: of the scene.
@@ -40,7 +50,7 @@ class Sample:
         joint_jerk: (n, 1), rad/s^3, only where it is limited.
         tilt: (2, 1), theta_x and theta_y, rad.
         offset: (3, 1), from the path to the tray's centre, base axes, m.
-        tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m/s, m/s^2; only where limited.
+        tray_position, tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m, m/s, m/s^2.
         path_parameter: s; only where the tray may leave its path.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
             (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
@@ -55,6 +65,7 @@ class Sample:
     joint_jerk: SX | None = None
     tilt: SX | None = None
     offset: SX | None = None
+    tray_position: SX | None = None
     tray_velocity: SX | None = None
     tray_acceleration: SX | None = None
     jerks: SX | None = None

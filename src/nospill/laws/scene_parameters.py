@@ -52,6 +52,7 @@ def structure_of(scene: Scene) -> Structure:
         tray_limits=_tray_limits(scene.motion),
         braking=scene.robot.braking is not None,
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
+        constraints=tuple(item.on(scene) for item in scene.constraints),
     )
 
 
@@ -67,6 +68,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         spread=cargo.carried is not None and bool(cargo.oscillators),
         carried=bool(cargo.carrier),
         slowed=cargo.is_slowed,
+        constraints=cargo.constraints,
     )
 
 

@@ -21,7 +21,7 @@ from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
 from nospill.judge.after_end import residual_height
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.judge.run import run_of
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.parameters import (
@@ -91,14 +91,12 @@ class Margins:
     """Worst figures of one object in m samples, per constraint that applies to it.
 
     Attributes:
-        constraints: names.
-        points: where each is imposed.
+        constraints: which.
         margin: (m, n) in the constraint's unit.
         limit: likewise.
     """
 
-    constraints: tuple[str, ...]
-    points: tuple[EvaluationPoint, ...]
+    constraints: tuple[Constraint, ...]
     margin: np.ndarray
     limit: np.ndarray
 
@@ -122,7 +120,6 @@ def object_margins(
     shared = (scene.gravity, scene.motion.residual_fraction)
     made = _function(structure, motions[0].body.shape[1], BATCH)
     names = tuple(constraint.name for constraint in made.constraints)
-    points = tuple(constraint.evaluated_at for constraint in made.constraints)
     initial = ca.DM(scene.cargo[index].initial_coordinates.ravel())
     for first in range(0, len(numbers), BATCH):
         batch, motion = numbers[first : first + BATCH], motions[first // BATCH % len(motions)]
@@ -132,7 +129,7 @@ def object_margins(
         figures, states = np.split(found, [2 * len(names)], axis=1)
         margin, limit = figures[:, 0::2].copy(), figures[:, 1::2]
         _play_on(structure, batch, names, states, margin, limit)
-        yield len(batch), Margins(names, points, np.where(np.isnan(margin), -np.inf, margin), limit)
+        yield len(batch), Margins(made.constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +234,7 @@ def _worst(
     objects = sample_objects(structure, numbers, tray, split_states(structure, q, qd, qdd))
     sample = Sample(structure, numbers, objects=objects)
     found = []
-    for constraint in CONSTRAINTS:
+    for constraint in constraints_of(structure):
         if constraint.evaluated_at is point:
             found += [(constraint, worst_figures(constraint, budgets)) for budgets in constraint.budgets(sample)]
     return found

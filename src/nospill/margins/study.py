@@ -123,15 +123,15 @@ def margins(
             done += count
             if progress is not None:
                 progress(done, total)
-        names = parts[0].constraints
+        constraints = parts[0].constraints
         margin, limit = (np.vstack([getattr(part, field) for part in parts]) for field in ("margin", "limit"))
         rooms = [item.container.height - item.filling.liquid_height for item in changed if item.filling]
         found.append(
             _Found(
                 name=cargo.name,
-                use={name: limit_use(name, limit[:, k], margin[:, k]) for k, name in enumerate(names)},
-                value={name: limit[:, k] - margin[:, k] for k, name in enumerate(names)},
-                points=dict(zip(names, parts[0].points, strict=True)),
+                use={own.name: limit_use(own, limit[:, k], margin[:, k]) for k, own in enumerate(constraints)},
+                value={own.name: limit[:, k] - margin[:, k] for k, own in enumerate(constraints)},
+                points={own.name: own.evaluated_at for own in constraints},
                 room=np.array(rooms) if rooms else None,
             )
         )

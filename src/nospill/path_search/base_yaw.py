@@ -72,7 +72,7 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
 
 def _turned(scene: Scene, turn: int) -> Scene:
     table = scene.source | {"robot": _robot_table(scene) | {"base_yaw": f"{turn} deg"}}
-    return scene_from_table(table, name=scene.name)
+    return scene_from_table(table, name=scene.name).limited_as(scene)
 
 
 def _failure(scene: Scene) -> ScenarioError:

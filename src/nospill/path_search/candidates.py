@@ -161,7 +161,8 @@ def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joint
     for key, values in (("way_yaw", yaw), ("way_joints", joints)):
         if values is not None:
             stated[key] = np.round(values, _DIGITS).tolist()
-    return scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)
+    read = scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)
+    return read.limited_as(scene)
 
 
 def _path_table(scene: Scene) -> dict[str, object]:

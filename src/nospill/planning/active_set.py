@@ -15,8 +15,8 @@ import numpy as np
 
 from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Row
-from nospill.laws.constraints import BY_NAME, CONSTRAINTS, END_NAMES, LIQUID_NAMES
-from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints import END_NAMES, by_name, constraints_of
+from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -95,12 +95,15 @@ class ActiveSet:
         modes = modes or task.scene.planned_modes
         scene = task.problem_scene(members, refined, modes)
         apart = clearance_backoff(task.room(q[[0, -1]]))
-        rows = [RowId(item.name, subject) for item in CONSTRAINTS for subject in item.subjects(scene)] + [*apart]
+        rows = [RowId(item.name, subject) for item in constraints_of(scene) for subject in item.subjects(scene)] + [
+            *apart
+        ]
         left_out = set(task.ignored)
         if scene.motion.is_given and len(scene.robot.joints) == 6:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
-        backoff = {row: BY_NAME[row.constraint].backoff for row in rows} | range_backoff(scene, q) | apart
+        known = by_name(scene)
+        backoff = {row: known[row.constraint].backoff for row in rows} | range_backoff(scene, q) | apart
         return cls(task, scene, members, refined, modes, possible, possible, backoff)
 
     @property
@@ -119,7 +122,8 @@ class ActiveSet:
     @property
     def _final(self) -> frozenset[RowId]:
         """Rows on the final state."""
-        return frozenset(row for row in self.possible if row.constraint in END_NAMES)
+        known = by_name(self.scene)
+        return frozenset(row for row in self.possible if known[row.constraint].evaluated_at is EvaluationPoint.END)
 
     def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left."""
@@ -135,7 +139,8 @@ class ActiveSet:
 
     def increased(self) -> dict[str, float]:
         """Back-off above the first one, by the labels of the rows."""
-        above = ((row, value) for row, value in self.backoff.items() if value > BY_NAME[row.constraint].backoff)
+        known = by_name(self.scene)
+        above = ((row, value) for row, value in self.backoff.items() if value > known[row.constraint].backoff)
         return {row.label: value for row, value in above}
 
     def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:
@@ -190,7 +195,7 @@ class ActiveSet:
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
         """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
-        broken = {row.subject for row in rows if row.constraint in LIQUID_NAMES and row.shortfall > 0.0}
+        broken = {row.subject for row in rows if row.of_liquid and row.shortfall > 0.0}
         return frozenset(name for name, _ in self.members if name in broken and self.task.scene.planned_modes > 1)
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:

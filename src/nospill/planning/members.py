@@ -22,7 +22,7 @@ from itertools import groupby, islice
 import numpy as np
 
 from nospill.judge.verdict import Row, condensed
-from nospill.laws.constraints import BY_NAME, END_NAMES, LIQUID_NAMES, OBJECT_NAMES
+from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.planning.tightening import is_spent, tightened_backoff
 from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
@@ -72,11 +72,11 @@ class Members:
             backoff: of every row of the problem, the fraction of its budget that it keeps.
             t: (m,) s, of the motion.
         """
-        of_objects = [row for row in rows if row.constraint in OBJECT_NAMES]
+        of_objects = [row for row in rows if row.of_object]
         slowed = [row for row in of_objects if self._is_slowed(row)]
         planned = [row for row in of_objects if not self._is_slowed(row) and _variant(row) not in self.names]
-        contacts = [row for row in slowed if row.constraint not in LIQUID_NAMES]
-        liquids = [row for row in slowed if row.constraint in LIQUID_NAMES]
+        contacts = [row for row in slowed if not row.of_liquid]
+        liquids = [row for row in slowed if row.of_liquid]
         in_vain = self._beside_spent(liquids, backoff)
         alone = set(outer).difference(name for name, _ in self.names)
         with_liquid = self._with_liquid
@@ -96,7 +96,7 @@ class Members:
 
         Half a step of their phase at the end, or more, from all that are slowed. Arguments as of `missing`.
         """
-        liquids = (row for row in rows if row.constraint in LIQUID_NAMES and self._is_slowed(row))
+        liquids = (row for row in rows if row.of_liquid and self._is_slowed(row))
         over = [row for row in peaks(liquids, self.speeds) if row.use > 1.0]
         step = self._phase_step(t) if over else 0.0
         far = (row for row in over if is_far(self.speeds[_variant(row)], self.names, self.speeds, step))
@@ -114,7 +114,7 @@ class Members:
         """
         for row in rows:
             variant = _variant(row)
-            if row.constraint not in OBJECT_NAMES:
+            if not row.of_object:
                 yield row
             elif variant in self.names:
                 yield replace(row, subject=self.names[variant], variant="")
@@ -151,7 +151,7 @@ class Members:
     def _beside_spent(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
         """Rows on the final state of slowed liquids next to a member whose back-off is spent."""
         spent = set(self.spent_at_end(backoff).values())
-        at_end = (row for row in liquids if spent and row.constraint in END_NAMES)
+        at_end = (row for row in liquids if spent and row.at_end)
         return {row for row in at_end if not spent.isdisjoint(self._next_to(row))}
 
     def _contact_peaks(self, contacts: Iterable[Row]) -> list[Row]:
@@ -207,8 +207,8 @@ def tightened(
     for row in condensed(rows):
         key = row.id
         if key in active:
-            excess, point = row.shortfall / row.size, BY_NAME[row.constraint].evaluated_at
-            found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), point)
+            excess = row.shortfall / row.size
+            found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), at_end=row.at_end)
         elif key in found:
             joining.add(key)
     return found, frozenset(joining)

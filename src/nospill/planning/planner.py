@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import nullcontext, suppress
 from dataclasses import replace
 
@@ -12,6 +12,7 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
+from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import free_paths
@@ -36,6 +37,7 @@ from nospill.transcription.sensitivity import savings
 def plan(
     scene: Scene | ScenarioSource,
     *,
+    constraints: Iterable[Constraint] | None = None,
     warm: Plan | None = None,
     ignore: Collection[str] | str = (),
     progress: OnProgress | None = None,
@@ -44,6 +46,7 @@ def plan(
 
     Args:
         scene: the task, or what `load` takes.
+        constraints: limits of your own classes, beside those of the scenario; the plan's scene has them from then on.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
@@ -54,13 +57,14 @@ def plan(
         The plan; its status is "uncertified" if a row still fails after the last tightening.
 
     Raises:
-        ScenarioError: no valid scenario describes the scene, the robot cannot follow the path, or `ignore` names no
-            constraint.
+        ScenarioError: no valid scenario describes the scene, the robot cannot follow the path, `ignore` names no
+            constraint, or one of `constraints` is none, is about nothing in the scene or fails.
         NoSolutionError: no start led to a motion, no approach to it, or no branch of the arm past the obstacles; names
             what is in the way.
         MissingExtraError: the scene has an approach and ruckig is not installed, or obstacles and coal is not.
     """
-    scene, ignored, warm = requested_scene(scene), ignored_constraints(ignore), earlier_plan(warm)
+    scene, warm = requested_scene(scene, constraints), earlier_plan(warm)
+    ignored = ignored_constraints(ignore, scene)
     return _planned(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
 
 
@@ -139,21 +143,41 @@ def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:
 
 
 class Planner:
-    """Plans scene after scene, each from the answer before where the structure is the same.
+    """Plans scene after scene, each from the answer before where the structure is the same, limits given here apart.
 
     Not thread-safe: one per thread.
     """
 
-    def __init__(self, last: Plan | None = None) -> None:
-        """Start with nothing, or with an earlier plan (for example `load_plan(folder)`)."""
+    def __init__(self, last: Plan | None = None, *, constraints: Iterable[Constraint] | None = None) -> None:
+        """Start with nothing, or with an earlier plan (for example `load_plan(folder)`).
+
+        Args:
+            last: the earlier plan.
+            constraints: of every plan that is not given its own, as in `plan`.
+        """
         self.last = earlier_plan(last)
+        self.constraints = None if constraints is None else tuple(constraints)
         self._candidate: Candidate | None = None
 
-    def plan(self, scene: Scene | ScenarioSource, *, progress: OnProgress | None = None) -> Plan:
+    def plan(
+        self,
+        scene: Scene | ScenarioSource,
+        *,
+        constraints: Iterable[Constraint] | None = None,
+        progress: OnProgress | None = None,
+    ) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
-        scene = requested_scene(scene)
-        similar = self.last is not None and structure_of(self.last.scene) == structure_of(scene)
+        scene = requested_scene(scene, self.constraints if constraints is None else constraints)
+        similar = self.last is not None and _alike(self.last.scene, scene)
         self.last, self._candidate = _planned(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
         return self.last
+
+
+def _alike(first: Scene, second: Scene) -> bool:
+    """Whether two scenes are of one structure but for limits given from Python, which add rows alone."""
+    ours, theirs = (
+        structure_of(scene.with_constraints(()) if scene.constraints else scene) for scene in (first, second)
+    )
+    return ours == theirs

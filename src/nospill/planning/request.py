@@ -2,33 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constrained, constraints_of
+from nospill.laws.constraints.base import Constraint
 from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 
 
-def requested_scene(scene: Scene | ScenarioSource) -> Scene:
+def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constraint] | None = None) -> Scene:
     """The scene to plan: as it is where it is one, read where it is the name of one.
 
     Args:
         scene: a scene, or what `load` takes: a file, a plan folder, an example's name, a dictionary.
+        constraints: limits beside those of the scenario; None for those that the scene has from an earlier call.
 
     Raises:
-        ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`.
+        ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`; a constraint is
+            none, or one that the scene was saved with is not at hand.
     """
     if isinstance(scene, Plan):
         raise ScenarioError("a scene is needed, and this is a plan; its scene is plan.scene")
-    return scene.require_as_read() if isinstance(scene, Scene) else load(scene)
+    asked = constrained(scene.require_as_read() if isinstance(scene, Scene) else load(scene), constraints)
+    if asked.unjudged:
+        limit = asked.unjudged[0]
+        raise ScenarioError(
+            f'{asked.name}: its plan was saved with the constraint "{limit.name}", whose class is not at hand; give '
+            f"all that should hold, as constraints=[{limit.text}], or constraints=[] for none"
+        )
+    return asked
 
 
-def ignored_constraints(ignore: Collection[str] | str) -> frozenset[str]:
-    """Names of constraints to leave out, of which one may stand alone.
+def ignored_constraints(ignore: Collection[str] | str, scene: Scene) -> frozenset[str]:
+    """Names of constraints of a scene to leave out, of which one may stand alone.
 
     Raises:
         ScenarioError: one of them is no constraint, or they are no names at all.
@@ -36,7 +46,7 @@ def ignored_constraints(ignore: Collection[str] | str) -> frozenset[str]:
     names = (ignore,) if isinstance(ignore, str) else ignore
     if not isinstance(names, Collection) or not all(isinstance(name, str) for name in names):
         raise ScenarioError(f'ignore: {ignore!r} is no list of constraints; write ignore=["slosh height"]')
-    known = [constraint.name for constraint in CONSTRAINTS]
+    known = [constraint.name for constraint in constraints_of(scene)]
     unknown = sorted(set(names) - set(known))
     if unknown:
         near = nearest(unknown[0], known)

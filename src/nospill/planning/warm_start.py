@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from nospill.errors import ModelError
 from nospill.judge.certificate import judge
-from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
@@ -80,7 +80,8 @@ def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
 
 def _cautious(active: ActiveSet) -> ActiveSet:
     """The set with at least the back-off of a restart: one more round of tightening would take longer."""
-    return active.with_backoff({key: BY_NAME[key.constraint].restart_backoff for key in active.backoff})
+    known = by_name(active.scene)
+    return active.with_backoff({key: known[key.constraint].restart_backoff for key in active.backoff})
 
 
 def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,20 +11,39 @@ from nospill.approach import Segment, read_segment
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.judge.verdict import Certificate, Row
+from nospill.laws.constraints import constrained
+from nospill.laws.constraints.base import Constraint
 from nospill.motion.trajectory import read_trajectory
+from nospill.plans.approach import judge_whole
 from nospill.plans.names import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
 from nospill.plans.plan import Plan, restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
+from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
 
 
-def load_plan(folder: str | Path) -> Plan:
+def load_plan(folder: str | Path, *, constraints: Iterable[Constraint] | None = None) -> Plan:
     """Read a plan folder; the verdict is the one that was saved, `certify` judges again.
 
+    Args:
+        folder: that `Plan.save` or `nospill plan -o` wrote.
+        constraints: limits of your own classes, by which the motion is judged again. A plan that was saved with one
+            that is not among them is not certified: the folder has its name and numbers, not its law.
+
     Raises:
-        PlanFolderError: a file is missing or not what nospill wrote. ScenarioError: the scenario in it is not valid.
+        PlanFolderError: a file is missing or not what nospill wrote. ScenarioError: the scenario in it is not valid; a
+            constraint is none, is about nothing in the scene or fails.
     """
+    plan = _read(folder, constraints)
+    if constraints is None:
+        return plan
+    verdict = judge_whole(plan)
+    return replace(plan, certificate=replace(verdict.certificate, full_model=plan.certificate.full_model))
+
+
+def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
+    """The plan with its saved verdict; raises the same."""
     place = Path(folder)
     if not place.is_dir():
         raise PlanFolderError(f"{place}: no such folder; make one with nospill plan SCENARIO -o DIR")
@@ -33,17 +54,22 @@ def load_plan(folder: str | Path) -> Plan:
         certificate = parsed_json((place / CERTIFICATE_FILE).read_text(encoding="utf-8-sig"))
         summary = parsed_json((place / SUMMARY_FILE).read_text(encoding="utf-8-sig"))
         maxima, report = restored_records(summary)
-        scene = read_scenario(place / SCENARIO_FILE)
+        unjudged = _unjudged(summary)
+        scene = constrained(read_scenario(place / SCENARIO_FILE), constraints)
+        names = {limit.name for limit in scene.constraints}
+        scene = scene.with_constraints(scene.constraints, [limit for limit in unjudged if limit.name not in names])
+        known = names.union(limit.name for limit in unjudged)
         return Plan(
             scene=scene,
             trajectory=read_trajectory(place / TRAJECTORY_FILE),
             certificate=Certificate(
-                ok=certificate["ok"],
+                ok=certificate["ok"] and not scene.unjudged,
                 grid_hz=certificate["grid_hz"],
-                rows=_rows(certificate["rows"]),
+                rows=_rows([row for row in certificate["rows"] if row["constraint"] not in known]),
                 published=bool(certificate.get("published", False)),
                 modes=certificate.get("modes"),
                 full_model=_broken(certificate),
+                unjudged=scene.unjudged,
             ),
             maxima=maxima,
             report=report,
@@ -54,6 +80,11 @@ def load_plan(folder: str | Path) -> Plan:
         # the repr of an error of decoding holds the whole file
         reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
+
+
+def _unjudged(summary: dict[str, Any]) -> list[LimitRecord]:
+    """Limits from Python that the plan was saved with; an older one has none."""
+    return [LimitRecord.of(entry) for entry in summary.get("constraints", ())]
 
 
 def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | None:

@@ -21,7 +21,7 @@ from nospill.judge.limiting import held_back, would_save
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.replay import tray_from_joints
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, full_model_note, remedy
+from nospill.judge.wording import describe, finding, full_model_note, remedy
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
@@ -32,6 +32,7 @@ from nospill.plans.warnings import plan_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.plans.warnings.speeds import other_speeds
 from nospill.robots.kinematics.forward import ToolMotions
+from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
 
 
@@ -80,7 +81,7 @@ class Plan:
             )
         longest = self.scene.planning.max_plan_time
         ended = f" Planning ended at planning.max_plan_time = {longest:g} s: allow more." if self.report.ran_out else ""
-        return f"Not certified: {describe(worst)}.{remedy(worst, self.trajectory.rate)}{ended}"
+        return f"Not certified: {finding(self.certificate)}.{remedy(worst, self.trajectory.rate)}{ended}"
 
     @property
     def certified_speeds(self) -> tuple[float, float] | None:
@@ -330,6 +331,10 @@ def _certificate_summary(plan: Plan) -> dict[str, Any]:
     }
 
 
+def _limits(scene: Scene) -> tuple[LimitRecord, ...]:
+    return (*(limit.record for limit in scene.constraints), *scene.unjudged)
+
+
 def _approach_summary(plan: Plan) -> dict[str, Any] | None:
     segment = plan.approach
     if segment is None:
@@ -357,6 +362,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "constraints": _Computed(lambda plan: [limit.to_dict() for limit in _limits(plan.scene)]),
     "held_back": _Computed(lambda plan: plan.held_back),
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),

@@ -14,7 +14,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import Limiting, held_back, limiting_rows
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Row, Trace
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.parameters import constants
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
@@ -102,7 +102,7 @@ class Evidence:
 
     def by_constraint(self, point: EvaluationPoint) -> dict[str, tuple[Trace, ...]]:
         """The traces of every constraint of one point that applies, by constraint, in the order of the certificate."""
-        names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point]
+        names = [constraint.name for constraint in constraints_of(self.plan.scene) if constraint.evaluated_at is point]
         return {name: traces for name in names if (traces := self.traces(name))}
 
     def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:

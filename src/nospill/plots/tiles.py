@@ -8,7 +8,6 @@ from nospill.core.short_names import short_names
 from nospill.judge.rims import rim_distances
 from nospill.judge.verdict import Row
 from nospill.judge.wording import reserve, row_text
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -49,9 +48,7 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
     joint_limits = [
         row
         for row in certificate.rows
-        if row.constraint in BY_NAME
-        and BY_NAME[row.constraint].role is Role.JOINT
-        and row.constraint != JointPosition.name
+        if row.known is not None and row.known.role is Role.JOINT and row.constraint != JointPosition.name
     ]
     found = [
         Tile(f"{evidence.end_time:.3f} s", "duration"),

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from nospill.execution.executed import Executed
 from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, full_model_note, integrity_line, row_text
+from nospill.judge.wording import describe, finding, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
@@ -107,9 +107,7 @@ def make_report(
     if certificate.ok:
         detail = f"All {len(certificate.rows)} rows hold, {grid}. Nearest to its limit: {describe(certificate.worst)}."
     else:
-        detail = (
-            f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {describe(certificate.worst)}."
-        )
+        detail = f"{len(failed)} of {len(certificate.rows)} rows fail, {grid}. First of all: {finding(certificate)}."
     digest = hashlib.sha256(trajectory_text(plan.trajectory).encode()).hexdigest()
     return Report(
         evidence=evidence,

@@ -9,6 +9,7 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.scene.containers.base import Container, MassProperties
+from nospill.scene.limits import Limit
 from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import Oscillator, SloshModes
 from nospill.scene.surface_tension.tension import ContactLine
@@ -118,6 +119,7 @@ class Cargo:
         seat: height of its bottom above the tray, m.
         carried: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
         speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
+        constraints: those of `Scene.constraints` that are about it.
     """
 
     name: str
@@ -137,6 +139,7 @@ class Cargo:
     seat: float = 0.0
     carried: Carried | None = None
     speed: float = 1.0
+    constraints: tuple[Limit, ...] = ()
 
     @property
     def is_slowed(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Literal, Protocol
@@ -17,6 +17,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
+from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.places import Region, Via
 from nospill.scene.tray import Tray
@@ -174,7 +175,7 @@ class Origin(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One planning task, complete. Scenes are equal that were read from equal tables.
+    """One planning task, complete. Scenes are equal that were read from equal tables and have equal constraints.
 
     A copy by `dataclasses.replace` is for the functions that compute with it: it equals itself alone, and is neither
     planned nor saved, for its parts are not what its origin says. `changed` makes another scene.
@@ -199,6 +200,8 @@ class Scene:
         regions: boxes that tray and cargo stay in.
         controller: how the joints follow their command; None where they do what they are asked for.
         as_read: whether it is the very scene that was read; a copy by `dataclasses.replace` is not.
+        constraints: limits given from Python, beside those of the scenario (`with_constraints`).
+        unjudged: limits of the same kind that a plan was saved with and that are not at hand; no verdict holds without.
     """
 
     name: str
@@ -218,12 +221,15 @@ class Scene:
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
     regions: tuple[Region, ...] = ()
+    constraints: tuple[Limit, ...] = ()
+    unjudged: tuple[LimitRecord, ...] = ()
     as_read: bool = field(default=False, init=False, repr=False)
 
     def __eq__(self, other: object) -> bool:
         if self is other or not isinstance(other, Scene):
             return self is other
-        return self.as_read and other.as_read and self.origin == other.origin
+        same = self.constraints == other.constraints and self.unjudged == other.unjudged
+        return same and self.as_read and other.as_read and self.origin == other.origin
 
     def __hash__(self) -> int:
         return hash(self.name)
@@ -251,7 +257,7 @@ class Scene:
         Raises:
             ScenarioError: a key is unknown, an object is not there, or the scenario describes no possible task.
         """
-        return self.require_as_read().origin.changed(changes)
+        return self.require_as_read().origin.changed(changes).limited_as(self)
 
     def save(self, file: str | FilePath) -> None:
         """Write the scenario as TOML that needs no other file, whole or not at all; reading it gives an equal scene.
@@ -278,6 +284,25 @@ class Scene:
                 'makes it; use scene.changed({"cargo.c1.friction": 0.4}), which is checked like a file'
             )
         return self
+
+    def with_constraints(self, constraints: Iterable[Limit], unjudged: Iterable[LimitRecord] = ()) -> Scene:
+        """The scene with limits beside those of its scenario, in the place of those it has; the objects know theirs."""
+        limits = tuple(constraints)
+        named = [(limit, limit.named(self)) for limit in limits if limit.is_of_objects]
+        cargo = tuple(
+            replace(item, constraints=tuple(limit for limit, names in named if item.name in names))
+            if named or item.constraints
+            else item
+            for item in self.cargo
+        )
+        made = replace(self, cargo=cargo, constraints=limits, unjudged=tuple(unjudged))
+        return made.marked_as_read() if self.as_read else made
+
+    def limited_as(self, other: Scene) -> Scene:
+        """The scene with the limits another one has beside its scenario; one read from a changed table has none."""
+        if not (other.constraints or other.unjudged):
+            return self
+        return self.with_constraints(other.constraints, other.unjudged)
 
     @property
     def keeps_distances(self) -> bool:

@@ -17,10 +17,10 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, frame_at_rest
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench
-from nospill.laws.kinds import object_kind, symbolic_object
+from nospill.laws.kinds import functions_of_kind, limited_object_kind, symbolic_object
 from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure
 from nospill.laws.sample import ObjectSample, Sample, object_motion, object_states, sample_objects
 from nospill.laws.slosh.motion import motion_residual
@@ -99,28 +99,28 @@ class EndBlock:
     compiled: bool
 
 
-def constraint_names(point: EvaluationPoint) -> tuple[str, ...]:
-    """Constraints at one of the points of objects, in the order of their back-off among the parameters."""
-    return tuple(constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at is point)
+def constraint_names(point: EvaluationPoint, kind: Structure) -> tuple[str, ...]:
+    """Constraints of an object at one of its points, in the order of their back-off among the parameters."""
+    return tuple(constraint.name for constraint in constraints_of(kind) if constraint.evaluated_at is point)
 
 
 def object_block(structure: Structure, item: ObjectStructure) -> ObjectBlock:
     """The block of an object of a structure."""
     tilt, offset, yaw = structure.freedom
     kind = replace(
-        object_kind(structure, item), tilt_free=tilt, offset_free=offset, yaw_free=yaw, slowed=structure.slowed
+        limited_object_kind(structure, item), tilt_free=tilt, offset_free=offset, yaw_free=yaw, slowed=structure.slowed
     )
     return _object_block(kind)
 
 
 def end_block(structure: Structure, item: ObjectStructure) -> EndBlock:
     """The rows of an object on the final state, the tray at rest and level."""
-    return _end_block(object_kind(structure, item, end=structure.end))
+    return _end_block(limited_object_kind(structure, item, end=structure.end))
 
 
 @kept(maxsize=64)
 def _object_block(kind: Structure) -> ObjectBlock:
-    made, data, compiled = codegen.functions("object", kind, lambda: _build(kind), of_columns=SHARED_OF_OBJECT)
+    made, data, compiled = functions_of_kind("object", kind, lambda: _build(kind), of_columns=SHARED_OF_OBJECT)
     names = ("tray_jacobian", "own_jacobian", "cross_hessian", "own_hessian")
     triplets = {name: _triplets(data[name]) for name in names}
     return ObjectBlock(kind.objects[0].coordinates, Rows.of(data["rows"]), **triplets, **made, compiled=compiled)
@@ -128,7 +128,7 @@ def _object_block(kind: Structure) -> ObjectBlock:
 
 @kept(maxsize=64)
 def _end_block(kind: Structure) -> EndBlock:
-    made, data, compiled = codegen.functions("end", kind, lambda: _build_end(kind))
+    made, data, compiled = functions_of_kind("end", kind, lambda: _build_end(kind))
     triplets = {name: _triplets(data[name]) for name in ("jacobian", "hessian")}
     return EndBlock(Rows.of(data["rows"]), **triplets, **made, compiled=compiled)
 
@@ -149,7 +149,7 @@ class _Symbols:
 
 def _symbols(kind: Structure, point: EvaluationPoint, variables: int) -> _Symbols:
     flat, numbers = symbolic_object(kind)
-    names = constraint_names(point)
+    names = constraint_names(point, kind)
     interval_scale, scales, fractions = SX.sym("hs"), SX.sym("scales", variables), SX.sym("backoff", len(names))
     backoff = {RowIndex(name, 0): fractions[index] for index, name in enumerate(names)}
     return _Symbols(ca.vertcat(flat, interval_scale, scales, fractions), numbers, interval_scale, scales, backoff)

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.kinds import numbers_of_object, numbers_of_tray
+from nospill.laws.kinds import limited_object_kind, numbers_of_object, numbers_of_tray
 from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers, flatten, places
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names
 from nospill.transcription.path_expression import path_table, piece_degree
-from nospill.transcription.stage import Block, RowIndex, Rows
+from nospill.transcription.stage import Block, RowIndex, Rows, subject_count
 from nospill.transcription.tray_block import TrayBlock, tray_keys
 
 
@@ -75,8 +75,8 @@ class PlacedTray:
 
 def backoff_keys(structure: Structure) -> tuple[RowIndex, ...]:
     """Every (constraint, subject) the structure can have, in a fixed order."""
-    counts = max(len(structure.objects), len(structure.joints), 3)
-    return tuple(RowIndex(constraint.name, subject) for constraint in CONSTRAINTS for subject in range(counts))
+    counts, constraints = subject_count(structure), constraints_of(structure)
+    return tuple(RowIndex(constraint.name, subject) for constraint in constraints for subject in range(counts))
 
 
 def tray_variables(layout: Layout) -> np.ndarray:
@@ -121,7 +121,7 @@ class GatheredRows:
     subjects: tuple[Mapping[str, int], ...]
 
 
-def gathered(of_objects: Sequence[Rows], point: EvaluationPoint, *, first: int) -> GatheredRows:
+def gathered(structure: Structure, of_objects: Sequence[Rows], point: EvaluationPoint, *, first: int) -> GatheredRows:
     """The rows of objects, each with blocks of its own, at one of the points of objects; they start at row `first`."""
     blocks: list[Block] = []
     places_of = [np.zeros(len(rows.lower), dtype=int) for rows in of_objects]
@@ -129,7 +129,7 @@ def gathered(of_objects: Sequence[Rows], point: EvaluationPoint, *, first: int) 
     tables = [{(one.repetition, one.constraint): one for one in rows.blocks} for rows in of_objects]
     lower, upper, count = [np.zeros(0)], [np.zeros(0)], first
     for repetition in range(2):
-        for name in constraint_names(point):
+        for name in constraint_names(point, structure):
             members = [index for index, table in enumerate(tables) if (repetition, name) in table]
             for subject, index in enumerate(members):
                 block = tables[index][repetition, name]
@@ -149,6 +149,7 @@ class ParameterPlaces:
 
     Attributes:
         degree: of the path's pieces.
+        structure: of the scene.
         numbers: places of the scene's numbers.
         layout: of a stage.
         scales: place of the first scale of a stage.
@@ -158,6 +159,7 @@ class ParameterPlaces:
     """
 
     degree: int
+    structure: Structure
     numbers: SceneNumbers
     layout: Layout
     scales: int
@@ -173,7 +175,8 @@ class ParameterPlaces:
         keys = backoff_keys(structure)
         backoff = {key: scales + layout.size + index for index, key in enumerate(keys)}
         intervals = scales + layout.size + len(keys)
-        return cls(piece_degree(structure), numbers, layout, scales, backoff, intervals, tray_keys(structure))
+        degree, of_tray = piece_degree(structure), tray_keys(structure)
+        return cls(degree, structure, numbers, layout, scales, backoff, intervals, of_tray)
 
     @property
     def count(self) -> int:
@@ -197,6 +200,7 @@ class ParameterPlaces:
         """What the block of an object reads that has these variables and is these subjects of the constraints."""
         own = flatten(numbers_of_object(self.numbers, index)).astype(int)
         # a constraint that does not apply to the object is not read: any subject will do
-        backoff = [self.backoff[RowIndex(name, subjects.get(name, 0))] for name in constraint_names(point)]
+        names = constraint_names(point, limited_object_kind(self.structure, self.structure.objects[index]))
+        backoff = [self.backoff[RowIndex(name, subjects.get(name, 0))] for name in names]
         scales = [self.scales + self.layout.interval, *(self.scales + variables)]
         return np.concatenate([own, scales, backoff]).astype(int)

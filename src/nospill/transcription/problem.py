@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import RowId
 from nospill.laws.parameters import Number, SceneNumbers, Structure
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
@@ -199,7 +199,7 @@ def build_problem(
 
 def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
     """Every row of a scene with the index of its subject."""
-    for constraint in CONSTRAINTS:
+    for constraint in constraints_of(scene):
         for index, subject in enumerate(constraint.subjects(scene)):
             yield index, RowId(constraint.name, subject)
 

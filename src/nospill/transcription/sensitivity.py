@@ -12,7 +12,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import ALL, JointKey, LimitKey, MotionKey, ObjectKey, RowId
 from nospill.laws.parameters import ObjectNumbers, SceneNumbers
 from nospill.transcription.problem import Backoff, Problem
@@ -48,10 +48,11 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         holds objects against turning.
     """
     found: dict[str, float] = {}
+    known = by_name(problem.scene)
     if problem.scene.motion.duration is not None:
         return found
     for row in rows:
-        constraint = BY_NAME.get(row.constraint)
+        constraint = known.get(row.constraint)
         key = constraint.limit_key if constraint is not None else None
         name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
         if name in found:

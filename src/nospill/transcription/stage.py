@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
+from nospill.laws.parameters import Structure
 from nospill.laws.sample import Sample
 
 
@@ -51,6 +52,12 @@ class Block:
         return RowIndex(self.constraint, self.subject)
 
 
+def subject_count(structure: Structure) -> int:
+    """Most subjects that a constraint has in a structure; three of them are directions."""
+    given = (item.count for item in structure.constraints)
+    return max(len(structure.objects), len(structure.joints), 3, *given)
+
+
 class RowCollector:
     """Gathers smooth rows and remembers which constraint and subject each belongs to."""
 
@@ -64,7 +71,7 @@ class RowCollector:
 
     def add(self, sample: Sample, points: tuple[EvaluationPoint, ...], repetition: int = 0) -> None:
         """Add every constraint of the given points."""
-        for constraint in CONSTRAINTS:
+        for constraint in constraints_of(sample.structure):
             if constraint.evaluated_at not in points:
                 continue
             for subject, budgets in enumerate(constraint.budgets(sample)):

@@ -105,8 +105,8 @@ def stage_functions(structure: Structure) -> StageFunctions:
     equalities = tray.fixed - tray.gaps
     fixed = layout.states + equalities + 2 * layout.coordinates
     before = fixed + len(tray.rows.lower)
-    rows = gathered([block.rows for block in blocks], EvaluationPoint.OBJECT, first=before)
-    end_rows = gathered([end.rows for end in ends], EvaluationPoint.END, first=0)
+    rows = gathered(structure, [block.rows for block in blocks], EvaluationPoint.OBJECT, first=before)
+    end_rows = gathered(structure, [end.rows for end in ends], EvaluationPoint.END, first=0)
     parameters = ParameterPlaces.of(structure)
     tray_rows = [*range(tray.gaps), *range(layout.states, layout.states + equalities), *range(fixed, before)]
     path, breaks = parameters.path()

@@ -19,16 +19,16 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.kinds import symbolic_tray, tray_kind
+from nospill.laws.kinds import functions_of_kind, symbolic_tray, tray_kind
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import Sample
 from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
-from nospill.transcription.stage import RowCollector, RowIndex, Rows
+from nospill.transcription.stage import RowCollector, RowIndex, Rows, subject_count
 from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
 from nospill.transcription.tray_state import TrayState
 
@@ -93,9 +93,9 @@ class TrayBlock:
 
 def tray_keys(structure: Structure) -> tuple[RowIndex, ...]:
     """Every (constraint, subject) of the tray and the joints, in the order of their back-off among the parameters."""
-    count = max(len(structure.joints), 3)
-    names = [constraint.name for constraint in CONSTRAINTS if constraint.evaluated_at in _POINTS]
-    return tuple(RowIndex(name, subject) for name in names for subject in range(count))
+    kind = tray_kind(structure)
+    names = [constraint.name for constraint in constraints_of(kind) if constraint.evaluated_at in _POINTS]
+    return tuple(RowIndex(name, subject) for name in names for subject in range(subject_count(kind)))
 
 
 def tray_block(structure: Structure) -> TrayBlock:
@@ -105,7 +105,7 @@ def tray_block(structure: Structure) -> TrayBlock:
 
 @kept(maxsize=16)
 def _block(kind: Structure) -> TrayBlock:
-    made, data, compiled = codegen.functions("tray", kind, lambda: _build(kind), of_columns=SHARED_OF_TRAY)
+    made, data, compiled = functions_of_kind("tray", kind, lambda: _build(kind), of_columns=SHARED_OF_TRAY)
     jacobian, hessian = (tuple(np.array(part, dtype=int) for part in data[name]) for name in ("jacobian", "hessian"))
     return TrayBlock(
         layout_of(kind),
@@ -224,6 +224,7 @@ def _rows(
         joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
         tilt=_values(stage, layout.freedom.tilt_chains),
         offset=_values(stage, layout.freedom.offset_chains),
+        tray_position=tray.position,
         tray_velocity=tray.velocity + stage[layout.interval] / 2 * acceleration,
         tray_acceleration=acceleration,
         jerks=stage[layout.jerks],

@@ -57,7 +57,8 @@ def _shown(film: Film) -> str:
         said = f"the {kind} that keeps all {count} limits: nothing {spills}lifts, slides, tips or twists"
     else:
         failed = [row.label for row in certificate.rows if not row.ok]
-        said = f"{len(failed)} of {count} limits fail, first {failed[0]}"
+        missing = [f'"{limit.name}" was not judged' for limit in certificate.unjudged]
+        said = f"{len(failed)} of {count} limits fail, first {[*failed, *missing][0]}"
     return escape(f"{scene.robot.title} carries {_load(scene)}; {said}.")
 
 

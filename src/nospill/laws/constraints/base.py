@@ -133,21 +133,34 @@ LimitKey = ObjectKey | JointKey | MotionKey
 
 @dataclass(frozen=True, slots=True)
 class Cone:
-    """|demand| <= capacity; demand (k, 1), capacity scalar, `scale` a positive size of the capacity, same unit."""
+    """|demand| <= capacity.
+
+    Attributes:
+        demand: (k, 1).
+        capacity: scalar, same unit.
+        scale: a positive size of the capacity; the capacity itself, where that is positive and constant.
+    """
 
     demand: SX
-    capacity: SX
-    scale: SX
+    capacity: SX | float
+    scale: SX | float
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """lower <= value <= upper, or lower <= value where `upper` is None, in units of `scale`."""
+    """lower <= value <= upper.
+
+    Attributes:
+        value: scalar.
+        lower: scalar, same unit.
+        upper: likewise; None for a limit from below alone.
+        scale: a positive size of them.
+    """
 
     value: SX
-    lower: SX
-    upper: SX | None
-    scale: SX
+    lower: SX | float
+    upper: SX | float | None
+    scale: SX | float
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,12 +217,12 @@ def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
     if isinstance(budget, Range):
         low = budget.value - budget.lower
         if budget.upper is None:
-            return budget.value, budget.lower, low
+            return budget.value, SX(budget.lower), low
         high = budget.upper - budget.value
         return budget.value, ca.if_else(low < high, budget.lower, budget.upper), ca.fmin(low, high)
     demand = ca.norm_2(budget.demand) if budget.demand.numel() > 1 else ca.fabs(budget.demand)
     if not relative:
-        return demand, budget.capacity, budget.capacity - demand
+        return demand, SX(budget.capacity), budget.capacity - demand
     # Without pressing force there is no budget: what is missing counts as demand, in millionths of the scale.
     floor = 1e-6 * budget.scale
     use = (demand + ca.fmax(floor - budget.capacity, 0)) / ca.fmax(budget.capacity, floor)
@@ -241,13 +254,14 @@ class Constraint(ABC):
             zero says nothing.
         limit_key: where the scenario has the limit; None where no key relaxes this constraint alone.
         in_words: what holds a motion back where this limit does, about a "{subject}"; where it is empty, the name.
+        objects: names of the objects that a limit given from Python is about; empty for all that `subjects` names.
     """
 
-    name: ClassVar[str]
+    name: str
     unit: ClassVar[str]
     role: ClassVar[Role]
     evaluated_at: ClassVar[EvaluationPoint]
-    description: ClassVar[str]
+    description: ClassVar[str] = ""
     relative: ClassVar[bool] = False
     backoff: ClassVar[float] = 1e-3
     restart_backoff: ClassVar[float] = 0.0
@@ -256,6 +270,7 @@ class Constraint(ABC):
     least_size: ClassVar[float] = 0.0
     limit_key: ClassVar[LimitKey | None] = None
     in_words: ClassVar[str] = ""
+    objects: tuple[str, ...] = ()
 
     @abstractmethod
     def subjects(self, scene: Scene) -> tuple[str, ...]:
