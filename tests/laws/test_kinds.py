@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.laws.kinds import (
+    limited_object_kind,
     motion_kind,
     numbers_of_object,
     numbers_of_tray,
@@ -57,7 +58,7 @@ def test_what_an_object_reads_makes_another_kind() -> None:
     assert len(kinds) == 3  # a cup twice, a box, a solid
     deliverable = dataclasses.replace(MIXED, fidelity="deliverable")
     assert object_kind(deliverable, MIXED.objects[0]) not in kinds
-    assert object_kind(MIXED, MIXED.objects[0], end="still") not in kinds
+    assert limited_object_kind(MIXED, MIXED.objects[0], end="still") not in kinds
 
 
 def test_symbols_of_a_part_take_the_numbers_of_the_scene() -> None:

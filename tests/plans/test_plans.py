@@ -16,6 +16,7 @@ from nospill.export.plan_files import compare_plan_files
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.verdict import Certificate, Row, limit_use
 from nospill.judge.wording import describe, shown_unit
+from nospill.laws.constraints import BY_NAME
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
@@ -61,13 +62,13 @@ def judged() -> tuple[Plan, Judgement]:
     ],
 )
 def test_use_of_a_limit(constraint: str, limit: float, margin: float, use: float) -> None:
-    assert limit_use(constraint, limit, margin) == pytest.approx(use)
+    assert limit_use(BY_NAME.get(constraint), limit, margin) == pytest.approx(use)
     assert row(constraint, 0.0, limit, margin).use == pytest.approx(use)
-    assert limit_use(constraint, np.full(3, limit), np.full(3, margin)) == pytest.approx(np.full(3, use))
+    assert limit_use(BY_NAME.get(constraint), np.full(3, limit), np.full(3, margin)) == pytest.approx(np.full(3, use))
 
 
 def test_a_margin_that_is_no_number_is_the_worst() -> None:
-    assert limit_use("slip", 1.0, np.nan) == np.inf
+    assert limit_use(BY_NAME["slip"], 1.0, np.nan) == np.inf
 
 
 @given(
@@ -79,9 +80,9 @@ def test_a_margin_that_is_no_number_is_the_worst() -> None:
 def test_use_falls_as_the_margin_grows_and_is_one_at_the_limit(
     constraint: str, limit: float, margin: float, more: float
 ) -> None:
-    assert limit_use(constraint, limit, margin + more) <= limit_use(constraint, limit, margin)
-    assert (limit_use(constraint, limit, margin) > 1.0) == (margin < 0.0) or abs(margin) < 1e-12
-    assert limit_use(constraint, limit, 0.0) == 1.0
+    assert limit_use(BY_NAME.get(constraint), limit, margin + more) <= limit_use(BY_NAME.get(constraint), limit, margin)
+    assert (limit_use(BY_NAME.get(constraint), limit, margin) > 1.0) == (margin < 0.0) or abs(margin) < 1e-12
+    assert limit_use(BY_NAME.get(constraint), limit, 0.0) == 1.0
 
 
 def test_limits_of_zero_are_neither_far_nor_near_by_themselves() -> None:

@@ -24,7 +24,6 @@ from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.plots import evidence as evidence_module
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
@@ -196,16 +195,16 @@ def test_one_panel_per_constraint_one_line_per_object(tilting: Evidence, picture
 
 
 @pytest.mark.slow
-def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence) -> None:
     """A constraint that plots has never heard of, which may be missing for some objects."""
     known = next(constraint for constraint in CONSTRAINTS if constraint.name == "tip")
     splash = type("Splash", (type(known),), {"name": "splash", "unit": "m/s"})()
     t = tilting.judgement.replay.t
     value = np.linspace(0.0, 0.7, len(t))
     extra = Trace("splash", "box", "m/s", t, value, np.full(len(t), 0.5), 0.5 - value)
-    monkeypatch.setattr(evidence_module, "CONSTRAINTS", (*CONSTRAINTS, splash))
+    scene = dataclasses.replace(tilting.plan.scene, constraints=(splash,))
     judgement = dataclasses.replace(tilting.judgement, traces=(*tilting.judgement.traces, extra))
-    figure = drawn(Evidence(tilting.plan, judgement))["margins"]
+    figure = drawn(Evidence(dataclasses.replace(tilting.plan, scene=scene), judgement))["margins"]
     axes = next(axes for axes in panels(figure) if axes.get_title(loc="left") == "splash")
     shown = [axes.get_title(loc="right"), *(item.get_text() for item in axes.texts)]
     assert "max 140.0 % (box)" in shown

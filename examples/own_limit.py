@@ -1,0 +1,60 @@
+"""A limit of one's own: the tray arrives slowly, whatever it does before.
+
+python examples/own_limit.py
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+import nospill as ns
+
+
+@dataclass(frozen=True)
+class SlowArrival(ns.Constraint):
+    """Speed of the tray's centre: at most `most` within `radius` of the goal, and more the farther away it is.
+
+    Attributes:
+        goal: x, y, z, m.
+        most: m/s.
+        radius: m.
+        gain: by how much more for each metre farther away, 1/s.
+    """
+
+    goal: tuple[float, float, float]
+    most: float
+    radius: float = 0.10
+    gain: float = 8.0
+
+    name = "slow arrival"
+    unit = "m/s"
+    role = ns.Role.TRAY
+    evaluated_at = ns.EvaluationPoint.TRAY
+
+    def subjects(self, scene: ns.Scene) -> tuple[str, ...]:
+        return ("tray",)
+
+    def budgets(self, sample: ns.Sample) -> tuple[tuple[ns.Cone, ...], ...]:
+        distance = ca.sqrt(ca.sumsqr(sample.tray_position - ca.DM(self.goal)) + 1e-8)  # has a slope at the goal too
+        allowed = self.most + self.gain * ca.fmax(distance - self.radius, 0)
+        return ((ns.Cone(sample.tray_velocity, allowed, self.most),),)
+
+
+def main() -> None:
+    """Plan with the limit and without; save, and judge what was saved with the limit and without."""
+    scene = ns.load("matrix-liquid")
+    goal = tuple(scene.path.at([1.0])[0, :3].tolist())
+    limit = SlowArrival(goal, most=0.15)
+    free, slow = ns.plan(scene), ns.plan(scene, constraints=[limit])
+    print(f"without it {free.duration:.3f} s, with it {slow.duration:.3f} s: {slow.held_back}")
+    print(f"the motion without it is judged by it: {ns.certify(free.trajectory, scene, constraints=[limit]).word}")
+
+    slow.save("out/slow-arrival")
+    print(ns.load_plan("out/slow-arrival").message)
+    print(ns.load_plan("out/slow-arrival", constraints=[limit]).message)
+
+
+if __name__ == "__main__":
+    main()
