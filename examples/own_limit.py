@@ -34,10 +34,12 @@ class SlowArrival(ns.Constraint):
     evaluated_at = ns.EvaluationPoint.TRAY
 
     def subjects(self, scene: ns.Scene) -> tuple[str, ...]:
+        """Of what there is a row each."""
         return ("tray",)
 
     def budgets(self, sample: ns.Sample) -> tuple[tuple[ns.Cone, ...], ...]:
-        distance = ca.sqrt(ca.sumsqr(sample.tray_position - ca.DM(self.goal)) + 1e-8)  # has a slope at the goal too
+        """For each subject what has to hold at every instant: |demand| <= capacity."""
+        distance = ca.sqrt(ca.sumsqr(sample.tray_position - ca.DM(self.goal)) + 1e-8)  # smooth at the goal
         allowed = self.most + self.gain * ca.fmax(distance - self.radius, 0)
         return ((ns.Cone(sample.tray_velocity, allowed, self.most),),)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from nospill.errors import ScenarioError
 from nospill.judge.verdict import limit_use
+from nospill.judge.wording import finding
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role
 from nospill.laws.constraints.lift import Lift
@@ -93,7 +94,8 @@ def margins(
         progress: called after each batch.
 
     Raises:
-        ScenarioError: a number of samples that is not allowed, or a range that empties a cup or fills it over its rim.
+        ScenarioError: a number of samples that is not allowed, a constraint that is not at hand, or a range that
+            empties a cup or fills it over its rim.
         ModelError: the slosh model does not cover a drawn filling.
     """
     if not 1 <= samples <= LARGEST_SAMPLES:
@@ -101,6 +103,8 @@ def margins(
     if seed < 0:
         raise ScenarioError(f"seed = {seed}: a whole number of at least 0 is needed")
     scene = plan.scene
+    if scene.unjudged:
+        raise ScenarioError(f"the margins of this plan cannot be studied: {finding(plan.certificate)}")
     used = _for_each(scene, ranges)
     for cargo, own in zip(scene.cargo, used, strict=True):
         require_valid_fill(cargo, own.fill, key="range of fill")

@@ -46,6 +46,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
         ("at the end", _end(scene)),
         *_waiting(scene, approach),
         *_tray_limits(scene.motion),
+        *_given_limits(scene),
         ("smoothness", _jerks(scene)),
         *_tolerances(scene),
         ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
@@ -217,6 +218,12 @@ def _tray_limits(rules: MotionRules) -> list[tuple[str, str]]:
     limits = ((rules.max_speed, "speed", "m/s"), (rules.max_acceleration, "acceleration", "m/s²"))
     found = [f"{name} up to {limit:.4g} {unit}" for limit, name, unit in limits if limit is not None]
     return [("centre of the tray", ", ".join(found))] if found else []
+
+
+def _given_limits(scene: Scene) -> list[tuple[str, str]]:
+    """Limits beside those of the scenario, with their numbers."""
+    given = [(limit.record, "") for limit in scene.constraints] + [(one, ", not judged") for one in scene.unjudged]
+    return [(f"limit: {record.name}", f"{record.text}{note}") for record, note in given]
 
 
 def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tuple[str, ...]:
