@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.planning import baseline, report, scenes
 from nospill.core.frames import SX
+from nospill.core.trees import constants
 from nospill.laws.like_objects import outer_objects
-from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_acceleration

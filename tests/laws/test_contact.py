@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.core.frames import FrameMotion
+from nospill.core.trees import flatten
 from nospill.laws.constraints import Tip, Twist
 from nospill.laws.constraints.base import figures
-from nospill.laws.parameters import flatten, parameter_count, symbolic_numbers
+from nospill.laws.parameters import parameter_count, symbolic_numbers
 from nospill.laws.sample import Sample, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.core.trees import flatten, places
 from nospill.laws.kinds import (
     limited_object_kind,
     motion_kind,
@@ -19,7 +20,7 @@ from nospill.laws.kinds import (
     symbolic_tray,
     tray_kind,
 )
-from nospill.laws.parameters import blank_numbers, flatten, places
+from nospill.laws.parameters import blank_numbers
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scene.scene import Scene
 from tests.builders import one_mode

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from nospill.core.frames import SX, body_motion
+from nospill.core.trees import constants
 from nospill.judge.replay import Replay, replay
-from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, object_states, sample_objects
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_accelerations

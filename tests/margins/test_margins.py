@@ -18,9 +18,9 @@ from scipy.stats import binomtest
 from typer.testing import CliRunner
 
 from nospill.cli import app
+from nospill.core.trees import flatten
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import judge
-from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, laws, margins, probability, study
 from nospill.margins.arms import ArmRanges, drawn_arms

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from nospill.core.frames import SX, frame_at_rest
+from nospill.core.trees import constants
 from nospill.errors import ScenarioError
-from nospill.laws.parameters import constants
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scenario import read_scenario, scene_from_table

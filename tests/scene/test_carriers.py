@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from nospill.core.frames import SX
+from nospill.core.trees import constants
 from nospill.judge.replay import body_motion
 from nospill.laws.contact import contact_wrench
 from nospill.laws.like_objects import outer_objects
-from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion, object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.integrate import integrate, runge_kutta_step, step_sequence

@@ -15,9 +15,10 @@ import pytest
 
 from nospill.compiled.kept import forget_functions
 from nospill.core.frames import SX, FrameMotion
+from nospill.core.trees import constants
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
-from nospill.laws.parameters import Freedom, constants
+from nospill.laws.parameters import Freedom
 from nospill.laws.sample import Sample, object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.motion import motion_residual

@@ -48,8 +48,8 @@ def test_without_limits_no_row_and_the_kinds_of_other_scenes(changed_scene: Call
     for constraint in (TraySpeed(), TrayAcceleration()):
         assert constraint.subjects(bare) == () and constraint.subjects(scene) == ("tray",)
     plain, other = structure_of(bare), structure_of(scene)
-    assert plain.tray_limits == () and other.tray_limits == ("speed", "acceleration")
-    assert replace(other, tray_limits=()) == plain
+    assert plain.motion_limits == () and other.motion_limits == ("max_speed", "max_acceleration")
+    assert replace(other, motion_limits=()) == plain
     assert motion_kind(plain) == motion_kind(other)
     assert object_kind(plain, plain.objects[0]) == object_kind(other, other.objects[0])
     problem = build_problem(replace(bare, cargo=bare.cargo[:1]), INTERVALS, nominal_duration=1.8, backoff={})

@@ -10,12 +10,12 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
+from nospill.core.trees import constants
 from nospill.drawing.surfaces import liquid_surface
 from nospill.judge.certificate import Judgement
 from nospill.judge.replay import Replay
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_speed import JointSpeed
-from nospill.laws.parameters import constants
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_motion

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.core.batches import evaluate
+from nospill.core.trees import flatten
 from nospill.errors import ModelError
 from nospill.judge.replay import liquid_steps, tray_from_joints
 from nospill.judge.traces import object_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.kinds import numbers_of_object, object_kind
-from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import integrate
 from nospill.motion.interpolation import JointMotion

@@ -17,14 +17,9 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
+from nospill.core.trees import flatten
 from nospill.laws.constraints.residual_height import height_bound
-from nospill.laws.parameters import (
-    ObjectNumbers,
-    ObjectStructure,
-    flatten,
-    object_parameter_count,
-    symbolic_object_numbers,
-)
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure, object_parameter_count, symbolic_object_numbers
 from nospill.laws.sample import object_states
 from nospill.laws.slosh.residual import free_states
 

@@ -17,8 +17,9 @@ from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
+from nospill.core.trees import flatten
 from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
-from nospill.laws.parameters import SceneNumbers, Structure, flatten
+from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.laws.slosh.integrate import SHARED, STEPS, integrate, refined, runge_kutta_step, step_sequence

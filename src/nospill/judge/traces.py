@@ -13,6 +13,7 @@ from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
+from nospill.core.trees import flatten
 from nospill.judge.after_end import residual_height
 from nospill.judge.beside_path import passing_traces, played_offset
 from nospill.judge.replay import Replay, slosh_accelerations, states_at
@@ -29,10 +30,11 @@ from nospill.laws.kinds import (
     symbolic_tray,
     tray_kind,
 )
-from nospill.laws.parameters import SceneNumbers, Structure, flatten
+from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.motion.beside_path import recorded_freedom
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -182,15 +184,19 @@ def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
 
 
 def control_inputs(trajectory: Trajectory, scene: Scene) -> Inputs:
-    """Inputs at `EvaluationPoint.CONTROL`: tilt (2, m), jerks as in `Sample` (c, m), and of the joints (n, m)."""
+    """Inputs at `EvaluationPoint.CONTROL`: tilt and its speed (2, m), jerks as in `Sample` (c, m), of joints (n, m)."""
     chains = [trajectory.s[:, None], *recorded_freedom(trajectory, scene)]
     jerks, of_joints = (
         third_differences(np.column_stack(columns)).T * trajectory.rate**3
         for columns in (chains, [trajectory.joint_position])
     )
-    tilt = np.concatenate([trajectory.tilt, trajectory.tilt[-1:]])
+    angles = JointSamples(trajectory.t, trajectory.tilt)
+    speed = (
+        QUINTIC_SPLINE.motion(angles)(trajectory.t, 1) if np.any(trajectory.tilt) else np.zeros(trajectory.tilt.shape)
+    )
+    tilt, speed = (np.concatenate([own, own[-1:]]) for own in (trajectory.tilt, speed))
     t = np.append(trajectory.t, trajectory.t[-1] + 1.0 / trajectory.rate)
-    return t, [tilt.T, jerks, of_joints]
+    return t, [tilt.T, speed.T, jerks, of_joints]
 
 
 def third_differences(values: np.ndarray) -> np.ndarray:
@@ -259,8 +265,10 @@ def tray_figures_function(kind: Structure, point: EvaluationPoint) -> tuple[Any,
                 kind, numbers, tray_position=position, tray_velocity=velocity, tray_acceleration=acceleration
             )
         else:
-            inputs = [SX.sym("tilt", 2), SX.sym("jerks", kind.freedom.chains), SX.sym("joint_jerk", joints)]
-            sample = Sample(kind, numbers, tilt=inputs[0], jerks=inputs[1], joint_jerk=inputs[2])
+            tilt, speed = SX.sym("tilt", 2), SX.sym("tilt_speed", 2)
+            jerks, of_joints = SX.sym("jerks", kind.freedom.chains), SX.sym("joint_jerk", joints)
+            inputs = [tilt, speed, jerks, of_joints]
+            sample = Sample(kind, numbers, tilt=tilt, tilt_speed=speed, jerks=jerks, joint_jerk=of_joints)
         return _figures(sample, point, [*inputs, parameters])
 
     made, names, _ = functions_of_kind(f"figures-{point.value}", kind, build, of_columns={"figures": codegen.LAST})

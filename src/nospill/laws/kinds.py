@@ -15,6 +15,7 @@ from typing import Any
 
 from nospill.compiled.codegen import Functions, Shared, functions
 from nospill.core.frames import SX
+from nospill.core.trees import flatten, symbolic
 from nospill.laws.parameters import (
     Number,
     ObjectNumbers,
@@ -22,8 +23,6 @@ from nospill.laws.parameters import (
     SceneNumbers,
     Structure,
     blank_numbers,
-    flatten,
-    symbolic,
     with_known_curvatures,
 )
 from nospill.scene.scene import EndCondition

@@ -14,7 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.laws.parameters import ObjectNumbers, flatten
+from nospill.core.trees import flatten
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.scene_parameters import object_numbers
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene

@@ -1,24 +1,23 @@
 """The numbers of a scene, apart from its structure.
 
 `Structure` says what there is (hashable; it decides the shape of every expression); `SceneNumbers` holds how large it
-is. A law reads a numbers record whose leaves are floats or SX alike: `flatten` turns a record into one parameter
-vector, `symbolic` makes the same record with the entries of an SX vector as leaves.
+is. A law reads a numbers record whose leaves are floats or SX alike (`core.trees`). Each field of a record says its
+shape, and where the scene has its number.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate, pairwise
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar, get_type_hints
 
-import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
+from nospill.core.trees import flatten, symbolic
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
@@ -27,6 +26,25 @@ Number = Any
 """A float, a numpy array, or the SX expression that stands for it."""
 
 Record = TypeVar("Record")
+
+
+@dataclass(frozen=True, slots=True)
+class Of:
+    """What a field of a record of numbers says beside its name.
+
+    Attributes:
+        source: where the scene has the number as it is, by attributes ("motion.max_tilt"); empty where it is computed.
+            A limit that is None there is zero here, and no law reads it.
+        shape: of an array, or how the structure decides it; () of a scalar.
+    """
+
+    source: str = ""
+    shape: tuple[int, ...] | Callable[[Any], tuple[int, ...]] = ()
+
+
+def joints(structure: Structure) -> tuple[int, ...]:
+    """Shape of one number a joint."""
+    return (len(structure.joints),)
 
 
 class Freedom(NamedTuple):
@@ -79,8 +97,8 @@ class OscillatorNumbers:
     height: Number
     damping: Number
     surface_gain: Number
-    tension: Number = 0.0
-    place: Number = 0.0
+    tension: Annotated[Number, Of(shape=lambda item: (int(item.tense),))] = 0.0
+    place: Annotated[Number, Of(shape=lambda item: (2 * int(item.spread),))] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,85 +126,89 @@ class ObjectNumbers:
         oscillators: the modal masses.
     """
 
-    position: Number
+    position: Annotated[Number, Of(shape=(3,))]
     yaw: Number
     mass: Number
-    first_moment: Number
-    inertia: Number
+    first_moment: Annotated[Number, Of(shape=(3,))]
+    inertia: Annotated[Number, Of(shape=(3, 3))]
     spin_inertia: Number
     weight: Number
     planned_friction: Number
-    half_lengths: Number
+    half_lengths: Annotated[Number, Of(shape=(2,))]
     footprint_reserve: Number
     twist_radius: Number
     grip_radius: Number
     liquid_height: Number
     liquid_depth: Number
     max_slosh_height: Number
-    static_correction: Number
-    added_gravity: Number
+    static_correction: Annotated[Number, Of(shape=(2,))]
+    added_gravity: Annotated[Number, Of(shape=lambda item: (int(item.slowed),))]
     oscillators: tuple[OscillatorNumbers, ...]
+
+
+def _braking(structure: Structure) -> tuple[int, ...]:
+    return (len(structure.joints) if structure.braking else 0,)
 
 
 @dataclass(frozen=True, slots=True)
 class BrakingNumbers:
     """Fields as in `robots.robot.Braking`; empty where there is none."""
 
-    lower: Number
-    upper: Number
-    deceleration: Number
-    offset: Number
+    lower: Annotated[Number, Of(shape=_braking)]
+    upper: Annotated[Number, Of(shape=_braking)]
+    deceleration: Annotated[Number, Of(shape=_braking)]
+    offset: Annotated[Number, Of(shape=_braking)]
 
 
 @dataclass(frozen=True, slots=True)
 class ViaNumbers:
     """Of each place that the tray passes: s on the path, radius, m, and the length of the path, m; (k,) each."""
 
-    parameter: Number
-    radius: Number
-    way: Number
+    parameter: Annotated[Number, Of(shape=lambda whole: (whole.vias,))]
+    radius: Annotated[Number, Of(shape=lambda whole: (whole.vias,))]
+    way: Annotated[Number, Of(shape=lambda whole: (whole.vias,))]
 
 
 @dataclass(frozen=True, slots=True)
 class SceneNumbers:
     """Everything the laws read, SI; arrays as in the records of the same names in scene, paths, tray and robots.
 
-    Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.tray_limits`). The load is what
-    the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3) kg m^2
-    about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free parameter of a
-    seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row` of the tray.
-    base (4,): x, y, z in m and yaw in rad of the arm's base in the world of path and gravity.
+    Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.motion_limits`). The load is
+    what the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3)
+    kg m^2 about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free
+    parameter of a seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row`
+    of the tray. base (4,): x, y, z in m and yaw in rad of the arm's base in the world of path and gravity.
     """
 
-    gravity: Number
-    path_breaks: Number
-    path_coefficients: Number
-    tool: Number
-    base: Number
-    joint_lower: Number
-    joint_upper: Number
-    max_speed: Number
+    gravity: Annotated[Number, Of("gravity")]
+    path_breaks: Annotated[Number, Of("path.breaks", lambda whole: (whole.spans + 1,))]
+    path_coefficients: Annotated[Number, Of("path.coefficients", lambda whole: (whole.degree + 1, whole.spans, 4))]
+    tool: Annotated[Number, Of("tray.tool.row", (4,))]
+    base: Annotated[Number, Of(shape=(4,))]
+    joint_lower: Annotated[Number, Of("robot.lower", joints)]
+    joint_upper: Annotated[Number, Of("robot.upper", joints)]
+    max_speed: Annotated[Number, Of("robot.max_speed", joints)]
     braking: BrakingNumbers
-    max_acceleration: Number
-    max_jerk: Number
-    max_torque: Number
-    self_motion: Number
+    max_acceleration: Annotated[Number, Of("robot.max_acceleration", joints)]
+    max_jerk: Annotated[Number, Of("robot.max_jerk", joints)]
+    max_torque: Annotated[Number, Of(shape=joints)]
+    self_motion: Annotated[Number, Of(shape=joints)]
     load_mass: Number
-    load_first_moment: Number
-    load_inertia: Number
-    max_tilt: Number
-    max_tray_speed: Number
-    max_tray_acceleration: Number
-    corridor: Number
-    corridor_shares: Number
+    load_first_moment: Annotated[Number, Of(shape=(3,))]
+    load_inertia: Annotated[Number, Of(shape=(3, 3))]
+    max_tilt: Annotated[Number, Of("motion.max_tilt")]
+    max_tray_speed: Annotated[Number, Of("motion.max_speed")]
+    max_tray_acceleration: Annotated[Number, Of("motion.max_acceleration")]
+    corridor: Annotated[Number, Of("motion.corridor")]
+    corridor_shares: Annotated[Number, Of("motion.corridor_shares", lambda whole: (whole.corridor_steps,))]
     via: ViaNumbers
-    path_jerk_limit: Number
-    tilt_jerk_limit: Number
+    path_jerk_limit: Annotated[Number, Of("motion.path_jerk_limit")]
+    tilt_jerk_limit: Annotated[Number, Of("motion.tilt_jerk_limit")]
     offset_jerk_limit: Number
     path_jerk_weight: Number
     tilt_jerk_weight: Number
     offset_jerk_weight: Number
-    residual_fraction: Number
+    residual_fraction: Annotated[Number, Of("motion.residual_fraction")]
     objects: tuple[ObjectNumbers, ...]
 
 
@@ -243,7 +265,7 @@ class Structure:
 
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
-        tray_limits: which of "speed" and "acceleration" of the tray's centre are limited.
+        motion_limits: which limits of the motion are stated that need not be, by their names in `MotionRules`.
         braking: whether joint speeds are limited near the ends of the ranges too.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
@@ -267,7 +289,7 @@ class Structure:
     regular: bool = False
     offset_free: bool = False
     yaw_free: bool = False
-    tray_limits: tuple[str, ...] = ()
+    motion_limits: tuple[str, ...] = ()
     braking: bool = False
     slowed: bool = False
     vias: int = 0
@@ -288,88 +310,6 @@ class Structure:
 def _consecutive(lengths: Sequence[int]) -> tuple[slice, ...]:
     ends = list(accumulate(lengths, initial=0))
     return tuple(slice(start, stop) for start, stop in pairwise(ends))
-
-
-def flatten(record: object) -> np.ndarray:
-    """All leaves of a numbers record in field order (arrays column by column), shape (n,)."""
-    leaves: list[float] = []
-    _gather(record, leaves)
-    return np.array(leaves, dtype=float)
-
-
-def _gather(record: Any, leaves: list[float]) -> None:
-    # A scene has hundreds of leaves, most of them numbers: a list of these is made in a sixth of the time of arrays.
-    if isinstance(record, float):
-        leaves.append(record)
-    elif isinstance(record, np.ndarray):
-        leaves.extend(record.ravel(order="F").tolist())
-    elif isinstance(record, tuple):
-        for item in record:
-            _gather(item, leaves)
-    elif names := _field_names(type(record)):
-        for name in names:
-            _gather(getattr(record, name), leaves)
-    else:
-        leaves.extend(np.asarray(record, dtype=float).ravel(order="F").tolist())
-
-
-@cache
-def _field_names(kind: type) -> tuple[str, ...]:
-    """Of the records of a class, none where it is no class of records."""
-    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
-
-
-def symbolic(template: Record, vector: SX) -> Record:
-    """The record of the shape of `template` whose leaves are the entries of `vector`, in the order of `flatten`.
-
-    Raises:
-        ValueError: the vector has another length than the record has leaves.
-    """
-    size = len(flatten(template))
-    if vector.numel() != size:
-        raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
-    record, _ = _unflatten(template, vector, 0, _shaped)
-    return record
-
-
-def places(record: Record) -> Record:
-    """The record whose leaves say where each entry stands in `flatten`: arrays of indices of the leaves' shapes."""
-    found, _ = _unflatten(
-        record, np.arange(len(flatten(record))), 0, lambda piece, shape: piece.reshape(shape, order="F")
-    )
-    return found
-
-
-def constants(record: Record) -> Record:
-    """The record with every leaf as a constant SX, so that laws can be evaluated on plain numbers."""
-    return symbolic(record, SX(ca.DM(flatten(record))))
-
-
-def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tuple[int, ...]], Any]) -> Any:
-    if isinstance(template, tuple):
-        items = []
-        for item in template:
-            value, start = _unflatten(item, vector, start, shaped)
-            items.append(value)
-        return tuple(items), start
-    if names := _field_names(type(template)):
-        values = {}
-        for name in names:
-            values[name], start = _unflatten(getattr(template, name), vector, start, shaped)
-        return type(template)(**values), start
-    shape = np.shape(template)
-    size = math.prod(shape)
-    return shaped(vector[start : start + size], shape), start + size
-
-
-def _shaped(piece: SX, shape: tuple[int, ...]) -> Any:
-    if len(shape) == 2:
-        return ca.reshape(piece, *shape)
-    if len(shape) == 3:
-        # CasADi has no third axis: a list of matrices over the last one, which column order makes contiguous.
-        step = shape[0] * shape[1]
-        return [ca.reshape(piece[i * step : (i + 1) * step], shape[0], shape[1]) for i in range(shape[2])]
-    return piece
 
 
 def parameter_count(structure: Structure) -> int:
@@ -408,72 +348,31 @@ def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNum
 
 def blank_numbers(structure: Structure) -> SceneNumbers:
     """Zeros of the shapes that a structure decides."""
-    spans, joints, scalar = structure.spans, np.zeros(len(structure.joints)), 0.0
-    braking = joints if structure.braking else np.zeros(0)
-    return SceneNumbers(
-        gravity=scalar,
-        path_breaks=np.zeros(spans + 1),
-        path_coefficients=np.zeros((structure.degree + 1, spans, 4)),
-        tool=np.zeros(4),
-        base=np.zeros(4),
-        joint_lower=joints,
-        joint_upper=joints,
-        max_speed=joints,
-        braking=BrakingNumbers(braking, braking, braking, braking),
-        max_acceleration=joints,
-        max_jerk=joints,
-        max_torque=joints,
-        self_motion=joints,
-        load_mass=scalar,
-        load_first_moment=np.zeros(3),
-        load_inertia=np.zeros((3, 3)),
-        max_tilt=scalar,
-        max_tray_speed=scalar,
-        max_tray_acceleration=scalar,
-        corridor=scalar,
-        corridor_shares=np.zeros(structure.corridor_steps),
-        via=ViaNumbers(*[np.zeros(structure.vias)] * 3),
-        path_jerk_limit=scalar,
-        tilt_jerk_limit=scalar,
-        offset_jerk_limit=scalar,
-        path_jerk_weight=scalar,
-        tilt_jerk_weight=scalar,
-        offset_jerk_weight=scalar,
-        residual_fraction=scalar,
-        objects=tuple(_blank_object(item) for item in structure.objects),
-    )
+    parts = {"braking": _zeros(BrakingNumbers, structure), "via": _zeros(ViaNumbers, structure)}
+    return _zeros(SceneNumbers, structure, **parts, objects=tuple(_blank_object(item) for item in structure.objects))
 
 
 def _blank_object(item: ObjectStructure) -> ObjectNumbers:
-    scalar = 0.0
-    oscillator = OscillatorNumbers(
-        frequency=scalar,
-        stiffness=scalar,
-        curvature=scalar,
-        mass=scalar,
-        height=scalar,
-        damping=scalar,
-        surface_gain=scalar,
-        tension=np.zeros(int(item.tense)),
-        place=np.zeros(2 * int(item.spread)),
-    )
-    return ObjectNumbers(
-        position=np.zeros(3),
-        yaw=scalar,
-        mass=scalar,
-        first_moment=np.zeros(3),
-        inertia=np.zeros((3, 3)),
-        spin_inertia=scalar,
-        weight=scalar,
-        planned_friction=scalar,
-        half_lengths=np.zeros(2),
-        footprint_reserve=scalar,
-        twist_radius=scalar,
-        grip_radius=scalar,
-        liquid_height=scalar,
-        liquid_depth=scalar,
-        max_slosh_height=scalar,
-        static_correction=np.zeros(2),
-        added_gravity=np.zeros(int(item.slowed)),
-        oscillators=(oscillator,) * len(item.oscillators),
-    )
+    return _zeros(ObjectNumbers, item, oscillators=(_zeros(OscillatorNumbers, item),) * len(item.oscillators))
+
+
+def _zeros(record: type[Record], whole: Structure | ObjectStructure, **parts: Any) -> Record:
+    """A record of zeros, apart from its parts."""
+    found = dict(parts)
+    for name, field in _fields(record).items():
+        shape = field.shape if isinstance(field.shape, tuple) else field.shape(whole)
+        found.setdefault(name, np.zeros(shape) if field.shape else 0.0)
+    return record(**found)
+
+
+def sources(record: type) -> dict[str, str]:
+    """Names of a record's numbers -> where the scene has each, of those that it has as they are."""
+    return {name: field.source for name, field in _fields(record).items() if field.source}
+
+
+@cache
+def _fields(record: type) -> Mapping[str, Of]:
+    """What the fields of a record say, by name."""
+    hints = get_type_hints(record, include_extras=True)
+    said = ((name, getattr(hint, "__metadata__", ())) for name, hint in hints.items())
+    return {name: next((item for item in items if isinstance(item, Of)), Of()) for name, items in said}

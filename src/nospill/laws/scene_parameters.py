@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
+from nospill.core.trees import flatten
 from nospill.laws.parameters import (
     BrakingNumbers,
     ObjectNumbers,
@@ -18,7 +20,8 @@ from nospill.laws.parameters import (
     SceneNumbers,
     Structure,
     ViaNumbers,
-    flatten,
+    blank_numbers,
+    sources,
 )
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of
@@ -49,7 +52,7 @@ def structure_of(scene: Scene) -> Structure:
         vias=len(scene.motion.via),
         corridor_steps=len(scene.motion.corridor_shares),
         yaw_free=scene.motion.yaw_free,
-        tray_limits=_tray_limits(scene.motion),
+        motion_limits=_motion_limits(scene.motion),
         braking=scene.robot.braking is not None,
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
         constraints=tuple(item.on(scene) for item in scene.constraints),
@@ -81,9 +84,11 @@ def joint_limits(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name, limit in _further_limits(robot).items() if limit is not None)
 
 
-def _tray_limits(rules: MotionRules) -> tuple[str, ...]:
-    limits = {"speed": rules.max_speed, "acceleration": rules.max_acceleration}
-    return tuple(name for name, limit in limits.items() if limit is not None)
+def _motion_limits(rules: MotionRules) -> tuple[str, ...]:
+    """Limits of the motion that may be left out and are stated."""
+    limits = {item.name: getattr(rules, item.name) for item in fields(rules) if item.default is None}
+    own = (source.removeprefix("motion.") for source in sources(SceneNumbers).values())
+    return tuple(name for name in own if limits.get(name) is not None)
 
 
 def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
@@ -117,40 +122,26 @@ def _flat(scene: Scene) -> np.ndarray:
 
 @lru_cache(maxsize=8)
 def _numbers(scene: Scene) -> SceneNumbers:
-    further = {
-        name: np.zeros(len(scene.robot.joints)) if limit is None else limit
-        for name, limit in _further_limits(scene.robot).items()
-    }
-    return SceneNumbers(
-        gravity=scene.gravity,
-        path_breaks=scene.path.breaks,
-        path_coefficients=scene.path.coefficients,
-        tool=scene.tray.tool.row,
+    blank, torque = blank_numbers(structure_of(scene)), _further_limits(scene.robot)["torque"]
+    return replace(
+        blank,
+        **{name: value for name, value in _as_they_are(scene).items() if value is not None},
         base=without_place(scene.robot.urdf)[1],
-        joint_lower=scene.robot.lower,
-        joint_upper=scene.robot.upper,
-        max_speed=scene.robot.max_speed,
         braking=_braking_numbers(scene.robot),
-        max_acceleration=further["acceleration"],
-        max_jerk=further["jerk"],
-        max_torque=further["torque"],
-        self_motion=np.zeros(len(scene.robot.joints)),
+        max_torque=blank.max_torque if torque is None else torque,
         **_load_numbers(scene, scene.cargo),
-        max_tilt=scene.motion.max_tilt,
-        max_tray_speed=scene.motion.max_speed or 0.0,
-        max_tray_acceleration=scene.motion.max_acceleration or 0.0,
-        corridor=scene.motion.corridor or 0.0,
-        corridor_shares=np.array(scene.motion.corridor_shares),
         via=_via_numbers(scene),
-        path_jerk_limit=scene.motion.path_jerk_limit,
-        tilt_jerk_limit=scene.motion.tilt_jerk_limit,
         offset_jerk_limit=scene.motion.path_jerk_limit * scene.way,
         path_jerk_weight=scene.planning.path_jerk_weight or 0.0,
         tilt_jerk_weight=scene.planning.tilt_jerk_weight or 0.0,
-        offset_jerk_weight=0.0,
-        residual_fraction=scene.motion.residual_fraction,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
+
+
+def _as_they_are(scene: Scene) -> dict[str, Any]:
+    """Numbers that the scene has as they are; None where a limit is not stated."""
+    found = {name: attrgetter(source)(scene) for name, source in sources(SceneNumbers).items()}
+    return {name: np.array(value) if isinstance(value, tuple) else value for name, value in found.items()}
 
 
 def _via_numbers(scene: Scene) -> ViaNumbers:

@@ -18,6 +18,7 @@ import numpy as np
 
 from nospill.core.batches import over_columns, thread_count
 from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
+from nospill.core.trees import flatten
 from nospill.judge.after_end import residual_height
 from nospill.judge.replay import slosh_accelerations, tray_from_joints
 from nospill.judge.run import run_of
@@ -29,7 +30,6 @@ from nospill.laws.parameters import (
     SceneNumbers,
     Structure,
     blank_numbers,
-    flatten,
     object_parameter_count,
     symbolic_object_numbers,
 )

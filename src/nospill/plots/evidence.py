@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, frame_at_rest
+from nospill.core.trees import constants
 from nospill.judge.certificate import Judgement
 from nospill.judge.limiting import Limiting, held_back, limiting_rows
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
-from nospill.laws.parameters import constants
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest

@@ -8,19 +8,20 @@ import numpy as np
 
 from nospill.approach import Segment
 from nospill.core.short_names import short_names
-from nospill.core.units import superscript
+from nospill.core.units import format_quantity, superscript
 from nospill.judge.rims import RimDistance, rim_distances
 from nospill.judge.verdict import Certificate
 from nospill.judge.wording import row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import Role, RowId
+from nospill.laws.constraints.base import MotionKey, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.plots.text_pages import TextTable
 from nospill.scene.cargo import Cargo
-from nospill.scene.scene import MotionRules, Scene
+from nospill.scene.scene import Scene
 from nospill.scene.tolerances import tolerance_text
 
 _FIDELITY = {
@@ -45,7 +46,7 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
         ("attitude", _attitude(scene)),
         ("at the end", _end(scene)),
         *_waiting(scene, approach),
-        *_tray_limits(scene.motion),
+        *_tray_limits(scene),
         *_given_limits(scene),
         ("smoothness", _jerks(scene)),
         *_tolerances(scene),
@@ -214,10 +215,16 @@ def _jerks(scene: Scene) -> str:
     return ", ".join(found)
 
 
-def _tray_limits(rules: MotionRules) -> list[tuple[str, str]]:
-    limits = ((rules.max_speed, "speed", "m/s"), (rules.max_acceleration, "acceleration", "m/s²"))
-    found = [f"{name} up to {limit:.4g} {unit}" for limit, name, unit in limits if limit is not None]
-    return [("centre of the tray", ", ".join(found))] if found else []
+def _tray_limits(scene: Scene) -> list[tuple[str, str]]:
+    """The limits of the motion that a scenario may leave out, where it states them."""
+    stated = structure_of(scene).motion_limits
+    keys = ((item, item.limit_key) for item in CONSTRAINTS)
+    found = [
+        f"{item.name} up to {format_quantity(getattr(scene.motion, key.key), key.dimension, digits=4)}"
+        for item, key in keys
+        if isinstance(key, MotionKey) and key.key in stated
+    ]
+    return [("motion of the tray", ", ".join(found))] if found else []
 
 
 def _given_limits(scene: Scene) -> list[tuple[str, str]]:

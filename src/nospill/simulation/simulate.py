@@ -17,8 +17,9 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
+from nospill.core.trees import constants
 from nospill.errors import ModelError, ScenarioError
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, constants
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector

@@ -15,8 +15,6 @@ _MEANT: dict[tuple[str, str], str] = {
     ("", "name"): "the file's name",
     ("robot.limits", "speed_scale"): "1",
     ("motion", "duration"): "the shortest",
-    ("motion", "max_speed"): "none",
-    ("motion", "max_acceleration"): "none",
     ("motion", "max_jerk"): "2000 m/s^3",
     ("motion", "path_jerk_limit"): "from max jerk",
     ("cargo", "friction"): "the tray's",
@@ -38,7 +36,8 @@ def default_of(key: Key) -> str:
     """What an empty field at a place of the table stands for; empty where its key is required or has no default."""
     names = [part for part in key if isinstance(part, str)]
     place = (".".join(names[:-1]), names[-1])
-    return _MEANT.get(place) or _values().get(place, "")
+    unlimited = "none" if place[0] == "motion" else ""
+    return _MEANT.get(place) or _values().get(place, unlimited)
 
 
 @cache

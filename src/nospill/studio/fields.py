@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from nospill.paths.path import PRESETS
 from nospill.robots.description.catalog import ROBOTS
+from nospill.scenario.reader import scenario_schema
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault
@@ -164,22 +165,20 @@ def _point(key: str) -> Field:
     return field_of(("path", key), "list", hint=hint, sides="x, y, z")
 
 
+_OF_TILT = ("max_tilt", "tilt_jerk_limit")
+"""Keys of `[motion]` that say nothing of a level tray."""
+_NOT_SHOWN = ("speed_range", "hold_before", "hold_after")
+
+
 def _motion(draft: Draft) -> list[Field]:
+    """Every key of `[motion]` that holds one value, as the schema describes it."""
     free = draft.value(("motion", "tilt")) == "free"
-    ends = ("residual", "published", "still")
-    return [
-        field_of(("motion", "tilt"), "choice", ("fixed", "free"), "whether the tray may pitch and roll"),
-        *([field_of(("motion", "max_tilt"), hint="bound on each tilt angle, below 60 deg")] if free else []),
-        field_of(("motion", "end"), "choice", ends, "what the liquids do at the end"),
-        field_of(("motion", "residual_fraction"), hint="height after the end as a part of the max slosh height"),
-        field_of(("motion", "duration"), hint="the gentlest motion that takes so long, in the place of the shortest"),
-        field_of(("motion", "max_speed"), hint="bound on the speed of the tray's centre, for example 0.5 m/s"),
-        field_of(("motion", "max_acceleration"), hint="bound on its acceleration, for example 5 m/s^2"),
-        field_of(("motion", "max_jerk"), hint="bound on the jerk along the path; 2000 m/s^3 unless stated"),
-        field_of(("motion", "path_jerk_limit"), hint="in the place of max jerk: of the path parameter s"),
-        *([field_of(("motion", "tilt_jerk_limit"), hint="bound on each tilt angle's jerk")] if free else []),
-        field_of(("motion", "max_duration"), hint="longest motion that is considered"),
-    ]
+    found = []
+    for name, entry in scenario_schema()["$defs"]["MotionTable"]["properties"].items():
+        if name not in _NOT_SHOWN and (free or name not in _OF_TILT):
+            choices = tuple(entry.get("enum", ()))
+            found.append(field_of(("motion", name), "choice" if choices else "quantity", choices, entry["description"]))
+    return found
 
 
 _SIZE_HINTS = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import ALL, JointKey, LimitKey, MotionKey, ObjectKey, RowId
-from nospill.laws.parameters import ObjectNumbers, SceneNumbers
+from nospill.laws.parameters import ObjectNumbers, SceneNumbers, sources
 from nospill.transcription.problem import Backoff, Problem
 from nospill.transcription.solvers import Solution
 
@@ -22,12 +22,8 @@ WIDER = 0.1
 """Part by which a limit is made wider."""
 _STEP = 1e-4
 """Part of a limit by which it is moved either way for its derivative; rows are at most quadratic in it."""
-_NUMBERS = {
-    "friction": "planned_friction",
-    "max_speed": "max_tray_speed",
-    "max_acceleration": "max_tray_acceleration",
-}
-"""Key of a limit of an object or of the motion -> name of its number, where that is another."""
+_OF_OBJECTS = {"friction": "planned_friction"}
+"""Key of a limit of an object -> name of its number, where that is another."""
 
 
 def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict[str, float]:
@@ -86,10 +82,10 @@ def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) 
         values[problem.scene.robot.joints.index(row.subject)] *= factor
         return replace(numbers, **{key.attribute: values})
     if isinstance(key, MotionKey):
-        name = _NUMBERS.get(key.key, key.key)
+        name = next(name for name, source in sources(SceneNumbers).items() if source == f"motion.{key.key}")
         return replace(numbers, **{name: factor * getattr(numbers, name)})
     if isinstance(key, ObjectKey):
-        name = _NUMBERS.get(key.key, key.key)
+        name = _OF_OBJECTS.get(key.key, key.key)
         if name in {field.name for field in fields(ObjectNumbers)}:
             objects = tuple(replace(own, **{name: factor * getattr(own, name)}) for own in numbers.objects)
             return replace(numbers, objects=objects)

@@ -223,6 +223,7 @@ def _rows(
         joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
         joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
         tilt=_values(stage, layout.freedom.tilt_chains),
+        tilt_speed=_values(stage, layout.freedom.tilt_chains, order=1),
         offset=_values(stage, layout.freedom.offset_chains),
         tray_position=tray.position,
         tray_velocity=tray.velocity + stage[layout.interval] / 2 * acceleration,
@@ -235,9 +236,9 @@ def _rows(
     return collector
 
 
-def _values(stage: SX, chains: range) -> SX | None:
-    """Values of some of the chains of a stage; None where there are none."""
-    return ca.vertcat(*[stage[3 * index] for index in chains]) if chains else None
+def _values(stage: SX, chains: range, order: int = 0) -> SX | None:
+    """Values of some of the chains of a stage, or their rates; None where there are none."""
+    return ca.vertcat(*[stage[3 * index + order] for index in chains]) if chains else None
 
 
 def _cost(layout: Layout, numbers: SceneNumbers, interval: SX, jerks: SX, intervals: SX) -> SX:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nospill.core.frames import FrameMotion, rotation_y
+from nospill.core.trees import constants
 from nospill.judge.replay import slosh_accelerations
 from nospill.laws.constraints import (
     CONSTRAINTS,
@@ -29,7 +30,6 @@ from nospill.laws.constraints import (
 from nospill.laws.constraints.base import Constraint, figures
 from nospill.laws.constraints.residual_height import STILL_FRACTION
 from nospill.laws.constraints.supplied import Supplied
-from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.description.catalog import load_robot

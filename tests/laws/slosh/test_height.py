@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.core.frames import FrameMotion
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers, constants
+from nospill.core.trees import constants
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers
 from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.motion import OscillatorState
 from nospill.scene.containers import Box, Cylinder

@@ -19,8 +19,9 @@ from scipy.optimize import brentq
 from scipy.special import ive, jv, jvp
 
 from nospill.core.frames import FrameMotion, vector
+from nospill.core.trees import constants
 from nospill.laws.contact import contact_wrench
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, constants
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import surface_vector
 from nospill.laws.slosh.motion import OscillatorState, modal_acceleration

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from nospill.core.frames import FrameMotion
+from nospill.core.trees import constants
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, Range, Stop, figures, smooth_rows
-from nospill.laws.parameters import constants
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.robot import Braking

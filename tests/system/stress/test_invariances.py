@@ -16,9 +16,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.campaign.scenes import draw_case
+from nospill.core.trees import flatten
 from nospill.core.units import DIMENSIONS, quantity
 from nospill.errors import ScenarioError
-from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.paths.path import Path as TrayPath
 from nospill.paths.path import circular_arc, path_from_bspline, straight_line

@@ -29,7 +29,7 @@ PARTS = {
     EvaluationPoint.OBJECT: ("objects",),
     EvaluationPoint.JOINT: ("joint_position", "joint_speed", "joint_acceleration"),
     EvaluationPoint.TRAY: ("tray_position", "tray_velocity", "tray_acceleration"),
-    EvaluationPoint.CONTROL: ("tilt", "jerks", "joint_jerk"),
+    EvaluationPoint.CONTROL: ("tilt", "tilt_speed", "jerks", "joint_jerk"),
     EvaluationPoint.END: ("objects",),
 }
 """What a sample has for a limit given from Python, by where it is evaluated; optimiser and judge both have it."""
@@ -133,9 +133,12 @@ class Supplied(Constraint):
             raise self._error(f"budgets returned {_short(budget)}, which is no Cone and no Range")
         values: dict[str, SX | None] = {}
         for item in dataclasses.fields(budget):
-            value: Any = getattr(budget, item.name)
+            value = getattr(budget, item.name)
+            if value is None and item.name == "upper":
+                values[item.name] = None
+                continue
             try:
-                values[item.name] = None if value is None and item.name == "upper" else SX(value)
+                values[item.name] = SX(value)
             except (TypeError, NotImplementedError):
                 kind = type(value).__name__
                 raise self._error(f"{item.name} is of type {kind}; a CasADi SX or a number is needed") from None

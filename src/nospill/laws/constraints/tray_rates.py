@@ -24,7 +24,7 @@ class TraySpeed(Constraint):
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone."""
-        if "speed" not in sample.structure.tray_limits:
+        if "max_speed" not in sample.structure.motion_limits:
             return ()
         assert sample.tray_velocity is not None
         limit = sample.numbers.max_tray_speed
@@ -50,7 +50,7 @@ class TrayAcceleration(Constraint):
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone."""
-        if "acceleration" not in sample.structure.tray_limits:
+        if "max_acceleration" not in sample.structure.motion_limits:
             return ()
         assert sample.tray_acceleration is not None
         limit = sample.numbers.max_tray_acceleration
