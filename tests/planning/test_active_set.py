@@ -105,7 +105,7 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> Non
     assert after(once, 1.13).modes == 6  # it leaves two thirds of the excess
 
     motion = smooth_start(refined.scene, joint_path_of(scene), 40)
-    plain, smooth = (problem_about(item, motion).numbers for item in (refined, rough))
+    plain, smooth = (problem_about(item, motion).own for item in (refined, rough))
     for name in ("path_jerk_weight", "tilt_jerk_weight"):
         assert getattr(smooth, name) == pytest.approx(25.0 * getattr(plain, name)) and getattr(plain, name) > 0.0
 

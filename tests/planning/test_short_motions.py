@@ -56,7 +56,7 @@ def test_the_objective_is_that_of_the_expected_duration_on_any_motion() -> None:
     kept = replace(active, expected=1.0)
 
     def weight(active: ActiveSet, motion: Stages) -> float | None:
-        return problem_about(active, motion).numbers.path_jerk_weight
+        return problem_about(active, motion).own.path_jerk_weight
 
     assert weight(active, short) == pytest.approx(1.2e-7 * short.duration**7)
     assert weight(active, long) == pytest.approx(1.2e-7 * long.duration**7)

@@ -175,9 +175,8 @@ class SceneNumbers:
 
     Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.motion_limits`). The load is
     what the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3)
-    kg m^2 about the flange's origin, flange axes. self_motion (n,): direction whose product with q is the free
-    parameter of a seven-joint arm, zero where there is none or a motion has not been chosen yet. tool (4,): `Tool.row`
-    of the tray. base (4,): x, y, z in m and yaw in rad of the arm's base in the world of path and gravity.
+    kg m^2 about the flange's origin, flange axes. tool (4,): `Tool.row` of the tray. base (4,): x, y, z in m and yaw in
+    rad of the arm's base in the world of path and gravity.
     """
 
     gravity: Annotated[Number, Of("gravity")]
@@ -192,7 +191,6 @@ class SceneNumbers:
     max_acceleration: Annotated[Number, Of("robot.max_acceleration", joints)]
     max_jerk: Annotated[Number, Of("robot.max_jerk", joints)]
     max_torque: Annotated[Number, Of(shape=joints)]
-    self_motion: Annotated[Number, Of(shape=joints)]
     load_mass: Number
     load_first_moment: Annotated[Number, Of(shape=(3,))]
     load_inertia: Annotated[Number, Of(shape=(3, 3))]
@@ -205,9 +203,6 @@ class SceneNumbers:
     path_jerk_limit: Annotated[Number, Of("motion.path_jerk_limit")]
     tilt_jerk_limit: Annotated[Number, Of("motion.tilt_jerk_limit")]
     offset_jerk_limit: Number
-    path_jerk_weight: Number
-    tilt_jerk_weight: Number
-    offset_jerk_weight: Number
     residual_fraction: Annotated[Number, Of("motion.residual_fraction")]
     objects: tuple[ObjectNumbers, ...]
 

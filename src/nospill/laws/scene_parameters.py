@@ -132,8 +132,6 @@ def _numbers(scene: Scene) -> SceneNumbers:
         **_load_numbers(scene, scene.cargo),
         via=_via_numbers(scene),
         offset_jerk_limit=scene.motion.path_jerk_limit * scene.way,
-        path_jerk_weight=scene.planning.path_jerk_weight or 0.0,
-        tilt_jerk_weight=scene.planning.tilt_jerk_weight or 0.0,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
 

@@ -20,12 +20,14 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression
 from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.path_expression import PathPiece
+from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.tray_state import TrayState, tray_state
 
 
 def joint_equalities(
     structure: Structure,
     numbers: SceneNumbers,
+    own: ProblemNumbers,
     stage: SX,
     layout: Layout,
     chains: tuple[IntegratorChain, ...],
@@ -58,10 +60,10 @@ def joint_equalities(
         of_chains = _tray_jerk(structure, numbers, layout, chains, piece, stage[layout.jerks])
         equations.append(_turned(yaw, jerk) - of_chains)
     if layout.redundant:
-        own = (*chains[-1], stage[layout.jerks][-1])
-        equations += [ca.dot(numbers.self_motion, joints[order]) - own[order] for order in range(layout.orders + 1)]
+        chain = (*chains[-1], stage[layout.jerks][-1])
+        equations += [ca.dot(own.self_motion, joints[order]) - chain[order] for order in range(layout.orders + 1)]
     if layout.regular:
-        equations.append(determinant_expression(structure, joints[0], numbers.self_motion) - stage[layout.size - 1])
+        equations.append(determinant_expression(structure, joints[0], own.self_motion) - stage[layout.size - 1])
     return ca.vertcat(*equations)
 
 

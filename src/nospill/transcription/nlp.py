@@ -21,6 +21,7 @@ from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_p
 from nospill.transcription.clearance_planes import Groups, number_count, variable_count
 from nospill.transcription.clearance_rows import ClearanceRows
 from nospill.transcription.layout import Layout
+from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import Block, RowIndex
 from nospill.transcription.stage_functions import StageFunctions, stage_functions
 from nospill.transcription.tray_block import Triplets
@@ -117,10 +118,12 @@ class Transcription:
         """Values of all constraints, shape (m,)."""
         return call(self.constraint_function, variables, parameters).ravel()
 
-    def parameters(self, numbers: SceneNumbers, scales: np.ndarray, backoff: IndexedBackoff) -> np.ndarray:
+    def parameters(
+        self, numbers: SceneNumbers, own: ProblemNumbers, scales: np.ndarray, backoff: IndexedBackoff
+    ) -> np.ndarray:
         """The parameters of the table: numbers, scales of a stage, back-off of every row, number of intervals."""
         fractions = [backoff.get(key, 0.0) for key in self.stage.backoff_keys]
-        return np.concatenate([flatten(numbers), scales, fractions, [self.intervals]])
+        return np.concatenate([flatten(numbers), flatten(own), scales, fractions, [self.intervals]])
 
 
 def transcribe(

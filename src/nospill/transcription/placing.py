@@ -2,8 +2,8 @@
 
 The order of a stage's variables is that of `Layout`. Its rows are: gaps, equalities of the joints, equations of motion
 at the first collocation point and at the second, constraints of joints and tray, constraints of the objects at the
-node, then in the middle, each one subject after another. The parameters are: the numbers of the scene, the scales of a
-stage, the back-off of every row, the number of intervals.
+node, then in the middle, each one subject after another. The parameters are: the numbers of the scene, those of the
+problem, the scales of a stage, the back-off of every row, the number of intervals.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names
 from nospill.transcription.path_expression import path_table, piece_degree
+from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import Block, RowIndex, Rows, subject_count
 from nospill.transcription.tray_block import TrayBlock, tray_keys
 
@@ -152,6 +153,7 @@ class ParameterPlaces:
         degree: of the path's pieces.
         structure: of the scene.
         numbers: places of the scene's numbers.
+        own: places of the problem's own.
         layout: of a stage.
         scales: place of the first scale of a stage.
         backoff: place of the back-off of every row.
@@ -162,6 +164,7 @@ class ParameterPlaces:
     degree: int
     structure: Structure
     numbers: SceneNumbers
+    own: np.ndarray
     layout: Layout
     scales: int
     backoff: Mapping[RowIndex, int]
@@ -172,12 +175,14 @@ class ParameterPlaces:
     def of(cls, structure: Structure) -> ParameterPlaces:
         """Of a structure."""
         numbers, layout = places(blank_numbers(structure)), layout_of(structure)
-        scales = len(flatten(numbers))
+        blank = ProblemNumbers.blank(structure)
+        own = np.arange(len(flatten(blank))) + len(flatten(numbers))
+        scales = len(flatten(numbers)) + len(own)
         keys = backoff_keys(structure)
         backoff = {key: scales + layout.size + index for index, key in enumerate(keys)}
         intervals = scales + layout.size + len(keys)
         degree, of_tray = piece_degree(structure), tray_keys(structure)
-        return cls(degree, structure, numbers, layout, scales, backoff, intervals, of_tray)
+        return cls(degree, structure, numbers, own, layout, scales, backoff, intervals, of_tray)
 
     @property
     def count(self) -> int:
@@ -191,7 +196,7 @@ class ParameterPlaces:
 
     def of_tray(self) -> np.ndarray:
         """What the tray's block reads."""
-        own = flatten(numbers_of_tray(self.numbers)).astype(int)
+        own = np.concatenate([flatten(numbers_of_tray(self.numbers)), self.own])
         backoff = [self.backoff[key] for key in self.tray]
         return np.concatenate([own, self.scales + tray_variables(self.layout), backoff, [self.intervals]]).astype(int)
 

@@ -21,6 +21,7 @@ from nospill.scene.scene import Scene
 from nospill.transcription.clearance_planes import NO_PLANES, Planes
 from nospill.transcription.layout import Layout
 from nospill.transcription.nlp import Transcription, transcribe
+from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import RowIndex
 from nospill.transcription.stages import Stages
 from nospill.transcription.weights import jerk_weights
@@ -60,6 +61,7 @@ class Problem:
         scene: what it was made from.
         structure: of the scene.
         numbers: of the scene.
+        own: of the problem alone.
         transcription: functions and constraint bounds.
         parameters: of the functions.
         scales: (layout.size,) physical size of a scaled one.
@@ -74,6 +76,7 @@ class Problem:
     scene: Scene
     structure: Structure
     numbers: SceneNumbers
+    own: ProblemNumbers
     transcription: Transcription
     parameters: np.ndarray
     scales: np.ndarray
@@ -91,7 +94,7 @@ class Problem:
     def parameters_of(self, numbers: SceneNumbers, backoff: Backoff) -> np.ndarray:
         """Parameters with other numbers and back-off."""
         indexed = {index: backoff.get(row, 0.0) for index, row in self.rows.items()}
-        of_table = self.transcription.parameters(numbers, self.scales, indexed)
+        of_table = self.transcription.parameters(numbers, self.own, self.scales, indexed)
         return np.concatenate([of_table, self.planes.parameters(backoff)])
 
     @property
@@ -164,9 +167,8 @@ def build_problem(
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
-    numbers = replace(numbers, **jerk_weights(scene, nominal_duration, jerk_weight_factor))
-    if self_motion is not None:
-        numbers = replace(numbers, self_motion=self_motion)
+    direction = np.zeros(len(structure.joints)) if self_motion is None else self_motion
+    own = ProblemNumbers(**jerk_weights(scene, nominal_duration, jerk_weight_factor), self_motion=direction)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(structure, intervals, active=taking_part, clearance=planes.groups)
@@ -184,6 +186,7 @@ def build_problem(
         scene=scene,
         structure=structure,
         numbers=numbers,
+        own=own,
         transcription=transcription,
         parameters=np.zeros(0),
         scales=scales,

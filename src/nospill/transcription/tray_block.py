@@ -19,6 +19,7 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX
+from nospill.core.trees import flatten, symbolic
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import functions_of_kind, symbolic_tray, tray_kind
@@ -28,6 +29,7 @@ from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
+from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import RowCollector, RowIndex, Rows, subject_count
 from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
 from nospill.transcription.tray_state import TrayState
@@ -125,6 +127,7 @@ class _Symbols:
     pieces: SX
     parameters: SX
     numbers: SceneNumbers
+    own: ProblemNumbers
     scales: SX
     backoff: Mapping[RowIndex, SX]
     intervals: SX
@@ -133,11 +136,14 @@ class _Symbols:
 def _symbols(structure: Structure, layout: Layout) -> _Symbols:
     keys = tray_keys(structure)
     flat, numbers = symbolic_tray(structure)
+    template = ProblemNumbers.blank(structure)
+    of_problem = SX.sym("own", len(flatten(template)))
     scales, fractions, count = SX.sym("scales", layout.size), SX.sym("backoff", len(keys)), SX.sym("count")
     pieces = SX.sym("pieces", piece_size(structure.degree) * len(INSTANTS))
     backoff = {key: fractions[index] for index, key in enumerate(keys)}
-    parameters = ca.vertcat(flat, scales, fractions, count)
-    return _Symbols(SX.sym("z", layout.size), pieces, parameters, numbers, scales, backoff, count)
+    parameters = ca.vertcat(flat, of_problem, scales, fractions, count)
+    own = symbolic(template, of_problem)
+    return _Symbols(SX.sym("z", layout.size), pieces, parameters, numbers, own, scales, backoff, count)
 
 
 def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
@@ -159,10 +165,10 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     )
     ends = moved(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
-    equalities = joint_equalities(structure, numbers, stage, layout, chains, pieces[0], tray.start)
+    equalities = joint_equalities(structure, numbers, given.own, stage, layout, chains, pieces[0], tray.start)
     rows = _rows(structure, layout, numbers, stage, tray.start, given.backoff)
     own = ca.vertcat(gaps, equalities, rows.stacked()[0])
-    cost = _cost(layout, numbers, interval, jerks, given.intervals)
+    cost = _cost(layout, given.own, interval, jerks, given.intervals)
 
     pattern, columns = motion_pattern(structure.freedom, slowed=structure.slowed), motion_columns(layout)
     weight, multipliers, count = SX.sym("f"), SX.sym("l", own.numel()), pattern.count
@@ -241,11 +247,11 @@ def _values(stage: SX, chains: range, order: int = 0) -> SX | None:
     return ca.vertcat(*[stage[3 * index + order] for index in chains]) if chains else None
 
 
-def _cost(layout: Layout, numbers: SceneNumbers, interval: SX, jerks: SX, intervals: SX) -> SX:
+def _cost(layout: Layout, own: ProblemNumbers, interval: SX, jerks: SX, intervals: SX) -> SX:
     """Share of the stage, s."""
-    weights = [numbers.path_jerk_weight, *[numbers.tilt_jerk_weight] * (layout.chains - 1)]
+    weights = [own.path_jerk_weight, *[own.tilt_jerk_weight] * (layout.chains - 1)]
     for index in layout.freedom.offset_chains:
-        weights[index] = numbers.offset_jerk_weight
+        weights[index] = own.offset_jerk_weight
     cost: SX = interval + sum(weight / intervals * jerks[index] ** 2 for index, weight in enumerate(weights))
     return cost
 

@@ -138,7 +138,7 @@ class Supplied(Constraint):
                 values[item.name] = None
                 continue
             try:
-                values[item.name] = SX(value)
+                values[item.name] = _expression(value)
             except (TypeError, NotImplementedError):
                 kind = type(value).__name__
                 raise self._error(f"{item.name} is of type {kind}; a CasADi SX or a number is needed") from None
@@ -173,6 +173,10 @@ def _place(error: Exception, kind: type, method: str) -> str:
     of_class = [frame for frame in frames if code is not None and frame.filename == code.co_filename]
     frame = (of_class or frames)[-1] if frames else None
     return "its class" if frame is None else f"{frame.filename}, line {frame.lineno}"
+
+
+def _expression(value: Any) -> SX:
+    return SX(value)
 
 
 def _short(value: object) -> str:
