@@ -10,9 +10,7 @@ import numpy as np
 from nospill.core.short_names import short_names
 from nospill.judge.certificate import Judgement
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import ALL, RowId
-from nospill.laws.constraints.jerk import TiltJerk
-from nospill.laws.constraints.tilt import Tilt
+from nospill.laws.constraints.base import ALL, Role, RowId
 
 NEAR = 0.9
 """Use above which a limit is one that the motion comes near."""
@@ -87,7 +85,7 @@ def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
     for row in rows:
         known = BY_NAME.get(row.constraint)
         plain = (known.in_words if known is not None else "") or f"{row.constraint} of {{subject}}"
-        everything = "both angles" if row.constraint in (Tilt.name, TiltJerk.name) else "all objects"
+        everything = "both angles" if known is not None and known.role is Role.TRAY else "all objects"
         names.append(plain.format(subject={**short, **_ANGLES, ALL: everything}.get(row.subject, row.subject)))
     return names
 
