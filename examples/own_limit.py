@@ -39,6 +39,7 @@ class SlowArrival(ns.Constraint):
 
     def budgets(self, sample: ns.Sample) -> tuple[tuple[ns.Cone, ...], ...]:
         """For each subject what has to hold at every instant: |demand| <= capacity."""
+        assert sample.tray_position is not None and sample.tray_velocity is not None  # as they are at TRAY
         distance = ca.sqrt(ca.sumsqr(sample.tray_position - ca.DM(self.goal)) + 1e-8)  # smooth at the goal
         allowed = self.most + self.gain * ca.fmax(distance - self.radius, 0)
         return ((ns.Cone(sample.tray_velocity, allowed, self.most),),)

@@ -17,8 +17,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import nospill as ns
+from nospill.core.trees import flatten
 from nospill.core.units import DIMENSIONS
-from nospill.laws.parameters import flatten
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario.arrays import Counts
 from nospill.scenario.cargo_entries import CARGO_TABLES

@@ -13,7 +13,6 @@ import pytest
 
 from nospill.core.trees import flatten
 from nospill.errors import ScenarioError
-from nospill.core.trees import flatten
 from nospill.laws.scene_parameters import flange_load, object_numbers, structure_of
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import Cargo, Tolerance

@@ -13,6 +13,7 @@ import numpy as np
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
 from nospill.core.suggestions import nearest
+from nospill.core.trees import flatten
 from nospill.errors import ScenarioError
 from nospill.judge.certificate import Judgement
 from nospill.judge.clearance import clearance_traces
@@ -20,7 +21,7 @@ from nospill.judge.traces import moving_object
 from nospill.judge.verdict import APPROACH, Trace
 from nospill.laws.constraints.base import RowId
 from nospill.laws.kinds import numbers_of_object, object_kind
-from nospill.laws.parameters import Structure, flatten
+from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene

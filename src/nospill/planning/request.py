@@ -22,8 +22,8 @@ def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constra
         constraints: limits beside those of the scenario; None for those that the scene has from an earlier call.
 
     Raises:
-        ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`; a constraint is
-            none, or one that the scene was saved with is not at hand.
+        ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`; a constraint
+            is none, or one that the scene was saved with is not at hand.
     """
     if isinstance(scene, Plan):
         raise ScenarioError("a scene is needed, and this is a plan; its scene is plan.scene")

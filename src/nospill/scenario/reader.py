@@ -22,7 +22,7 @@ from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_t
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
-from nospill.scenario.fields import FREE, Table
+from nospill.scenario.fields import FREE
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import cargo_place, entry_place, faults_of
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario

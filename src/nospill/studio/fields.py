@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from nospill.paths.path import PRESETS
 from nospill.robots.description.catalog import ROBOTS
-from nospill.scenario.reader import scenario_schema
+from nospill.scenario.scenes import scenario_schema
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
 from nospill.studio.checks import Fault

@@ -10,18 +10,16 @@ import numpy as np
 import pytest
 
 import nospill as ns
-from nospill.diagnosis import with_change
-from nospill.errors import Change, ScenarioError
+from nospill.errors import ScenarioError
 from nospill.laws.constraints import BY_NAME, by_name, constrained, constraints_of
 from nospill.laws.kinds import functions_of_kind, limited_object_kind, object_kind, tray_kind
 from nospill.laws.like_objects import outer_objects
 from nospill.laws.scene_parameters import structure_of
 from nospill.scenario import read_scenario
-from nospill.scenario.described import described
 from nospill.scene.scene import Scene
 from nospill.scene.variants import scene_of, variants_by_object
 from nospill.transcription.problem import Problem, build_problem
-from tests.builders import changed_table, one_mode
+from tests.builders import one_mode
 
 SCENE = read_scenario("matrix-liquid")
 
@@ -73,20 +71,27 @@ def test_a_scene_has_them_behind_the_table_and_its_objects_know_theirs() -> None
 
 
 def test_a_variant_of_an_object_keeps_those_of_the_object() -> None:
-    table = changed_table(SCENE.source, {"cargo.0.tolerance": {"liquid_height": "2 mm"}})
-    scene = constrained(ns.load(table), [Sideways(objects=("c1",))])
+    uncertain = SCENE.changed({"cargo.c1.tolerance": {"liquid_height": "2 mm"}})
+    scene = constrained(uncertain, [Sideways(objects=("c1",))])
     families = variants_by_object(scene)
     chosen = [family[0].id for family in families] + [families[0][1].id]
     several = scene_of(scene, families, chosen)
     assert constraints_of(scene)[-1].subjects(several) == (several.cargo[0].name, several.cargo[1].name)
 
 
-def test_a_scene_read_again_keeps_them() -> None:
+def test_a_changed_scene_keeps_them_and_another_limit_makes_another_scene() -> None:
     scene = constrained(SCENE, [Sideways(objects=("c1",)), Crawl()])
-    changed = replace(scene, motion=replace(scene.motion, max_duration=7.0))
-    for again in (described(changed), with_change(scene, Change("", "motion.max_duration", 7.0, ""))):
-        assert again is not scene and again.constraints == scene.constraints
-        assert [len(item.constraints) for item in again.cargo] == [1, 0, 0, 0]
+    assert scene == constrained(SCENE, [Sideways(objects=("c1",)), Crawl()])
+    assert scene not in (SCENE, constrained(SCENE, [Sideways(objects=("c1",)), Crawl(0.6)]))
+    again = scene.changed({"motion.max_duration": "7 s"})
+    assert again.motion.max_duration == 7.0 and again.constraints == scene.constraints
+    assert [len(item.constraints) for item in again.cargo] == [1, 0, 0, 0]
+    assert again.changed({"motion.max_duration": "20 s"}).text() == SCENE.text()
+
+
+def test_a_copy_is_still_none_of_a_scenario() -> None:
+    scene = replace(constrained(SCENE, [Crawl()]), gravity=1.6)
+    assert not scene.as_read and not constrained(scene, []).as_read
 
 
 def test_kinds_know_them_and_other_numbers_make_another_kind() -> None:
@@ -284,7 +289,7 @@ def test_what_is_no_constraint_of_the_scene_is_told(constraints: Any, told: str)
         (lambda sample: ns.Cone(sample.tray_velocity, 1.0, 1.0), "a tuple of Cone or Range is needed for each subject"),
         (lambda sample: ((), ()), "a tuple of Cone or Range is needed for each subject"),
         (lambda sample: ((sample.tray_velocity,),) * 2, "which is no Cone and no Range"),
-        (lambda sample: ((ns.Cone(sample.tray_velocity, "fast", 1.0),),) * 2, "capacity is of type str; a CasADi SX"),
+        (lambda sample: ((ns.Cone(sample.tray_velocity, "fast", 1.0),),) * 2, "capacity is of type str; a CasADi SX"),  # type: ignore[arg-type]
         (
             lambda sample: ((ns.Range(sample.tray_velocity, 0.0, None, 1.0),),) * 2,
             r"value has \(3, 1\) entries",
