@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -152,24 +150,3 @@ def test_a_scene_with_one_that_is_not_at_hand_is_not_planned(saved: Path) -> Non
     scene = ns.load_plan(saved).scene
     with pytest.raises(ScenarioError, match=r'saved with the constraint "sideways", .* constraints=\[\] for none'):
         ns.plan(scene)
-
-
-def example(name: str) -> ModuleType:
-    file = Path(__file__).parents[2] / "examples" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    import sys
-
-    sys.modules[name] = module  # dataclasses look for it there
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.chdir(tmp_path)
-    example("own_limit").main()
-    first, second, third, last = capsys.readouterr().out.splitlines()
-    assert "slow arrival of tray is at its limit" in first and second.endswith("by it: not certified")
-    assert third.startswith('Not certified: the constraint "slow arrival" was not judged')
-    assert last.startswith("Certified as published")

@@ -343,8 +343,13 @@ def symbolic_object_numbers(structure: ObjectStructure, vector: SX) -> ObjectNum
 
 def blank_numbers(structure: Structure) -> SceneNumbers:
     """Zeros of the shapes that a structure decides."""
-    parts = {"braking": _zeros(BrakingNumbers, structure), "via": _zeros(ViaNumbers, structure)}
-    return _zeros(SceneNumbers, structure, **parts, objects=tuple(_blank_object(item) for item in structure.objects))
+    return _zeros(
+        SceneNumbers,
+        structure,
+        braking=_zeros(BrakingNumbers, structure),
+        via=_zeros(ViaNumbers, structure),
+        objects=tuple(_blank_object(item) for item in structure.objects),
+    )
 
 
 def _blank_object(item: ObjectStructure) -> ObjectNumbers:
