@@ -10,7 +10,7 @@ import re
 from nospill_docs import api
 from nospill_docs.blocks import BLOCK
 
-_LISTED = re.compile(r"^(?:[-|]|\d+\.).*?\]\((?P<page>[^)#:]+)\.md\)", re.MULTILINE)
+_LISTED = re.compile(r"^(?:[-|]|\d+\.).*?\]\((?P<page>[^)#:]+)\.md(?:#[^)]*)?\)", re.MULTILINE)
 _OUTSIDE = re.compile(r"(?<!!)\[(?P<words>[^\]]+)\]\((?:\.\./)+(?P<file>(?:benchmarks|examples|src)/[^)]+)\)")
 """A link to a file that a clone has and the site has not."""
 _HEADING = re.compile(r"^## (.+)$", re.MULTILINE)
