@@ -11,7 +11,7 @@ variants = {
 
 for what, variant in variants.items():
     plan = ns.plan(variant)
-    print(f"{what}: {plan.duration:.3f} s, {plan.status}; {plan.held_back}")
+    print(f"{what}: {plan.duration:.3f} s, {plan.status}; {plan.limiting_text}")
     if what == "c1 half as full":
         plan.plot("slosh-heights").savefig("change_one_cup.png", dpi=100)
 

@@ -49,7 +49,7 @@ scene = ns.load("matrix-liquid")
 x, y, z = scene.path.at([1.0])[0, :3].round(4).tolist()
 limit = SlowArrival((x, y, z), most=0.15)
 free, slow = ns.plan(scene), ns.plan(scene, constraints=[limit])
-print(f"without it {free.duration:.3f} s, with it {slow.duration:.3f} s: {slow.held_back}")
+print(f"without it {free.duration:.3f} s, with it {slow.duration:.3f} s: {slow.limiting_text}")
 print(f"the motion without it is judged by it: {ns.certify(free.trajectory, scene, constraints=[limit]).word}")
 
 slow.save("out/slow-arrival")

@@ -25,7 +25,7 @@ from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
 from nospill.plans.loading import load_plan as load_plan
 from nospill.plans.plan import Plan as Plan
-from nospill.plans.rows import starting_after as starting_after
+from nospill.plans.rows import with_residual_slosh as with_residual_slosh
 from nospill.scenario import approach_entry as _approach
 from nospill.scenario import arrays as _arrays
 from nospill.scenario import capsule_entry as _capsules

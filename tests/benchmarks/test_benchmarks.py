@@ -12,7 +12,7 @@ import pytest
 from benchmarks.planning import baseline, report, scenes
 from nospill.core.frames import SX
 from nospill.core.trees import constants
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.laws.sample import object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_acceleration
@@ -166,7 +166,7 @@ def test_trays_of_cups_fit_their_cups() -> None:
 
 def test_no_like_cups_stand_for_different_ones() -> None:
     scene = scenes.different_cups(64)
-    assert len(outer_objects(scene)) == 64
+    assert len(hull_objects(scene)) == 64
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from nospill.judge.certificate import certify
 from nospill.paths.path import straight_line
 from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario
-from nospill.transcription.trapezoids import PIECES, along, profile
+from nospill.transcription.trapezoids import PIECES, path_parameter_rates, profile
 
 
 def test_the_profile_leads_from_rest_to_rest_at_constant_limits() -> None:
@@ -34,7 +34,7 @@ def test_the_profile_leads_from_rest_to_rest_at_constant_limits() -> None:
 def test_speed_is_that_along_the_path() -> None:
     path = straight_line((0.0, 0.0, 0.0), (0.6, 0.8, 0.0))
     place, speed, acceleration = profile(27)
-    found = along(path, place, speed, acceleration)
+    found = path_parameter_rates(path, place, speed, acceleration)
     assert found[:, 0] == pytest.approx(place, abs=1e-9)
     assert np.linalg.norm(path.derivative(found[:, 0])[:, :3], axis=1) * found[:, 1] == pytest.approx(speed, abs=1e-9)
     assert found[:, 2] == pytest.approx(acceleration, abs=1e-9)
@@ -64,7 +64,7 @@ def test_what_has_no_certified_motion_is_left_out(
     tilting = replace(plan, scene=plan.scene.changed({"motion.tilt": "free"}))
     found = compared(tilting)
     assert found.report.compared == {LEVEL: 6.0}
-    assert found.sooner == (
+    assert found.comparison == (
         f"level tray: 6.000 s; this motion is {6.0 - plan.duration:.3f} s "
         f"({100 * (6.0 - plan.duration) / 6.0:.0f} %) sooner",
     )

@@ -14,7 +14,7 @@ from nospill.drawing.geometry import (
     contact_collar,
     container_body,
     drawn_section,
-    joined,
+    merge_meshes,
     prism,
     shrunk,
     tube,
@@ -126,5 +126,5 @@ def test_collar_goes_round_the_foot() -> None:
 
 def test_joined_meshes_keep_their_faces() -> None:
     first, second = prism(Box(1, 1, 1).outline, 0, 1), prism(Box(2, 2, 1).outline, 3, 4)
-    both = joined([first, second])
+    both = merge_meshes([first, second])
     assert np.array_equal(both.vertices[both.faces[len(first.faces) :]], second.vertices[second.faces])

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from nospill.drawing.props import Kind, Stagehand, limit_ring
+from nospill.drawing.props import Kind, SceneBuilder, limit_ring
 from nospill.drawing.stage import axes_facing, framed
 from nospill.drawing.timeline import Film
-from nospill.drawing.views import CLOSE, View, arrangement, carriage, headings, load_outline, viewpoint
+from nospill.drawing.views import CLOSE, View, arrangement, camera_frame, headings, load_outline, viewpoint
 from nospill.film.picture import draw
 from nospill.film.raster import Canvas, Triangles, clipped, nearest
 
@@ -19,13 +19,13 @@ SIZE = (96, 72)
 ASPECT = SIZE[0] / SIZE[1]
 
 
-def share_of_objects(hand: Stagehand, index: int, view: View, aspect: float) -> float:
+def share_of_objects(hand: SceneBuilder, index: int, view: View, aspect: float) -> float:
     """Part of the picture in which one sees an object on the tray, by pixels; what the arm hides does not count.
 
     Obstacles are drawn like glass, through which one sees.
     """
     film = hand.film
-    camera, ride = viewpoint([film], view, aspect=aspect), carriage(film, view)
+    camera, ride = viewpoint([film], view, aspect=aspect), camera_frame(film, view)
     canvas = Canvas.of(camera, round(72 * aspect), 72)
     rotation = ride.rotation[index] @ axes_facing(camera.position - camera.look_at)
     origin = ride.position[index] + ride.rotation[index] @ camera.position
@@ -44,7 +44,7 @@ def share_of_objects(hand: Stagehand, index: int, view: View, aspect: float) -> 
 )  # one of each kind of tray; the planned motions of all examples are looked at in tests/system/test_example_films.py
 def test_objects_fill_a_tenth_of_the_picture_throughout(name: str, example_film: Callable[[str], Film]) -> None:
     film = example_film(name)
-    hand = Stagehand(film, path=False)
+    hand = SceneBuilder(film, path=False)
     for view in CLOSE:
         for aspect in (0.89, 16 / 9):
             assert min(share_of_objects(hand, index, view, aspect) for index in range(0, len(film.t), 3)) >= 0.1
@@ -60,14 +60,14 @@ def test_a_heading_is_what_is_left_without_the_tilt() -> None:
 
 
 def test_carriages(tilting_film: Film) -> None:
-    follow = carriage(tilting_film, View.TRAY)
+    follow = camera_frame(tilting_film, View.TRAY)
     above = np.einsum("mi,mi->m", follow.position - tilting_film.tray_position, tilting_film.tray_rotation[:, :, 2])
     tallest = max(item.container.height for item in tilting_film.plan.scene.cargo)
     assert above == pytest.approx(np.full(len(above), tallest / 2))
     assert np.all(follow.rotation[:, 2] == (0.0, 0.0, 1.0))  # level
     fixed = load_outline(tilting_film, View.FIXED)
     assert fixed == pytest.approx(np.broadcast_to(fixed[0], fixed.shape))  # the tray stands still
-    still = carriage(tilting_film, View.ARM)
+    still = camera_frame(tilting_film, View.ARM)
     assert np.all(still.position == 0.0)
     position, rotation = follow.base(5)
     assert rotation @ follow.position[5] + position == pytest.approx(np.zeros(3), abs=1e-12)
@@ -103,8 +103,10 @@ def test_two_trays_stand_apart(tilting_film: Film, level_film: Film) -> None:
 
 @pytest.mark.parametrize("view", list(View))
 def test_a_picture_shows_water_and_limit_rings(view: View, tilting_film: Film) -> None:
-    hand, index = Stagehand(tilting_film, path=view not in CLOSE), 0
-    picture = draw(hand, index, viewpoint([tilting_film], view, aspect=ASPECT), carriage(tilting_film, view), size=SIZE)
+    hand, index = SceneBuilder(tilting_film, path=view not in CLOSE), 0
+    picture = draw(
+        hand, index, viewpoint([tilting_film], view, aspect=ASPECT), camera_frame(tilting_film, view), size=SIZE
+    )
     assert picture.shape == (SIZE[1], SIZE[0], 3)
     red, green, blue = np.moveaxis(picture.astype(int), 2, 0)
     water = np.mean((blue > red + 60) & (blue > green + 20))
@@ -124,7 +126,7 @@ def test_the_free_surface_is_drawn_where_the_judge_has_it(tilting_film: Film) ->
     assert ring is not None
     assert cargo.filling is not None
     assert ring.vertices[:, 2].mean() == pytest.approx(cargo.filling.liquid_height + cargo.filling.max_slosh_height)
-    hand = Stagehand(tilting_film, path=False)
+    hand = SceneBuilder(tilting_film, path=False)
     bodies = [body for body in hand.bodies(index) if body.group == name and body.kind is Kind.MARK]
     up = tilting_film.tray_rotation[index][:, 2]
     edge = (bodies[0].mesh.vertices - tilting_film.tray_position[index]) @ up

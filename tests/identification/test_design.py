@@ -12,8 +12,8 @@ import nospill as ns
 from nospill.cli import app
 from nospill.errors import ScenarioError
 from nospill.identification import design
-from nospill.identification.design import Design, Records, designed
-from nospill.identification.design import test_scene as scene_of_the_test
+from nospill.identification.design import Design, Records, optimal_experiment
+from nospill.identification.design import experiment_scene as scene_of_the_test
 from nospill.identification.liquid_fit import fit_liquid
 from nospill.identification.liquid_law import LiquidLaw
 from nospill.scene.scene import Scene
@@ -34,7 +34,7 @@ def found(scene: Scene) -> Design:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(design, "RAMPS", (3,))
         patch.setattr(design, "SLOWEST", 1.6)
-        return designed(scene, RECORDS)
+        return optimal_experiment(scene, RECORDS)
 
 
 @pytest.mark.slow
@@ -61,7 +61,7 @@ def test_what_is_expected_is_what_a_fit_finds(found: Design, scene: Scene) -> No
 def test_joints_that_move_are_expected_to_be_told(found: Design) -> None:
     joints = [own for own in found.expected if own.name in ("delay", "lag")]
     assert {own.subject for own in joints} >= {"joint_1", "joint_6"}
-    assert all(own.told for own in joints)
+    assert all(own.identifiable for own in joints)
 
 
 def test_the_scene_of_the_test_lets_liquids_swing_on_a_level_tray() -> None:
@@ -72,7 +72,7 @@ def test_the_scene_of_the_test_lets_liquids_swing_on_a_level_tray() -> None:
 
 def test_a_tray_without_liquids_is_refused() -> None:
     with pytest.raises(ScenarioError, match="nothing holds a liquid"):
-        designed(scene_of_the_test(ns.load("matrix-rigid")))
+        optimal_experiment(scene_of_the_test(ns.load("matrix-rigid")))
 
 
 @pytest.mark.parametrize(

@@ -51,8 +51,8 @@ def test_what_no_residual_reads_is_not_told() -> None:
         neighbours=3,
     )
     assert not np.isfinite(found.covariance[1, 1])
-    assert not Estimate("lag", "a", "s", 0.0, float("inf"), 1.0).told
-    assert Estimate("lag", "a", "s", 0.0, 0.4, 1.0).told
+    assert not Estimate("lag", "a", "s", 0.0, float("inf"), 1.0).identifiable
+    assert Estimate("lag", "a", "s", 0.0, 0.4, 1.0).identifiable
     assert Estimate("lag", "a", "s", 0.0, 0.4, 1.0).half_width == pytest.approx(0.784)
 
 

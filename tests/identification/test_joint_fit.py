@@ -42,10 +42,10 @@ def test_delay_and_lag_are_told_apart(plan: SmoothMotion) -> None:
     for joint, found in enumerate(fits_of(plan, delay, lag)):
         if joint == 3:  # which stands still in this motion
             assert not found.moves
-            assert not found.lag.told
+            assert not found.lag.identifiable
             continue
-        assert found.delay.told
-        assert found.lag.told
+        assert found.delay.identifiable
+        assert found.lag.identifiable
         assert found.delay.value == pytest.approx(CLOCK + delay[joint], abs=1e-3)
         assert found.lag.value == pytest.approx(lag[joint], rel=0.05)
 

@@ -55,7 +55,7 @@ def test_everything_is_learnt_again(lively) -> None:  # type: ignore[no-untyped-
     assert found.of("fill").value == pytest.approx(stated[0] + 1.5e-3, abs=1e-3)
     assert found.of("damping").value == pytest.approx(1.6 * stated[1], rel=0.1)
     assert found.of("gauge").value == pytest.approx(4e-4, abs=2e-4)
-    assert found.of("frequency").told
+    assert found.of("frequency").identifiable
     assert found.left == pytest.approx(5e-4, rel=0.1)
 
 
@@ -67,9 +67,9 @@ def test_a_record_without_decay_tells_neither_fill_nor_damping(lively) -> None: 
     seen = Heights(shown, height[short][::8] + 2e-3 * generator.standard_normal(len(shown)))
     motion = lively.trajectory.motion
     found = fit_liquid(motion, lively.scene, "c1", seen, begin=0.0, end=lively.trajectory.end_time)
-    assert not found.of("fill").told
+    assert not found.of("fill").identifiable
     assert found.of("fill").value == found.stated[0]
-    assert found.of("clock").told
+    assert found.of("clock").identifiable
 
 
 @pytest.mark.slow

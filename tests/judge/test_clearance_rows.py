@@ -16,7 +16,7 @@ from nospill.collisions import distances
 from nospill.errors import MissingExtraError, NospillError
 from nospill.judge.certificate import certify, judge
 from nospill.judge.full_model import full_scene
-from nospill.judge.limiting import held_back, limiting_rows
+from nospill.judge.limiting import limiting_rows, limiting_text
 from nospill.judge.verdict import APPROACH, Certificate, Row
 from nospill.judge.wording import describe
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
@@ -82,7 +82,7 @@ def test_pairs_that_come_near_are_followed_over_time_and_named(passing, changed_
     assert "tray to forearm_link" not in {own.subject for own in judgement.traces}
     limiting = {item.row.subject: item.share for item in limiting_rows(judgement)}
     assert 0.0 < limiting["tray to column"] < 0.5
-    assert "clearance of tray to column" in held_back({"clearance | tray to column": 0.2}, column.robot.joints)
+    assert "clearance of tray to column" in limiting_text({"clearance | tray to column": 0.2}, column.robot.joints)
 
 
 def test_the_finer_grid_agrees(passing) -> None:

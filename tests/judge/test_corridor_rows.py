@@ -110,5 +110,5 @@ def test_the_jerk_beside_the_path_is_judged(solid) -> None:
     moved = beside(free(scene), (0.0, 0.0, 0.04, 0.0))
     calm = rows_of(certify(trajectory, moved))["offset jerk"]
     assert calm.ok and calm.worst_value != 0.0
-    slow = replace(moved, motion=replace(moved.motion, path_jerk_limit=0.5 * abs(calm.worst_value) / moved.way))
+    slow = replace(moved, motion=replace(moved.motion, path_jerk_limit=0.5 * abs(calm.worst_value) / moved.path_length))
     assert not rows_of(certify(trajectory, slow))["offset jerk"].ok

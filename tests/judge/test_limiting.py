@@ -11,11 +11,11 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.judge.limiting import (
     AT_LIMIT,
     NEAR,
-    held_back,
     limiting_names,
     limiting_rows,
+    limiting_text,
+    savings_text,
     share_without_limit,
-    would_save,
 )
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
@@ -78,16 +78,16 @@ def test_sentence_names_the_longest_three() -> None:
     sentence = (
         "speed of shoulder pan is at its limit for 28 % of the time, liquid of c1 for 22 %, friction of c1 for 18 %"
     )
-    assert held_back(shares, joints) == sentence
-    assert held_back({"slip | c1": 0.001}, joints) == held_back({}, joints) == ""
+    assert limiting_text(shares, joints) == sentence
+    assert limiting_text({"slip | c1": 0.001}, joints) == limiting_text({}, joints) == ""
 
 
 def test_sentence_on_savings_names_the_largest_first_and_no_trifles() -> None:
     joints = ("shoulder_pan_joint", "wrist_1_joint")
     found = {"slosh height | all": 0.0208, "joint speed | shoulder_pan_joint": 0.0521, "tilt jerk | all": 1e-4}
     sentence = "a limit wider by 10 % would save about 0.052 s (speed of shoulder pan), 0.021 s (liquid of all objects)"
-    assert would_save(found, joints) == sentence
-    assert would_save({"slip | all": 1e-5}, joints) == would_save({}, joints) == ""
+    assert savings_text(found, joints) == sentence
+    assert savings_text({"slip | all": 1e-5}, joints) == savings_text({}, joints) == ""
 
 
 def test_every_constraint_has_words() -> None:

@@ -16,7 +16,7 @@ from nospill.judge.tracks import variant_tracks
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
-from nospill.planning.worst_speeds import beside, evenly, peaks
+from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object
@@ -42,7 +42,7 @@ def test_solids_are_tried_at_both_ends_and_liquids_at_every_speed(smooth_motion:
     families = {own[0].name: own for own in variants_by_object(scene)}
     assert len(families["cup"]) == 1 + count and len(families["bottle"]) == 3
     assert families["cup"][-1].id == ("cup", "90 % of the speed")
-    assert families["cup"][-1].moved.speed == 0.9 and families["cup"][0].moved is scene.cargo[0]
+    assert families["cup"][-1].cargo_at_speed.speed == 0.9 and families["cup"][0].cargo_at_speed is scene.cargo[0]
 
 
 def test_rows_of_a_range_are_the_uses_at_its_speeds(smooth_motion: Callable) -> None:
@@ -103,9 +103,9 @@ def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
 
     members = [("a", ""), *(("a", f"{value}") for value in values[:20:5])]
     known = speeds | {("a", ""): 1.0}
-    assert beside(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
-    assert beside(values[50], members, known) == [("a", f"{values[15]}")]
-    assert beside(values[7], members[:1], known) == []
+    assert adjacent_members(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
+    assert adjacent_members(values[50], members, known) == [("a", f"{values[15]}")]
+    assert adjacent_members(values[7], members[:1], known) == []
 
 
 @pytest.mark.parametrize("at", np.linspace(3.7, 3.7 + SPEED_STEP, 9).tolist())

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nospill.judge.verdict import Certificate, Row
-from nospill.judge.wording import integrity_line, percent, reserve, row_text, verdict_line
+from nospill.judge.wording import integrity_line, margin_text, percent, row_text, verdict_line
 
 
 def row(constraint: str, value: float, limit: float, margin: float, unit: str = "m") -> Row:
@@ -77,7 +77,7 @@ def test_rows_as_printed(given_row: Row, shown: tuple[str, str, str]) -> None:
 
 @pytest.mark.parametrize(("margin", "text"), [(5.9e-4 * 0.015, "0.05 %"), (0.0, "0.00 %"), (-0.003, "−20.00 %")])
 def test_reserve_is_rounded_down(margin: float, text: str) -> None:
-    assert reserve(row("slosh height", 0.015 - margin, 0.015, margin)) == text
+    assert margin_text(row("slosh height", 0.015 - margin, 0.015, margin)) == text
 
 
 def test_checks_of_the_record_are_one_line() -> None:

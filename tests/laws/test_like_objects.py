@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nospill.laws.like_objects import bearable_acceleration, delicate_objects, outer_objects
+from nospill.laws.like_objects import bearable_acceleration, hull_objects, least_tolerant_objects
 from nospill.laws.scene_parameters import numbers_of
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
@@ -30,7 +30,7 @@ def cups(places: Places, changes: dict[int, dict[str, Any]] | None = None) -> Sc
 
 def outer(places: Places, changes: dict[int, dict[str, Any]] | None = None) -> list[str]:
     """Names of the outer ones of such cups."""
-    return [cargo.name for cargo in outer_objects(cups(places, changes))]
+    return [cargo.name for cargo in hull_objects(cups(places, changes))]
 
 
 def test_of_a_grid_the_corners_are_left() -> None:
@@ -74,6 +74,6 @@ def test_a_level_tray_bears_what_friction_and_the_first_mode_allow() -> None:
 
 def test_of_many_different_objects_those_that_bear_least_are_delicate() -> None:
     scene = cups(GRID, {index: {"max_slosh_height": f"{3.0 + 0.1 * index} mm"} for index in range(9)})
-    assert {cargo.name for cargo in delicate_objects(scene, 3)} == {"c1", "c2", "c3"}
-    assert delicate_objects(scene, 9) == outer_objects(scene) == scene.cargo
-    assert [cargo.name for cargo in delicate_objects(cups([(0, 0), (10, 70), (0, -60)]), 1)] == ["c2"]
+    assert {cargo.name for cargo in least_tolerant_objects(scene, 3)} == {"c1", "c2", "c3"}
+    assert least_tolerant_objects(scene, 9) == hull_objects(scene) == scene.cargo
+    assert [cargo.name for cargo in least_tolerant_objects(cups([(0, 0), (10, 70), (0, -60)]), 1)] == ["c2"]

@@ -23,7 +23,7 @@ def test_the_branch_through_the_table_is_left_out(changed_scene) -> None:
     free = free_paths(scene, paths)
     assert 0 < len(free) < len(paths) and free == [path for path in paths if path in free]
     assert nearest_along(scene, paths[0]).pair.subject == "upper_arm_link to table"
-    assert all(nearest_along(scene, path).room > 0.0 for path in free[:3])
+    assert all(nearest_along(scene, path).slack > 0.0 for path in free[:3])
     chosen = preferred_path(free, scene.robot, None)
     assert chosen is free[0] is not paths[0]
 
@@ -82,5 +82,5 @@ def test_a_tray_that_tilts_is_left_to_the_certificate(changed_scene) -> None:
     scene = changed_scene(NAME, {"obstacle.0.clearance": "40 mm", "motion.tilt": "free"})
     paths = joint_paths_of(scene)
     (chosen,) = free_paths(scene, paths)
-    rooms = [nearest_along(scene, path).room for path in paths[:8]]
-    assert nearest_along(scene, chosen).room >= max(rooms) - 1e-12 and np.max(rooms) < 0.0
+    rooms = [nearest_along(scene, path).slack for path in paths[:8]]
+    assert nearest_along(scene, chosen).slack >= max(rooms) - 1e-12 and np.max(rooms) < 0.0

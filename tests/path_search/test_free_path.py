@@ -17,8 +17,8 @@ from nospill.errors import NoSolutionError, ScenarioError
 from nospill.path_search import candidates as free_way
 from nospill.path_search import free_path as free_ways
 from nospill.path_search.branches import are_clear, tray_is_clear
-from nospill.path_search.candidates import PossibleWay, along, ways
-from nospill.path_search.free_path import freest_way
+from nospill.path_search.candidates import PathCandidate, feasible_paths, with_path
+from nospill.path_search.free_path import fastest_clear_path
 from nospill.planning.log import Log
 from nospill.planning.search import searcher
 from nospill.planning.task import Task
@@ -53,15 +53,15 @@ def middle_of(scene: Scene) -> np.ndarray:
 def test_without_obstacles_three_ways_are_looked_at() -> None:
     table = read_scenario("cups-around-a-column").source
     scene = scene_from_table({key: value for key, value in table.items() if key != "obstacle"}, name="open")
-    assert freest_way(scene).source == ways(scene)[0].scene.source
-    assert len(ways(scene)) <= 3 < len(ways(scene_of(TABLE)))
+    assert fastest_clear_path(scene).source == feasible_paths(scene)[0].scene.source
+    assert len(feasible_paths(scene)) <= 3 < len(feasible_paths(scene_of(TABLE)))
 
 
 def test_inside_a_tall_column_and_over_a_low_one() -> None:
-    inside = middle_of(freest_way(scene_of(COLUMN, TABLE)))
+    inside = middle_of(fastest_clear_path(scene_of(COLUMN, TABLE)))
     assert 0.3 < inside[0] < 0.66 and inside[2] == pytest.approx(0.45)
     low = {**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}
-    over = middle_of(freest_way(scene_of(low, TABLE)))
+    over = middle_of(fastest_clear_path(scene_of(low, TABLE)))
     assert over[2] > 0.5
 
 
@@ -72,34 +72,34 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     turn = np.linspace(np.arctan2(start[1], start[0]), np.arctan2(goal[1], goal[0]) - 2 * np.pi, 13)
     points = np.column_stack([*(np.hypot(*start[:2]) * np.array([np.cos(turn), np.sin(turn)])), np.full(13, start[2])])
     points[[0, -1]] = start, goal
-    behind = along(scene, points)
-    possible = [PossibleWay(scene, scene.path), PossibleWay(scene, behind.path, points)]
-    monkeypatch.setattr(free_ways, "possible_ways", lambda _: possible)
+    behind = with_path(scene, points)
+    possible = [PathCandidate(scene, scene.path), PathCandidate(scene, behind.path, points)]
+    monkeypatch.setattr(free_ways, "path_candidates", lambda _: possible)
     monkeypatch.setattr(free_ways, "SAMPLES", 2000)
-    found = freest_way(scene)
+    found = fastest_clear_path(scene)
     assert middle_of(found)[0] > 0.0
     figures = [joint_paths(own.robot, own.path, tool=own.tray.tool)[0].speed_figure for own in (found, behind)]
     assert figures[0] < 0.75 * figures[1]
-    monkeypatch.setattr(free_ways, "sampled_way_of", lambda _: (0.8 * figures[1], found))
-    assert freest_way(scene).source["path"] == behind.source["path"]  # what is a little faster stays
+    monkeypatch.setattr(free_ways, "fastest_sampled_path", lambda _: (0.8 * figures[1], found))
+    assert fastest_clear_path(scene).source["path"] == behind.source["path"]  # what is a little faster stays
 
 
 def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the forty ways, every sixth."""
-    monkeypatch.setattr(free_ways, "ways", lambda scene: ways(scene)[::6])
+    monkeypatch.setattr(free_ways, "ways", lambda scene: feasible_paths(scene)[::6])
     walls = [
         {"name": name, "shape": "box", "at": [side, 0.0, 1.25], "size": ["1.8 m", "20 mm", "2.5 m"]}
         for name, side in (("front", 1.1), ("back", -1.1))
     ]
     with pytest.raises(NoSolutionError, match=r"No way found for the arm: .* ways that were tried") as caught:
-        freest_way(scene_of(*walls, TABLE))
+        fastest_clear_path(scene_of(*walls, TABLE))
     assert caught.value.exit_code == 3
 
 
 def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> None:
     """Straight through a column, where no way round it was found: the message is about the way."""
     scene = scene_of(COLUMN, TABLE)
-    through = along(scene, scene.path.at(np.linspace(0.0, 1.0, 7))[:, :3])
+    through = with_path(scene, scene.path.at(np.linspace(0.0, 1.0, 7))[:, :3])
     path = preferred_path(joint_paths(through.robot, through.path, tool=through.tray.tool), through.robot, None)
     run = searcher(Task.of(through), Log(None, 60.0))
     error = not_found(Trials(run, path), None)
@@ -115,9 +115,9 @@ def test_a_way_that_the_arm_cannot_follow_is_no_bad_input(monkeypatch: pytest.Mo
     """Of the benchmark: behind the arm its elbow is bent the other way than in front of it."""
     scene = scene_from_table(read_problems(PROBLEMS)[61]["table"], name="behind")
     for module in (free_way, free_ways):
-        monkeypatch.setattr(module, "possible_ways", lambda scene: iter([PossibleWay(scene, scene.path)]))
+        monkeypatch.setattr(module, "path_candidates", lambda scene: iter([PathCandidate(scene, scene.path)]))
     with pytest.raises(NoSolutionError, match=r"the only way that was tried .*; random searches found no") as caught:
-        freest_way(scene)
+        fastest_clear_path(scene)
     assert caught.value.exit_code == 3
 
 
@@ -125,7 +125,7 @@ def test_seven_joints_find_a_way_that_keeps_all_of_them(monkeypatch: pytest.Monk
     """Of the benchmark: on the motion that is known the self-motion turns joint 7 back three times."""
     monkeypatch.setattr(free_ways, "SAMPLES", 2000)
     scene = scene_from_table(read_problems(PROBLEMS)[50]["table"], name="shelf")
-    found = free_ways.sampled_way_of(scene)
+    found = free_ways.fastest_sampled_path(scene)
     assert found is not None
     stated = found[1].source["path"]["way_joints"]  # type: ignore[index,call-overload]
     paths = joint_paths(scene.robot, found[1].path, tool=scene.tray.tool)
@@ -135,13 +135,13 @@ def test_seven_joints_find_a_way_that_keeps_all_of_them(monkeypatch: pytest.Monk
 
 def test_a_goal_beside_an_obstacle_is_bad_input() -> None:
     with pytest.raises(ScenarioError, match=r"where the path ends; move the obstacle or the path") as caught:
-        freest_way(scene_of({**COLUMN, "at": [0.75, 0.66, 0.45]}, TABLE))
+        fastest_clear_path(scene_of({**COLUMN, "at": [0.75, 0.66, 0.45]}, TABLE))
     assert caught.value.exit_code == 2
 
 
 def test_a_sampled_way_round_a_column_is_clear_and_the_same_every_time() -> None:
     scene = scene_of(COLUMN, TABLE)
-    found, again = free_ways.sampled_way_of(scene), free_ways.sampled_way_of(scene)
+    found, again = free_ways.fastest_sampled_path(scene), free_ways.fastest_sampled_path(scene)
     assert found is not None and again is not None
     assert found[1].source == again[1].source
     assert found[1].path.length < 2.0  # the arc the other way round is 4.6 m long
@@ -156,23 +156,23 @@ def test_what_is_in_the_way_of_the_tray_is_seen_without_the_arm() -> None:
     scene = scene_of(COLUMN, TABLE)
     (path, *_) = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     of_tray, of_all = nearest_of_tray(scene, scene.path, places=41), nearest_along(scene, path, places=41)
-    assert of_tray.pair.first.on_path and of_tray.room >= of_all.room
-    assert of_tray.room < 0.0 and not tray_is_clear(scene, scene.path)
+    assert of_tray.pair.first.on_path and of_tray.slack >= of_all.slack
+    assert of_tray.slack < 0.0 and not tray_is_clear(scene, scene.path)
     frames = joint_frames(arm_chain(scene.robot), path.at(np.array([of_tray.s])))
     room = Distances(of_tray.pair.first, of_tray.pair.second).at(frames, np.zeros(1, dtype=int))[0][0]
-    assert of_tray.room == pytest.approx(room - of_tray.pair.limit, abs=1e-6)
+    assert of_tray.slack == pytest.approx(room - of_tray.pair.limit, abs=1e-6)
 
 
 def test_what_a_glimpse_shows_is_what_following_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ways that are open on some branch all along, and their figures, from places against the whole path."""
     scene = scene_of({**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}, TABLE)
-    found = free_ways.open_ways(scene)
+    found = free_ways.clear_candidates(scene)
     monkeypatch.setenv("NOSPILL_THREADS", "2")
-    by_two = free_ways.open_ways(scene)
+    by_two = free_ways.clear_candidates(scene)
     assert [own.path.coefficients.tobytes() for own in by_two] == [own.path.coefficients.tobytes() for own in found]
     assert scene not in found
     clear = {}
-    for way in ways(scene):
+    for way in feasible_paths(scene):
         fastest = next((path for path, own in zip(way.paths, are_clear(scene, way.paths), strict=True) if own), None)
         if fastest is not None:
             clear[way.scene.path.coefficients.tobytes()] = fastest.speed_figure

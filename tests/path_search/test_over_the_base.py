@@ -8,8 +8,8 @@ import pytest
 from benchmarks.carry.draw import PROBLEMS, read_problems
 from nospill.path_search import free_path as free_ways
 from nospill.path_search.level_arm import LevelArm
-from nospill.path_search.over_the_base import base_axis, beyond, led_over, passes
-from nospill.path_search.sampled_paths import cut, joined, sampled_way
+from nospill.path_search.over_the_base import axis_crossings, base_axis, lead_over_axis, pose_beyond
+from nospill.path_search.sampled_paths import concatenate, sample_path, split_after
 from nospill.robots.joint_paths.search import try_joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
@@ -44,7 +44,7 @@ def ahead(q: np.ndarray) -> np.ndarray:
 def test_a_curve_is_led_exactly_through_the_axis_and_keeps_its_ends() -> None:
     axis, s = np.array([0.1, 0.2]), np.linspace(0.0, 1.0, 41)
     poses = np.column_stack([s - 0.37, 0.23 - 0.1 * s**2, 0.5 + s, s])
-    moved = led_over(poses, 0.5, axis)
+    moved = lead_over_axis(poses, 0.5, axis)
     gaps = np.linalg.norm(moved[:, :2] - axis, axis=1)
     assert gaps.min() == 0.0 and np.argmin(gaps) % 2 == 1
     np.testing.assert_array_equal(moved[[0, -1]], poses[[0, -1]])
@@ -53,11 +53,11 @@ def test_a_curve_is_led_exactly_through_the_axis_and_keeps_its_ends() -> None:
 
 def test_a_step_over_it_is_straight() -> None:
     random, axis = np.random.default_rng(0), np.array([0.1, 0.2])
-    pose = beyond(np.array([0.5, -0.1, 0.6, 0.0]), axis, random)
+    pose = pose_beyond(np.array([0.5, -0.1, 0.6, 0.0]), axis, random)
     assert pose is not None
     here, there = np.array([0.4, -0.3]), pose[:2] - axis
     assert here @ there < 0.0 and here[0] * there[1] - here[1] * there[0] == pytest.approx(0.0, abs=1e-12)
-    assert beyond(np.array([0.11, 0.2, 0.6, 0.0]), axis, random) is None
+    assert pose_beyond(np.array([0.11, 0.2, 0.6, 0.0]), axis, random) is None
 
 
 def test_from_behind_to_the_front_joint_1_does_not_jump(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,17 +65,17 @@ def test_from_behind_to_the_front_joint_1_does_not_jump(monkeypatch: pytest.Monk
     scene = scene_from_table(read_problems(PROBLEMS)[184]["table"], name="behind")
     axis, arm = base_axis(scene), LevelArm(scene, spare=0.015)
     assert axis is not None
-    legs = sampled_way(arm, seed=1, samples=2000, over=axis)
+    legs = sample_path(arm, seed=1, samples=2000, over=axis)
     assert legs is not None
     (leg,) = legs
-    over = passes(leg.poses, leg.q, axis)
+    over = axis_crossings(leg.poses, leg.q, axis)
     assert len(over)
-    parts = cut(leg, over)
-    np.testing.assert_array_equal(joined(parts).q, leg.q)
+    parts = split_after(leg, over)
+    np.testing.assert_array_equal(concatenate(parts).q, leg.q)
     assert len(parts) == 2 * len(over) + 1
     monkeypatch.setattr(free_ways, "SEEDS", (1,))
-    monkeypatch.setattr(free_ways, "sampled_way", lambda _, *, over, **given: legs if over is not None else None)
-    found = free_ways.sampled_way_of(scene)
+    monkeypatch.setattr(free_ways, "sample_path", lambda _, *, over, **given: legs if over is not None else None)
+    found = free_ways.fastest_sampled_path(scene)
     assert found is not None
     way = found[1].path
     assert np.hypot(*way.at(np.linspace(0.0, 1.0, 41))[:, :2].T).min() < 1e-9

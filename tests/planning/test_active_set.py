@@ -14,7 +14,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
-from nospill.laws.like_objects import delicate_objects
+from nospill.laws.like_objects import least_tolerant_objects
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
@@ -265,7 +265,9 @@ def many_cups(**planning: Any) -> Scene:
 def test_of_many_different_objects_the_delicate_are_in_the_problem_and_the_arm_carries_all() -> None:
     task = Task.of(many_cups())
     active = ActiveSet.of(task, Q)
-    assert len(task.outer) == 12 and {cargo.name for cargo in delicate_objects(task.model, 8)} == set(members(active))
+    assert len(task.outer) == 12 and {cargo.name for cargo in least_tolerant_objects(task.model, 8)} == set(
+        members(active)
+    )
     np.testing.assert_array_equal(flange_load(active.scene, task.payload).mass, flange_load(task.scene).mass)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from nospill.core.attitudes import matrices, yaw_of
 from nospill.judge.certificate import certify
-from nospill.path_search.candidates import has_free_way
+from nospill.path_search.candidates import has_free_path
 from nospill.planning import planner as planning
 from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
@@ -105,7 +105,7 @@ def test_from_one_end_of_the_arc_to_the_other_on_any_way(example_plan, tmp_path)
     # the way that was chosen is kept with the plan
     found.save(tmp_path / "out")
     kept = load_plan(tmp_path / "out")
-    assert not has_free_way(kept.scene) and has_free_way(read_scenario("matrix-liquid-point-to-point"))
+    assert not has_free_path(kept.scene) and has_free_path(read_scenario("matrix-liquid-point-to-point"))
     assert certify(kept.trajectory, kept.scene).ok
 
 

@@ -49,8 +49,8 @@ def test_a_line_at_limited_speed_and_acceleration_is_a_trapezoid() -> None:
         for constraint in (TraySpeed, TrayAcceleration):
             row = own(certificate, constraint.name)
             assert row.ok and 0.99 < row.use <= 1.0 and row.unit == constraint.unit
-    assert found.held_back.startswith("speed of the tray is at its limit for")
-    assert "(speed of the tray)" in found.would_save and "(acceleration of the tray)" in found.would_save
+    assert found.limiting_text.startswith("speed of the tray is at its limit for")
+    assert "(speed of the tray)" in found.savings_text and "(acceleration of the tray)" in found.savings_text
     # d(length/speed + speed/acceleration) for a tenth more of either limit
     saved = {row.split(" | ")[0]: value for row, value in found.report.savings.items()}
     assert saved[TraySpeed.name] == pytest.approx(0.1 * (LENGTH / SPEED - SPEED / ACCELERATION), rel=0.05)

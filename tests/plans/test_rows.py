@@ -17,7 +17,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
-from nospill.plans.rows import starting_after, swing_after
+from nospill.plans.rows import swing_after, with_residual_slosh
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.scene.swing import coordinates
@@ -57,16 +57,16 @@ def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
     end = before.scene.path.at([1.0])[0]
     path = {"type": "line", "start": end[:3].tolist(), "end": [0.6, 0.0, 1.2], "yaw": [float(end[3])] * 2}
     after = scene_from_table({**before.scene.source, "path": path}, name="after")
-    found = starting_after(after, before)
+    found = with_residual_slosh(after, before)
     assert found.cargo[0].filling is not None and found.cargo[0].filling.initial_swing == swing_after(before, 0.0)["c1"]
     with pytest.raises(ScenarioError, match=r"mm and .* deg from where"):
-        starting_after(before.scene, before)
+        with_residual_slosh(before.scene, before)
     for wait in (-0.1, math.nan, math.inf):
         with pytest.raises(ScenarioError, match="at least 0 s"):
             swing_after(before, wait)
     with pytest.raises(ScenarioError, match='cargo "c1" has another shape, liquid, fill or yaw'):
-        starting_after(after.changed({"cargo.c1.yaw": 0.3}), before)
-    other = starting_after(after.changed({"cargo.c1.name": "other"}), before)
+        with_residual_slosh(after.changed({"cargo.c1.yaw": 0.3}), before)
+    other = with_residual_slosh(after.changed({"cargo.c1.name": "other"}), before)
     assert other.cargo[0].filling is not None and other.cargo[0].filling.initial_swing is None
 
 
@@ -74,7 +74,7 @@ def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
 def test_out_wait_and_back(tmp_path) -> None:
     out, back = plan(line(A, B)), plan(line(B, A))
     assert out.certificate.ok and back.certificate.ok
-    scene = starting_after(line(B, A), out, 0.2)
+    scene = with_residual_slosh(line(B, A), out, 0.2)
     assert not certify(back.trajectory, scene).ok  # each alone is certified, in a row they are not
     found = plan(scene)
     assert found.certificate.ok

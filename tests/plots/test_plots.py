@@ -297,7 +297,7 @@ def test_summary_says_what_counts(tilting: Evidence, crowded: Evidence, crowded_
     assert f"{tilting.maxima.tray_acceleration:.3g} m/s²" in good
     largest = max(float(np.max(np.abs(trace.value))) for trace in tilting.traces("tilt"))
     assert f"{np.degrees(largest):.3g}°" in good
-    assert tilting.held_back in good or tilting.held_back == ""
+    assert tilting.limiting_text in good or tilting.limiting_text == ""
     certificate = crowded.judgement.certificate
     for row in certificate.listed_rows():
         assert row.constraint in bad

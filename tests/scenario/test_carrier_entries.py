@@ -50,7 +50,7 @@ def test_contact_is_the_carriers_alone() -> None:
         assert BY_NAME[name].subjects(scene) == ("rack",)
     assert len(BY_NAME["slosh height"].subjects(scene)) == 24
     kinds = structure_of(scene).objects
-    assert kinds[0].spread and not kinds[0].liquid and kinds[1].carried and kinds[1].liquid
+    assert kinds[0].spread and not kinds[0].liquid and kinds[1].in_carrier and kinds[1].liquid
     assert len(set(kinds)) == 2
     assert numbers_of(scene).objects[0].max_slosh_height == 0.004
 
@@ -87,7 +87,7 @@ def test_a_scene_changed_in_python_is_read_again() -> None:
     scene = rack_with({})
     changed = scene.changed({"cargo.rack.friction": 0.3, "cargo.vial-1-1.max_slosh_height": "3 mm"})
     assert changed.cargo[1].filling is not None and changed.cargo[1].filling.max_slosh_height == 0.003
-    assert changed.cargo[0].carried is not None and changed.cargo[0].carried.slosh_height == 0.003
+    assert changed.cargo[0].contents is not None and changed.cargo[0].contents.slosh_height == 0.003
     assert {item.friction for item in changed.cargo} == {0.3}
     moved = scene.changed({"cargo.rack.at": ["10 mm", 0.0]})
     shifts = [after.position - before.position for before, after in zip(scene.cargo, moved.cargo, strict=True)]

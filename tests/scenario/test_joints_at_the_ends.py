@@ -9,7 +9,7 @@ import pytest
 
 from nospill.errors import ScenarioError
 from nospill.path_search.level_arm import LevelArm
-from nospill.path_search.sampled_paths import joined, sampled_way
+from nospill.path_search.sampled_paths import concatenate, sample_path
 from nospill.robots.joint_paths.search import joint_paths, try_joint_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scene_from_table
@@ -90,9 +90,9 @@ def test_sampling_grows_from_the_stated_joints() -> None:
     scene = scene_of({"joints": q[0].tolist()}, {"joints": q[-1].tolist()}, example="shelf-to-table", obstacles=True)
     arm = LevelArm(scene)
     assert np.isin([arm.held_of(q[0]), arm.held_of(q[-1])], arm.held).all()
-    legs = sampled_way(arm, seed=0, samples=500)
+    legs = sample_path(arm, seed=0, samples=500)
     assert legs is not None
-    way = joined(legs)
+    way = concatenate(legs)
     assert max(np.abs(arm.apart(way.q[index], q[index])).max() for index in (0, -1)) < 1e-3
 
 

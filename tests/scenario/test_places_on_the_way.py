@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from nospill.core.shapes import point_distance
 from nospill.errors import ScenarioError
-from nospill.path_search.candidates import ways
+from nospill.path_search.candidates import feasible_paths
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.places import Region
 from nospill.scene.scene import Scene
@@ -31,7 +31,7 @@ def scene_of(**keys: object) -> Scene:
 def test_the_way_passes_its_places_in_their_order() -> None:
     low = {"position": ["650 mm", "400 mm", "1.0 m"], "name": "low"}
     scene = scene_of(via=[ABOVE, low])
-    for found in (scene, ways(scene)[0].scene):
+    for found in (scene, feasible_paths(scene)[0].scene):
         first, second = found.motion.via
         assert (first.name, first.radius, second.name, second.radius) == ("1", 0.02, "low", 0.05)
         assert 0.0 < first.parameter < second.parameter < 1.0
@@ -47,7 +47,7 @@ def test_a_loop_needs_a_place_on_its_way() -> None:
 
 
 def test_a_kept_way_is_read_with_its_places() -> None:
-    found = ways(scene_of(via=[ABOVE]))[0].scene
+    found = feasible_paths(scene_of(via=[ABOVE]))[0].scene
     again = scene_from_table(found.source, name="free")
     assert again.motion.via == found.motion.via
     np.testing.assert_array_equal(again.path.coefficients, found.path.coefficients)
@@ -58,13 +58,13 @@ def test_sides_are_what_is_outside(point: tuple, yaw: float, size: tuple) -> Non
     region = Region("region", (0.1, -0.2, 0.3), size, yaw)
     sides, place = region.sides, np.array(point)
     least = min(side.distance(place) for side in sides)
-    assert least == pytest.approx(region.room(place), abs=1e-12)
+    assert least == pytest.approx(region.slack(place), abs=1e-12)
     assert len({side.name for side in sides}) == 6
     # the names tell the sides of the box's own axes apart
     for side in sides:
         beyond = side.position + 0.01 * (side.position - np.array(region.position))
         assert point_distance(side.shape, side.rotation.T @ (beyond - side.position)) < 0.0
-        assert region.room(side.position) == pytest.approx(0.0, abs=1e-12)
+        assert region.slack(side.position) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_regions_have_names() -> None:

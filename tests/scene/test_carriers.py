@@ -13,7 +13,7 @@ from nospill.core.frames import SX
 from nospill.core.trees import constants
 from nospill.judge.replay import body_motion
 from nospill.laws.contact import contact_wrench
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.laws.sample import object_motion, object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.integrate import integrate, runge_kutta_step, step_sequence
@@ -75,7 +75,7 @@ def alone(vial: Cargo) -> Cargo:
 
 def test_a_rack_feels_every_vial(scene: Scene) -> None:
     rack, *vials = scene.cargo
-    assert rack.carried is not None and len(vials) == 24
+    assert rack.contents is not None and len(vials) == 24
     empty = scene.source | {"cargo": scene.source["cargo"][:1]}  # type: ignore[index]
     total = wrench(scene_from_table(empty, name="empty").cargo[0])
     cosine, sine = math.cos(rack.yaw), math.sin(rack.yaw)
@@ -95,7 +95,7 @@ def test_a_rack_feels_every_vial(scene: Scene) -> None:
 
 def test_all_is_carried(scene: Scene) -> None:
     rack, *vials = scene.cargo
-    assert rack.carried is not None and len(rack.carried.content) == 24
+    assert rack.contents is not None and len(rack.contents.content) == 24
     assert rack.total.mass == pytest.approx(0.25 + sum(vial.total.mass for vial in vials))
     assert rack.empty.mass == pytest.approx(0.25 + 24 * 0.006)
     swinging = sum(mode.mass for mode in rack.oscillators)
@@ -121,22 +121,22 @@ def test_lumped_places_have_the_moments_of_all(columns: int, rows: int) -> None:
 
 def test_what_is_off_in_the_vials_is_off_in_the_rack(scene: Scene) -> None:
     rack = scene.cargo[0]
-    assert rack.carried is not None
+    assert rack.contents is not None
     more = perturbed(rack, Perturbation(liquid_height=1e-3, damping=2.0), fidelity="full")
-    assert more.carried is not None
+    assert more.contents is not None
     assert more.total.mass - rack.total.mass == pytest.approx(24 * 998.2 * math.pi * 0.008**2 * 1e-3, rel=1e-3)
-    assert more.carried.oscillators[0].damping == pytest.approx(2.0 * rack.carried.oscillators[0].damping)
+    assert more.contents.oscillators[0].damping == pytest.approx(2.0 * rack.contents.oscillators[0].damping)
     heavy = perturbed(rack, Perturbation(mass=0.1), fidelity="full")
     assert heavy.total.mass - rack.total.mass == pytest.approx(0.1)
 
 
 def test_what_stands_higher_or_loose_is_not_in_the_hull_of_carried_ones(scene: Scene) -> None:
     vials = [item for item in scene.cargo if item.carrier]
-    outer = {item.name for item in outer_objects(scene)}
+    outer = {item.name for item in hull_objects(scene)}
     assert outer == {"rack", "vial-1-1", "vial-1-4", "vial-6-1", "vial-6-4"}
     inside = vials[5]
     assert inside.name not in outer
     for changes in ({"seat": inside.seat + 0.01}, {"carrier": ""}):
         other = replace(inside, **changes)
         cargo = tuple(other if item is inside else item for item in scene.cargo)
-        assert inside.name in {item.name for item in outer_objects(replace(scene, cargo=cargo))}
+        assert inside.name in {item.name for item in hull_objects(replace(scene, cargo=cargo))}

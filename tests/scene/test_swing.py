@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
 from nospill.judge.replay import replay
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.motion.trajectory import Trajectory
@@ -85,9 +85,9 @@ def test_a_cup_that_swings_is_not_like_its_neighbours() -> None:
     cup = {key: value for key, value in table["cargo"][0].items() if key not in ("name", "at")}
     row = [{**cup, "name": f"c{index}", "at": [0.08 * index - 0.12, 0.0]} for index in range(4)]
     alike = scene_from_table({**table, "cargo": row}, name="row")
-    assert [item.name for item in outer_objects(alike)] == ["c0", "c3"]
+    assert [item.name for item in hull_objects(alike)] == ["c0", "c3"]
     row[1] |= {"initial_swing": SWING}
-    assert [item.name for item in outer_objects(scene_from_table({**table, "cargo": row}, name="row"))] == [
+    assert [item.name for item in hull_objects(scene_from_table({**table, "cargo": row}, name="row"))] == [
         "c0",
         "c1",
         "c3",

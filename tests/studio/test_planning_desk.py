@@ -13,14 +13,14 @@ from nospill.planning.planner import plan
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
 from nospill.studio import planning
-from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
+from nospill.studio.planning import BUSY, PlanningDesk, PlanningSlots, PlanningState
 from tests.waiting import wait_until
 
 
 class Watched:
     """A desk with everything it said."""
 
-    def __init__(self, seats: Seats) -> None:
+    def __init__(self, seats: PlanningSlots) -> None:
         self.states: list[PlanningState] = []
         self.desk = PlanningDesk(seats, report=self._note)
 
@@ -56,7 +56,7 @@ def scene_of(table: dict[str, Any], level: str = "49 mm") -> Scene:
 
 @pytest.mark.slow
 def test_progress_comes_at_once_and_the_answer_is_the_planners(table: dict[str, Any]) -> None:
-    watched = Watched(Seats(1))
+    watched = Watched(PlanningSlots(1))
     scene = scene_of(table)
     assert watched.start(scene)
     assert watched.states  # said before anything is planned
@@ -77,7 +77,7 @@ def test_progress_comes_at_once_and_the_answer_is_the_planners(table: dict[str, 
     seconds = [state.seconds for state in watched.states]
     assert seconds == sorted(seconds)
     assert [state.stage in BUSY for state in watched.states[:-1]] == [True] * (len(watched.states) - 1)
-    warm = Watched(Seats(1))
+    warm = Watched(PlanningSlots(1))
     warm.desk._planner.last = ended.plan
     warm.start(scene_of(table, "48 mm"))
     again = warm.ended()
@@ -90,7 +90,7 @@ def test_progress_comes_at_once_and_the_answer_is_the_planners(table: dict[str, 
 
 @pytest.mark.slow
 def test_two_sessions_plan_at_the_same_time(table: dict[str, Any]) -> None:
-    seats = Seats(2)
+    seats = PlanningSlots(2)
     scenes = [scene_of(table, level) for level in ("49 mm", "40 mm")]
     alone = [plan(scene).duration for scene in scenes]
     desks = [Watched(seats), Watched(seats)]
@@ -103,7 +103,7 @@ def test_two_sessions_plan_at_the_same_time(table: dict[str, Any]) -> None:
 
 def test_who_finds_no_seat_says_so_and_can_leave(table: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "Planner", SlowPlanner)
-    seats = Seats(1)
+    seats = PlanningSlots(1)
     first, second = Watched(seats), Watched(seats)
     first.start(scene_of(table))
     wait_until(lambda: first.desk.state.iteration is not None, "the first iteration")
@@ -125,7 +125,7 @@ def test_who_finds_no_seat_says_so_and_can_leave(table: dict[str, Any], monkeypa
 
 @pytest.mark.slow
 def test_a_real_plan_is_stopped_and_the_next_one_is_right(table: dict[str, Any]) -> None:
-    watched = Watched(Seats(1))
+    watched = Watched(PlanningSlots(1))
     watched.start(scene_of(table))
     wait_until(lambda: watched.desk.state.iteration is not None, "the first iteration")
     before = len(watched.states)
@@ -148,7 +148,7 @@ def test_what_goes_wrong_is_said(
     def fail(*_: object, **__: object) -> None:
         raise error
 
-    seats = Seats(1)
+    seats = PlanningSlots(1)
     watched = Watched(seats)
     monkeypatch.setattr(watched.desk._planner, "plan", fail)
     watched.start(scene_of(table))

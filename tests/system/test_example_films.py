@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from nospill.drawing.props import Stagehand
+from nospill.drawing.props import SceneBuilder
 from nospill.drawing.timeline import load_films
 from nospill.drawing.views import View
 from nospill.plans.plan import Plan
@@ -25,6 +25,6 @@ def test_objects_fill_a_tenth_of_the_picture_as_planned(name: str, example_plan:
     folder = kept(name)
     assert folder is not None
     film = load_films([folder], rate=RATE, after_end=0.0)[0]
-    hand = Stagehand(film, path=False)
+    hand = SceneBuilder(film, path=False)
     # in the widest picture, where they are smallest
     assert min(share_of_objects(hand, index, View.TRAY, 16 / 9) for index in range(len(film.t))) >= 0.1

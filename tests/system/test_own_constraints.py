@@ -70,7 +70,7 @@ def test_it_binds_on_the_object_that_it_names(limited: Plan, example_plan: Any) 
     assert limited.certificate.ok and limited.duration > 1.1 * free.duration
     assert list(rows_of(limited.certificate)) == ["c1"]
     assert 0.985 < rows_of(limited.certificate)["c1"] <= 1.0
-    assert "sideways of c1 is at its limit" in limited.held_back
+    assert "sideways of c1 is at its limit" in limited.limiting_text
     again = ns.certify(free.trajectory, free.scene, constraints=[LIMIT])
     assert not again.ok and again.worst.constraint == "sideways"
 

@@ -24,11 +24,11 @@ from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.clearance_block import (
+    BACKOFF,
     COEFFICIENTS,
     DISC,
     LIMIT,
     PLANE,
-    RESERVE,
     clearance_block,
     upper_triangle,
 )
@@ -67,7 +67,7 @@ def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tupl
             of_points, first = points[first : first + place.points], first + place.points
             coefficients = np.asarray(clearance_block(between).value(z, own)).ravel()
             distances = coefficients[0] + of_points[:, : DISC + 1] @ coefficients[1:]
-            value = float(np.min(clearance_row(distances, of_points[:, LIMIT], of_points[:, RESERVE])))
+            value = float(np.min(clearance_row(distances, of_points[:, LIMIT], of_points[:, BACKOFF])))
             found = least.setdefault(place.plane // INTERVALS, [np.inf, np.inf])
             found[between.count > 0] = min(found[between.count > 0], value)
     return {number: (fixed, other) for number, (fixed, other) in least.items()}
@@ -224,9 +224,9 @@ def test_the_plane_of_a_half_space_does_not_turn() -> None:
 
 def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
     free = Task.of(scene())
-    assert free.keeps_apart and set(SUBJECTS) <= {row.subject for row in free.room(POSE[None])}
+    assert free.keeps_apart and set(SUBJECTS) <= {row.subject for row in free.clearance_slack(POSE[None])}
     level = Task.of(read_scenario("cups-past-a-column"))
-    assert not level.keeps_apart and level.room(POSE[None]) == {}
+    assert not level.keeps_apart and level.clearance_slack(POSE[None]) == {}
     planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
     for group, rows, points in zip(planes.groups, planes.rows, planes.points, strict=True):
         for row, own in zip(rows, points, strict=True):

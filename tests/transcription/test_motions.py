@@ -213,7 +213,7 @@ def test_export_ends_at_rest_at_the_controllers_rate(smooth_motion):
 
 @pytest.mark.parametrize("leaning", [0.0, 0.1])
 def test_joints_are_solved_on_another_grid(tilting, leaning):
-    """Carried over from a coarse grid they miss the tray by millimetres; solved, by nothing."""
+    """CarrierContents over from a coarse grid they miss the tray by millimetres; solved, by nothing."""
     scene, path = tilting
     layout = layout_of(structure_of(scene))
     coarse = smooth_start(scene, path, 12, Start(tilt=(leaning, -leaning)))

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from nospill.cli import app
-from nospill.drawing.props import standing
+from nospill.drawing.props import placement_at_rest
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.writing import Format
 from nospill.judge.certificate import judge
@@ -132,7 +132,7 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
     t = np.linspace(0.0, smooth_plan.duration + 0.5, 7)
     placed = video.simulated(smooth_plan, joints, t)
     for cargo in smooth_plan.scene.cargo:
-        found, at_rest = placed[cargo.name], standing(cargo, len(t))
+        found, at_rest = placed[cargo.name], placement_at_rest(cargo, len(t))
         # Certified: nothing slides by half a millimetre, but an engine's contact gives way by some micrometres.
         assert 1e-9 < np.abs(found.position - at_rest.position).max() < 5e-4
         assert found.rotation == pytest.approx(at_rest.rotation, abs=0.01)

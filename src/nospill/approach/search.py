@@ -17,7 +17,7 @@ SLOWEST = 10.0
 """How many times as long an approach may take as its limits alone ask for."""
 
 _STRETCHES = (1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
-_RESERVE = 0.99
+_PLANNED_SHARE = 0.99
 """Part of a limit that is planned with at most: the spline through samples rounds corners and overshoots by 0.4 %."""
 
 
@@ -51,9 +51,9 @@ def find_approach(scene: Scene, rules: ApproachRules, end: np.ndarray) -> Approa
     profile = jerk_limited(
         rules.start,
         end,
-        max_speed=rules.max_speed * min(rules.speed_scale, _RESERVE),
-        max_acceleration=rules.max_acceleration * min(rules.acceleration_scale, _RESERVE),
-        max_jerk=rules.max_jerk * _RESERVE,
+        max_speed=rules.max_speed * min(rules.speed_scale, _PLANNED_SHARE),
+        max_acceleration=rules.max_acceleration * min(rules.acceleration_scale, _PLANNED_SHARE),
+        max_jerk=rules.max_jerk * _PLANNED_SHARE,
     )
 
     def tried(stretch: float) -> Approach:

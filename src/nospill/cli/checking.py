@@ -38,9 +38,9 @@ def check(
     for folder in folders:
         saved = load_plan(folder)
         if before is not None:
-            from nospill.plans.rows import starting_after
+            from nospill.plans.rows import with_residual_slosh
 
-            saved = replace(saved, scene=starting_after(saved.scene, before, seconds(wait)))
+            saved = replace(saved, scene=with_residual_slosh(saved.scene, before, seconds(wait)))
         if len(folders) > 1:
             print_lines(f"{folder}:" if before is None else f"{folder}, {wait} after the one before:")
         good &= _check(saved, folder, everything=everything)

@@ -33,7 +33,7 @@ def design_test(
     from nospill.core.files import require_replaceable
     from nospill.core.units import quantity
     from nospill.errors import ScenarioError
-    from nospill.identification.design import Records, designed, test_scene
+    from nospill.identification.design import Records, experiment_scene, optimal_experiment
     from nospill.plans.names import is_plan_folder
     from nospill.scenario import read_scenario
 
@@ -50,7 +50,7 @@ def design_test(
     if output is not None:
         require_replaceable(output, replaceable=is_plan_folder)
     records = Records(rest=values["--rest"], rate=rate, height_noise=values["--noise"])
-    found = designed(test_scene(read_scenario(scenario)), records)
+    found = optimal_experiment(experiment_scene(read_scenario(scenario)), records)
     if output is not None:
         found.plan.save(output)
         print_plan(found.plan, output)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.reporting import beside
+from nospill.cli.reporting import sibling_file
 from nospill.cli.tables import print_table, print_verdict, say
 from nospill.errors import ScenarioError
 
@@ -90,7 +90,7 @@ def _print_formats() -> None:
 def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
     """The file to write: the one named, or the plan folder's name with the format's suffix, beside it."""
     place = folder.resolve()
-    target = beside(folder, exporter.suffixes[0]) if output is None else output
+    target = sibling_file(folder, exporter.suffixes[0]) if output is None else output
     if place == target.resolve() or place in target.resolve().parents:
         raise ScenarioError(f"{target}: a plan folder holds nothing but the plan; name a file outside of {folder}")
     return target

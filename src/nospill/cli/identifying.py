@@ -74,11 +74,11 @@ def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, ...]]:
     rows = []
     for own in estimates:
         factor, unit, digits = SHOWN[own.unit]
-        value = f"{factor * own.value:.{digits}f}" if own.told else "-"
+        value = f"{factor * own.value:.{digits}f}" if own.identifiable else "-"
         wide = f"± {factor * own.half_width:.{digits}f}"
         if own.ends is not None:
             wide = " to ".join(f"{factor * end:.{digits}f}" for end in own.ends)
-        wide = wide if own.told else "not identifiable from this motion"
+        wide = wide if own.identifiable else "not identifiable from this motion"
         rows.append((own.name, own.subject, value, unit, wide))
     return rows
 

@@ -73,9 +73,9 @@ def plan(
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
         if after is not None:
-            from nospill.plans.rows import starting_after
+            from nospill.plans.rows import with_residual_slosh
 
-            scene = starting_after(scene, load_plan(after), seconds(wait))
+            scene = with_residual_slosh(scene, load_plan(after), seconds(wait))
         progress.say(LOADING)
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan
@@ -122,9 +122,9 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     print_certificate(certificate, outcome.scene)
     print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
-    lines += [f"held back: {outcome.held_back}"] if outcome.held_back else []
-    lines += [outcome.would_save] if outcome.would_save else []
-    lines += outcome.sooner
+    lines += [f"held back: {outcome.limiting_text}"] if outcome.limiting_text else []
+    lines += [outcome.savings_text] if outcome.savings_text else []
+    lines += outcome.comparison
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []

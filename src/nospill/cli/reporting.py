@@ -74,7 +74,7 @@ def only_stderr() -> Iterator[None]:
         os.close(stdout)
 
 
-def beside(folder: Path, ending: str) -> Path:
+def sibling_file(folder: Path, ending: str) -> Path:
     """The file next to a folder with the folder's name and an ending, as the folder was given: not made absolute."""
     named = folder if folder.name not in ("", "..") else folder.resolve()
     return named.with_name(f"{named.name}{ending}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import beside
+from nospill.cli.reporting import sibling_file
 from nospill.cli.run_options import assigned, read_run
 from nospill.errors import ScenarioError
 
@@ -94,7 +94,7 @@ def report_place(folder: Path, output: Path | None = None) -> Path:
         ScenarioError: the file would lie in the plan folder, or has another ending.
     """
     if output is None:
-        return beside(folder, ".report.html")
+        return sibling_file(folder, ".report.html")
     _require_outside(folder, output, ".html")
     return output
 

@@ -56,7 +56,10 @@ def simulate(
     print(f"peak height: {1e3 * found.peak:.2f} mm above rest at t = {found.peak_time:.3f} s")
     if model != "surface":
         print(f"peak of the contact line: {1e3 * float(found.reading.max()):.2f} mm above rest")
-    print(f"rim: {1e3 * found.room:.2f} mm above rest" + (": the liquid spills" if found.peak > found.room else ""))
+    print(
+        f"rim: {1e3 * found.freeboard:.2f} mm above rest"
+        + (": the liquid spills" if found.peak > found.freeboard else "")
+    )
     if output is not None:
         print(f"written to {output}")
     return 0

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.progress import ProgressLine
-from nospill.cli.reporting import beside, only_stderr, print_json
+from nospill.cli.reporting import only_stderr, print_json, sibling_file
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -63,7 +63,7 @@ def verify(
         joints = folder_joints(folder, plan)
         progress.say("simulate")
         report = simulate(plan, thresholds=thresholds, joints=joints)
-        record = beside(folder, ".verify.json")
+        record = sibling_file(folder, ".verify.json")
         if save:
             atomic_text(record, json.dumps(report.to_dict(), indent=2, allow_nan=False) + "\n")
         if video is not None:

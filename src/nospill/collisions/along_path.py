@@ -26,12 +26,12 @@ class Nearness:
 
     Attributes:
         pair: both.
-        room: distance less what must be kept, m; negative where it is not kept.
+        slack: distance less what must be kept, m; negative where it is not kept.
         s: where on the path, 0 to 1.
     """
 
     pair: Pair
-    room: float
+    slack: float
     s: float
 
 
@@ -88,18 +88,18 @@ def _nearest(pairs: Iterable[Pair], frames: JointFrames, s: np.ndarray) -> Nearn
     places = len(s)
     worst: Nearness | None = None
     for pair in pairs:
-        where = np.arange(places) if worst is None else np.flatnonzero(ball_room(pair, frames) < worst.room)
+        where = np.arange(places) if worst is None else np.flatnonzero(ball_slack(pair, frames) < worst.slack)
         if not len(where):
             continue
         room = Distances(pair.first, pair.second).at(frames, where)[0] - pair.limit
         least = int(np.argmin(room))
-        if worst is None or room[least] < worst.room:
+        if worst is None or room[least] < worst.slack:
             worst = Nearness(pair, float(room[least]), float(s[where[least]]))
     assert worst is not None  # there is a tray, and an obstacle
     return worst
 
 
-def least_room(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float]:
+def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float]:
     """Distance less what must be kept, m, the least over joint positions (m, n), rad, by the subjects of the pairs.
 
     Where it is above `within`, m, it is a bound by the balls about the bodies.
@@ -109,13 +109,13 @@ def least_room(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float
     """
     frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     for pair in scene_pairs(scene):
-        room = ball_room(pair, frames)
+        room = ball_slack(pair, frames)
         near = np.flatnonzero(room < within)
         room[near] = Distances(pair.first, pair.second).at(frames, near)[0] - pair.limit
         found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
     return found
 
 
-def ball_room(pair: Pair, frames: JointFrames) -> np.ndarray:
+def ball_slack(pair: Pair, frames: JointFrames) -> np.ndarray:
     """A bound (m,) on the room of a pair by the balls about both bodies, m."""
     return ball_gap(pair.first, pair.second, frames) - pair.limit

@@ -14,7 +14,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.path_search.branches import free_paths
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scene.scene import Scene
-from nospill.transcription.trapezoids import played
+from nospill.transcription.trapezoids import trapezoid_trajectory
 
 _SLOWEST = 16.0
 """How many times as long as the shortest duration asked about is tried at most."""
@@ -44,7 +44,7 @@ def trapezoid_motion(scene: Scene, least: float) -> Trajectory | None:
 
     def tried(duration: float) -> Trajectory | None:
         try:
-            found = played(level, way, duration)
+            found = trapezoid_trajectory(level, way, duration)
             return found if certify(found, level).ok else None
         except ModelError:
             return None  # too fast for the liquids to be integrated, or for the joints

@@ -99,7 +99,7 @@ def _limits_table(scene: Scene) -> dict[str, Any]:
 def lighter_load(scene: Scene, constraint: str, subject: str) -> list[Relaxation]:
     """A lighter heaviest solid, where there is a solid."""
     pairs = enumerate(scene.cargo)
-    solids = [index for index, cargo in pairs if cargo.filling is None and cargo.carried is None and not cargo.carrier]
+    solids = [index for index, cargo in pairs if cargo.filling is None and cargo.contents is None and not cargo.carrier]
     if not solids:
         return []
     heaviest = max(solids, key=lambda index: scene.cargo[index].total.mass)

@@ -16,7 +16,7 @@ from nospill.diagnosis.search import SLOW, Answer, Trials, is_possible
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.judge.verdict import Row
 from nospill.laws.constraints.clearance import Clearance
-from nospill.path_search.candidates import has_found_way
+from nospill.path_search.candidates import has_found_path
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
@@ -37,7 +37,7 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
         changes = [*longer_time(trials, worst.use), *_smooth_enough(trials, worst, slow)]
         at_s = path_place(judged[1], worst.at_s)
         said = f"{without_time(worst)} at {place_in_words(scene.path, at_s)}"
-        if worst.constraint == Clearance.name and has_found_way(scene):
+        if worst.constraint == Clearance.name and has_found_path(scene):
             text = f"No way found: on the one with most room {said}, and random searches found no clear one. "
             text += advice(changes, "Move the obstacle, the ends of the path or the arm's base.")
         else:

@@ -79,7 +79,7 @@ def relaxed_centre_of_mass(
     """A solid's centre of mass lower; for a container its footprint reserve, where there is one."""
     index = next(i for i, cargo in enumerate(scene.cargo) if cargo.name == subject)
     item = scene.cargo[index]
-    if item.filling is None and item.carried is None and "centre_of_mass" not in entry_of(scene, subject):
+    if item.filling is None and item.contents is None and "centre_of_mass" not in entry_of(scene, subject):
         height = float(item.total.centre[2])
 
         def lowered(share: float) -> Scene:

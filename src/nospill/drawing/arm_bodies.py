@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.shapes import capsule_shape
-from nospill.drawing.geometry import Mesh, joined, moved, tube
+from nospill.drawing.geometry import Mesh, merge_meshes, transform_mesh, tube
 from nospill.drawing.obstacles import shape_surface
 from nospill.drawing.packaged_meshes import packaged_meshes
 from nospill.drawing.robot_model import DrawnChain
@@ -54,7 +54,7 @@ def holder(tray: Tray) -> Mesh:
     plate = tube(end - np.array([0.0, 0.0, _PLATE_THICKNESS]), end, (_PLATE, _PLATE))
     if np.linalg.norm(end) < 1e-3:
         return plate
-    return joined([tube(np.zeros(3), end, (_BAR, _BAR)), plate])
+    return merge_meshes([tube(np.zeros(3), end, (_BAR, _BAR)), plate])
 
 
 def _capsules(robot: Robot, chain: DrawnChain) -> dict[str, Mesh]:
@@ -66,7 +66,7 @@ def _capsules(robot: Robot, chain: DrawnChain) -> dict[str, Mesh]:
             parts = _with(parts, chain.base, _surface(item))
         else:
             joint = moving[item.joint - 1]
-            parts = _with(parts, joint.child, moved(_surface(item), np.zeros(3), z_to(joint.axis)))
+            parts = _with(parts, joint.child, transform_mesh(_surface(item), np.zeros(3), z_to(joint.axis)))
     if not robot.capsules:
         parts = _with(parts, chain.base, _column(chain))
     return parts
@@ -76,7 +76,7 @@ def _surface(item: PlacedCapsule) -> Mesh:
     axis = item.ends[1] - item.ends[0]
     length = float(np.linalg.norm(axis))
     shape = capsule_shape(item.radius, length + 2.0 * item.radius)
-    return moved(shape_surface(shape), item.ends.mean(axis=0), z_to(axis) if length > 0.0 else np.eye(3))
+    return transform_mesh(shape_surface(shape), item.ends.mean(axis=0), z_to(axis) if length > 0.0 else np.eye(3))
 
 
 def _column(chain: DrawnChain) -> Mesh:
@@ -112,4 +112,4 @@ def _below_board(mesh: Mesh, position: np.ndarray, rotation: np.ndarray, tray: T
 
 
 def _with(parts: dict[str, Mesh], link: str, mesh: Mesh) -> dict[str, Mesh]:
-    return {**parts, link: joined([parts[link], mesh]) if link in parts else mesh}
+    return {**parts, link: merge_meshes([parts[link], mesh]) if link in parts else mesh}

@@ -27,7 +27,7 @@ class Mesh:
     faces: np.ndarray
 
 
-def joined(meshes: Sequence[Mesh]) -> Mesh:
+def merge_meshes(meshes: Sequence[Mesh]) -> Mesh:
     """Several meshes as one."""
     starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
     return Mesh(
@@ -36,7 +36,7 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
     )
 
 
-def moved(mesh: Mesh, position: np.ndarray, rotation: np.ndarray) -> Mesh:
+def transform_mesh(mesh: Mesh, position: np.ndarray, rotation: np.ndarray) -> Mesh:
     """A mesh in another frame, in which its own has its origin at (3,), m, and axes (3, 3)."""
     return Mesh(mesh.vertices @ rotation.T + position, mesh.faces)
 
@@ -50,7 +50,7 @@ def shrunk(outline: np.ndarray, gap: float) -> np.ndarray:
 def prism(outline: np.ndarray, bottom: float, top: float) -> Mesh:
     """Closed prism over a convex outline (n, 2), counter-clockwise, m, between two heights in m."""
     low, high = _at_height(outline, bottom), _at_height(outline, top)
-    return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
+    return merge_meshes([_strip(low, high), _cap(high), _cap(low, downwards=True)])
 
 
 def bands(outlines: Sequence[np.ndarray], heights: Sequence[float] | np.ndarray) -> Mesh:
@@ -61,7 +61,7 @@ def bands(outlines: Sequence[np.ndarray], heights: Sequence[float] | np.ndarray)
     """
     rings = [_at_height(outline, float(height)) for outline, height in zip(outlines, heights, strict=True)]
     count = len(rings[0])
-    faces = np.concatenate([_between(count) + number * count for number in range(len(rings) - 1)])
+    faces = np.concatenate([_faces_between_rings(count) + number * count for number in range(len(rings) - 1)])
     return Mesh(np.concatenate(rings), faces)
 
 
@@ -114,7 +114,7 @@ def tube(start: np.ndarray, end: np.ndarray, radii: tuple[float, float], *, side
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), other)
     low, high = start + radii[0] * ring, end + radii[1] * ring
-    return joined([_strip(low, high), _cap(high), _cap(low, downwards=True)])
+    return merge_meshes([_strip(low, high), _cap(high), _cap(low, downwards=True)])
 
 
 def capsule(half: float, radius: float) -> Mesh:
@@ -153,7 +153,7 @@ def container_body(container: Container, *, hollow: bool) -> Mesh:
         outlines, heights = [*outlines, *inside[::-1]], [*heights, *levels[::-1]]
         end = inside[0], levels[0]
     bottom = _at_height(outlines[0], heights[0])
-    return joined([bands(outlines, heights), _cap(_at_height(*end)), _cap(bottom, downwards=True)])
+    return merge_meshes([bands(outlines, heights), _cap(_at_height(*end)), _cap(bottom, downwards=True)])
 
 
 def drawn_inside(container: Container, wall: float) -> tuple[list[np.ndarray], list[float]]:
@@ -236,10 +236,10 @@ def _at_height(outline: np.ndarray, z: float) -> np.ndarray:
 
 def _strip(low: np.ndarray, high: np.ndarray) -> Mesh:
     """Band between two rings (n, 3); its vertices are its own, so that light breaks at its edges."""
-    return Mesh(np.concatenate([low, high]), _between(len(low)))
+    return Mesh(np.concatenate([low, high]), _faces_between_rings(len(low)))
 
 
-def _between(count: int) -> np.ndarray:
+def _faces_between_rings(count: int) -> np.ndarray:
     """Faces (2 count, 3) between a ring of `count` vertices and the next ones, which lie above it."""
     here = np.arange(count)
     after = (here + 1) % count

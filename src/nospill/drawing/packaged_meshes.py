@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.core.files import UnreadableError
 from nospill.core.mesh_files import mesh_triangles
-from nospill.drawing.geometry import Mesh, creased, joined, moved
+from nospill.drawing.geometry import Mesh, creased, merge_meshes, transform_mesh
 from nospill.robots.robot import PackagedMeshes, Robot
 
 _GRAIN = 0.005
@@ -36,8 +36,8 @@ def _read(wanted: PackagedMeshes) -> dict[str, Mesh] | None:
         except UnreadableError:  # another version of the package; a picture of capsules beats none
             return None
         rotation = Rotation.from_euler("xyz", item.rpy).as_matrix()
-        parts.setdefault(item.link, []).append(moved(own, np.array(item.position), rotation))
-    return {link: joined(meshes) for link, meshes in parts.items()}
+        parts.setdefault(item.link, []).append(transform_mesh(own, np.array(item.position), rotation))
+    return {link: merge_meshes(meshes) for link, meshes in parts.items()}
 
 
 def coarse(mesh: Mesh) -> Mesh:

@@ -20,10 +20,10 @@ from nospill.drawing.geometry import (
     container_body,
     drawn_section,
     half_width,
-    moved,
     outline_at,
     ribbon,
     shrunk,
+    transform_mesh,
     tube,
     wall_thickness,
 )
@@ -84,14 +84,14 @@ class Placed:
     rotation: np.ndarray
 
 
-def standing(cargo: Cargo, count: int) -> Placed:
+def placement_at_rest(cargo: Cargo, count: int) -> Placed:
     """An object that stays where the scene has it, over so many pictures."""
     sine, cosine = np.sin(cargo.yaw), np.cos(cargo.yaw)
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     return Placed(np.broadcast_to(cargo.place, (count, 3)), np.broadcast_to(turn, (count, 3, 3)))
 
 
-class Stagehand:
+class SceneBuilder:
     """Bodies of a plan, made once and put in place for every picture.
 
     Attributes:
@@ -121,7 +121,7 @@ class Stagehand:
         # like glass, so that nothing is hidden behind them
         self._around = [Body(mesh, np.array(OBSTACLE, dtype=float), Kind.GLASS) for mesh in around]
         for place in scene.motion.via:
-            ball = moved(capsule(0.0, place.radius), np.array(place.position), np.eye(3))
+            ball = transform_mesh(capsule(0.0, place.radius), np.array(place.position), np.eye(3))
             self._around.append(Body(ball, np.array(rgb(GREEN), dtype=float), Kind.GLASS))
 
     def bodies(self, index: int) -> list[Body]:
@@ -129,12 +129,12 @@ class Stagehand:
         film, scene = self.film, self.film.plan.scene
         found = [*self._path, *self._around, *self._arm(index)]
         position, rotation = film.tray_position[index], film.tray_rotation[index]
-        found.append(Body(moved(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
+        found.append(Body(transform_mesh(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:
             own = self._where(cargo)
             foot, turned = position + rotation @ own.position[index], rotation @ own.rotation[index]
             for mesh, colour, kind in self._object(cargo, index):
-                found.append(Body(moved(mesh, foot, turned), colour, kind, cargo.name))
+                found.append(Body(transform_mesh(mesh, foot, turned), colour, kind, cargo.name))
         return found
 
     def _where(self, cargo: Cargo) -> Placed:
@@ -142,9 +142,9 @@ class Stagehand:
         count = len(self.film.t)
         carrier = self._placed.get(cargo.carrier)
         if carrier is None:
-            return self._placed.get(cargo.name) or standing(cargo, count)
-        own = standing(cargo, count)
-        rest = standing(next(item for item in self.film.plan.scene.cargo if item.name == cargo.carrier), count)
+            return self._placed.get(cargo.name) or placement_at_rest(cargo, count)
+        own = placement_at_rest(cargo, count)
+        rest = placement_at_rest(next(item for item in self.film.plan.scene.cargo if item.name == cargo.carrier), count)
         turn = carrier.rotation @ np.swapaxes(rest.rotation, 1, 2)
         arm = (turn @ (own.position - rest.position)[:, :, None])[:, :, 0]
         return Placed(carrier.position + arm, turn @ own.rotation)
@@ -158,7 +158,7 @@ class Stagehand:
         for joint, (position, rotation) in zip(self._chain.joints, self._frames, strict=True):
             mesh = self._links.get(joint.child)
             if mesh is not None:
-                found.append(Body(moved(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
+                found.append(Body(transform_mesh(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
         return found
 
     def _object(self, cargo: Cargo, index: int) -> list[tuple[Mesh, np.ndarray, Kind]]:
@@ -167,7 +167,7 @@ class Stagehand:
         if not cargo.carrier:
             contact = use_colours(self.film.contact_use[cargo.name][index : index + 1])[0].astype(float)
             found.append((contact_collar(cargo.container), contact, Kind.OPAQUE))
-        if cargo.carried is not None:
+        if cargo.contents is not None:
             found.append((_glass(cargo), np.array(SOLID, dtype=float), Kind.GLASS))
             return found
         if cargo.filling is None:

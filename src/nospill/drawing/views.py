@@ -57,7 +57,7 @@ _HIDDEN = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Carriage:
+class CameraFrame:
     """A frame in the robot's base frame, a picture at a time.
 
     Attributes:
@@ -78,16 +78,16 @@ class Carriage:
         return -back @ self.position[index], back
 
 
-def carriage(film: Film, view: View) -> Carriage:
+def camera_frame(film: Film, view: View) -> CameraFrame:
     """What the camera of a view rides on: the tray with what stands on it, its heading, or the robot's base.
 
     On the tray that is the point half as high as its tallest object: about it a tilting tray sways least.
     """
     if view in CLOSE:
         middle = film.tray_position + film.tray_rotation[:, :, 2] * (_tallest(film.plan.scene.cargo) / 2)
-        return Carriage(middle, film.tray_rotation if view is View.FIXED else headings(film.tray_rotation))
+        return CameraFrame(middle, film.tray_rotation if view is View.FIXED else headings(film.tray_rotation))
     count = len(film.t)
-    return Carriage(np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))
+    return CameraFrame(np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))
 
 
 def headings(rotation: np.ndarray) -> np.ndarray:
@@ -150,9 +150,9 @@ def load_outline(film: Film, view: View) -> np.ndarray:
         corners.append(np.column_stack([foot, np.full(len(foot), cargo.seat + cargo.container.height)]))
     points = np.concatenate(corners)
     picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
-    ride = carriage(film, view)
+    ride = camera_frame(film, view)
     world = film.tray_position[picked, None] + points @ np.swapaxes(film.tray_rotation[picked], 1, 2)
-    return Carriage(ride.position[picked], ride.rotation[picked]).seen(world)
+    return CameraFrame(ride.position[picked], ride.rotation[picked]).seen(world)
 
 
 def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.ndarray:
@@ -167,7 +167,7 @@ def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.nd
     worst = np.full(_DIRECTIONS, np.inf)
     hidden = np.zeros(_DIRECTIONS)
     for film in films:
-        ride = carriage(film, view)
+        ride = camera_frame(film, view)
         normal = np.einsum("mji,mj->mi", ride.rotation, film.tray_rotation[:, :, 2])
         worst = np.minimum(worst, (normal @ towards.T).min(axis=0))
         hidden = np.maximum(hidden, _hidden(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
@@ -198,7 +198,7 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def _hidden(film: Film, ride: Carriage, towards: np.ndarray) -> np.ndarray:
+def _hidden(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
     """Part of the pictures (d,) in which the arm stands between the objects and a far camera in directions (d, 3)."""
     scene = film.plan.scene
     picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
@@ -206,7 +206,7 @@ def _hidden(film: Film, ride: Carriage, towards: np.ndarray) -> np.ndarray:
     joints = np.stack([position for position, _ in chain.frames(film.joint_position[picked])], axis=1)
     along = np.linspace(0.0, 1.0, 8)[:, None]
     links = (joints[:, :-1, None] * (1 - along) + joints[:, 1:, None] * along).reshape(len(joints), -1, 3)
-    seen = Carriage(ride.position[picked], ride.rotation[picked]).seen(links)
+    seen = CameraFrame(ride.position[picked], ride.rotation[picked]).seen(links)
     side = float(np.hypot(*scene.tray.size)) / 2
     found = []
     for direction in towards:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.drawing.geometry import corner_normals, unit_vectors
-from nospill.drawing.props import Body, Kind, Stagehand
+from nospill.drawing.props import Body, Kind, SceneBuilder
 from nospill.drawing.stage import Camera, axes_facing
-from nospill.drawing.views import Carriage
+from nospill.drawing.views import CameraFrame
 from nospill.film.ground import ground_colours
 from nospill.film.raster import (
     Canvas,
@@ -34,7 +34,7 @@ _GLASS_TONE = 0.92
 """Brightness of glass, which no lamp lights."""
 
 
-def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: tuple[int, int]) -> np.ndarray:
+def draw(hand: SceneBuilder, index: int, camera: Camera, ride: CameraFrame, *, size: tuple[int, int]) -> np.ndarray:
     """A picture of a film as (height, width, 3), 0 to 255.
 
     Args:
@@ -50,7 +50,7 @@ def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: t
     rotation = ride.rotation[index] @ axes
     origin = ride.position[index] + ride.rotation[index] @ camera.position
     bodies = hand.bodies(index)
-    sun = ride.rotation[index] @ _lamp(camera)
+    sun = ride.rotation[index] @ _light(camera)
     light = rotation.T @ sun
     colours = np.array([body.colour for body in bodies])
     boards = np.array([body.kind is Kind.BOARD for body in bodies])
@@ -79,7 +79,7 @@ def draw(hand: Stagehand, index: int, camera: Camera, ride: Carriage, *, size: t
     return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)
 
 
-def _lamp(camera: Camera) -> np.ndarray:
+def _light(camera: Camera) -> np.ndarray:
     axes = axes_facing(camera.position - camera.look_at)
     direction = np.array([0.0, 0.0, 1.0]) + axes[:, 0] * _LIGHT[0] + axes[:, 2] * _LIGHT[1]
     return direction / np.linalg.norm(direction)
@@ -145,7 +145,7 @@ def _darken_ground(
 def _darken_board(
     colour: np.ndarray,
     bodies: list[Body],
-    hand: Stagehand,
+    hand: SceneBuilder,
     index: int,
     sun: np.ndarray,
     lookout: tuple[np.ndarray, np.ndarray],

@@ -14,9 +14,9 @@ import numpy as np
 from PIL import Image
 
 from nospill.core.files import atomic_file
-from nospill.drawing.props import Placed, Stagehand
+from nospill.drawing.props import Placed, SceneBuilder
 from nospill.drawing.timeline import Film
-from nospill.drawing.views import CLOSE, View, carriage, viewpoint
+from nospill.drawing.views import CLOSE, View, camera_frame, viewpoint
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.overlay import caption, write_over
 from nospill.film.picture import draw
@@ -136,8 +136,8 @@ def pictures(films: Sequence[Film], form: Format, placed: Mapping[str, Placed] |
     width, height = form.size
     edges = np.rint(np.linspace(0, width, len(films) + 1)).astype(int)
     camera = viewpoint(films, form.view, aspect=width / len(films) / height)
-    hands = [Stagehand(film, path=form.view not in CLOSE, placed=placed) for film in films]
-    rides = [carriage(film, form.view) for film in films]
+    hands = [SceneBuilder(film, path=form.view not in CLOSE, placed=placed) for film in films]
+    rides = [camera_frame(film, form.view) for film in films]
     times = max(films, key=lambda film: film.length).t
 
     def picture(t: float) -> np.ndarray:
@@ -166,10 +166,12 @@ def _write(path: Path, found: Iterator[np.ndarray], rate: float, count: int) -> 
     step = 10 if path.suffix.lower() == ".gif" else 1
     ends = step * np.rint(1000.0 / rate / step * np.arange(count + 1))
     options = {"quality": _QUALITY, "method": 4} if path.suffix.lower() == ".webp" else {"optimize": True}
-    _Reel(found, count).save(path, save_all=True, duration=[int(each) for each in np.diff(ends)], loop=0, **options)
+    _FrameSequence(found, count).save(
+        path, save_all=True, duration=[int(each) for each in np.diff(ends)], loop=0, **options
+    )
 
 
-class _Reel(Image.Image):
+class _FrameSequence(Image.Image):
     """Pictures as one image of many, each drawn when Pillow's writers come to it; they only go forwards."""
 
     def __init__(self, found: Iterator[np.ndarray], count: int) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.identification.estimates import Estimate
-from nospill.identification.liquid_fit import TOLD as LIQUIDS_TOLD
+from nospill.identification.liquid_fit import IDENTIFIABLE as LIQUIDS_TOLD
 from nospill.identification.liquid_law import NUMBERS, LiquidLaw
 from nospill.judge.certificate import judge
 from nospill.judge.tracks import with_recorded_modes
@@ -27,7 +27,7 @@ from nospill.robots.joint_paths.search import JointPath, branch_in_words, joint_
 from nospill.scenario import scene_from_table
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
-from nospill.transcription.trapezoids import played
+from nospill.transcription.trapezoids import trapezoid_trajectory
 
 RAMPS = (2, 3, 4)
 """Of the family: 27ths of the time in each third of speeding up."""
@@ -41,7 +41,7 @@ _LAG, _LAG_STEP = 0.01, 1e-4
 """s; the lag about which the motion is judged, and the difference that gives the slope by it."""
 _LEAST_TRAVEL = 0.01
 """rad; a joint that moves by less tells nothing."""
-_TOLD = 2e-3
+_IDENTIFIABLE = 2e-3
 """s; half width of an interval of delay or lag above which it is not told."""
 
 
@@ -89,7 +89,7 @@ class _Member:
     expected: tuple[Estimate, ...]
 
 
-def designed(scene: Scene, records: Records | None = None) -> Design:
+def optimal_experiment(scene: Scene, records: Records | None = None) -> Design:
     """Find the motion.
 
     Args:
@@ -114,7 +114,7 @@ def designed(scene: Scene, records: Records | None = None) -> Design:
     )
 
 
-def test_scene(scene: Scene) -> Scene:
+def experiment_scene(scene: Scene) -> Scene:
     """A scene for the test: a level tray, and liquids that may swing on up to the limit of their height."""
     given = scene.source.get("motion")
     kept = dict(given) if isinstance(given, Mapping) else {}
@@ -127,7 +127,7 @@ def test_scene(scene: Scene) -> Scene:
 def _certified(scene: Scene, way: JointPath, own: _Member) -> Plan | None:
     """The plan of a motion; None where the judge does not certify it."""
     try:
-        trajectory = played(scene, way, own.duration, own.ramp)
+        trajectory = trapezoid_trajectory(scene, way, own.duration, own.ramp)
         judgement = judge(trajectory, scene)
     except ModelError:
         return None  # too fast for the liquids to be integrated, or for the joints
@@ -140,7 +140,7 @@ def _certified(scene: Scene, way: JointPath, own: _Member) -> Plan | None:
 
 def _members(scene: Scene, way: JointPath, records: Records) -> Iterator[_Member]:
     for ramp in RAMPS:
-        base = played(scene, way, _BASE, ramp).motion
+        base = trapezoid_trajectory(scene, way, _BASE, ramp).motion
         duration = _shortest(scene, base)
         last = SLOWEST * duration
         while duration <= last:
@@ -194,15 +194,15 @@ def _expected(
         fill, ratio = cargo.filling.liquid_height, first.damping
         deviation = np.sqrt(np.diag(covariance))[own]
         found.append(Estimate("fill", cargo.name, "m", fill, float(deviation[0]), LIQUIDS_TOLD["fill"]))
-        least_told = LIQUIDS_TOLD["damping"] * ratio
-        found.append(Estimate("damping", cargo.name, "1", ratio, ratio * float(deviation[1]), least_told))
+        widest_identifiable = LIQUIDS_TOLD["damping"] * ratio
+        found.append(Estimate("damping", cargo.name, "1", ratio, ratio * float(deviation[1]), widest_identifiable))
     for joint, name in enumerate(scene.robot.joints):
         covariance = _of_joint(motion, joint, duration, records)
         if covariance is not None:
             value -= float(np.linalg.slogdet(covariance)[1])
             deviation = np.sqrt(np.diag(covariance))
             found += [
-                Estimate(what, name, "s", 0.0, float(own), _TOLD)
+                Estimate(what, name, "s", 0.0, float(own), _IDENTIFIABLE)
                 for what, own in zip(("delay", "lag"), deviation, strict=True)
             ]
     return value, tuple(found)

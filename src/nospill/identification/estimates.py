@@ -31,7 +31,7 @@ class Estimate:
         unit: SI.
         value: the best one.
         deviation: its standard deviation.
-        least_told: the half width of an interval above which the motion tells too little.
+        widest_identifiable: the half width of an interval above which the motion tells too little.
         ends: of the interval of 95 % where it is not symmetric, from the profile of the likelihood.
     """
 
@@ -40,7 +40,7 @@ class Estimate:
     unit: str
     value: float
     deviation: float
-    least_told: float
+    widest_identifiable: float
     ends: tuple[float, float] | None = None
 
     @property
@@ -55,9 +55,9 @@ class Estimate:
         return max(self.value - low, high - self.value)
 
     @property
-    def told(self) -> bool:
-        """Whether the motion tells it."""
-        return bool(self.half_width <= self.least_told)
+    def identifiable(self) -> bool:
+        """Whether the motion identifies it: the interval is narrow enough."""
+        return bool(self.half_width <= self.widest_identifiable)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

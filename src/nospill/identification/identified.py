@@ -66,7 +66,9 @@ class Identified:
     def untold(self) -> list[Estimate]:
         """What this motion does not tell."""
         of_joints = [own for fit in self.joints for own in (fit.delay, fit.lag)]
-        return [own for own in [*(own for fit in self.liquids for own in fit.estimates), *of_joints] if not own.told]
+        return [
+            own for own in [*(own for fit in self.liquids for own in fit.estimates), *of_joints] if not own.identifiable
+        ]
 
     @property
     def unexplained(self) -> list[JointFit]:
@@ -159,7 +161,7 @@ def scenario_text(found: Identified) -> str:
     for bound in found.frictions:
         word = "slid: friction below" if bound.slid else "stayed: friction above"
         lines.append(f"# {bound.subject} {word} {bound.friction:.3f}.")
-    told = [fit for fit in found.joints if fit.moves and fit.lag.told and fit.delay.told]
+    told = [fit for fit in found.joints if fit.moves and fit.lag.identifiable and fit.delay.identifiable]
     if told:
         lines += ["", "[controller]"]
         if len(told) < len(found.joints):
@@ -197,10 +199,17 @@ def second_order_text(fit: JointFit) -> str:
 def _tolerance(found: Identified) -> list[str]:
     """Ranges that hold what is stated and what was learnt of every cup."""
     lines = []
-    rises = [abs(end - fit.stated[0]) for fit in found.liquids if (own := fit.of("fill")).told for end in own.interval]
+    rises = [
+        abs(end - fit.stated[0])
+        for fit in found.liquids
+        if (own := fit.of("fill")).identifiable
+        for end in own.interval
+    ]
     if rises:
         lines.append(f'liquid_height = "{np.ceil(1e4 * max(rises)) / 10:.1f} mm"')
-    factors = [end / fit.stated[1] for fit in found.liquids if (own := fit.of("damping")).told for end in own.interval]
+    factors = [
+        end / fit.stated[1] for fit in found.liquids if (own := fit.of("damping")).identifiable for end in own.interval
+    ]
     if factors:
         low, high = max(min(1.0, *factors), 0.01), max(1.0, *factors)
         lines.append(f"damping = [{np.floor(100 * low) / 100:.2f}, {np.ceil(100 * high) / 100:.2f}]")
@@ -208,7 +217,7 @@ def _tolerance(found: Identified) -> list[str]:
 
 
 def _interval(own: Estimate, factor: float, unit: str) -> str:
-    if not own.told:
+    if not own.identifiable:
         return "not identifiable from this motion"
     if own.ends is not None:
         low, high = own.ends
@@ -222,7 +231,7 @@ def identified_table(found: Identified) -> dict[str, Any]:
     def plain(own: Estimate) -> dict[str, Any]:
         wide = own.half_width if np.isfinite(own.half_width) else None
         ends = {} if own.ends is None else {"interval": list(own.ends)}
-        return {"value": own.value, "half_width": wide, "unit": own.unit, "told": own.told} | ends
+        return {"value": own.value, "half_width": wide, "unit": own.unit, "told": own.identifiable} | ends
 
     return {
         "log": found.recorded.log.origin,

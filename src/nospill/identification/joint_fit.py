@@ -21,7 +21,7 @@ _FIRST_LAG = 2e-3
 _LARGEST_LAG = 0.5
 _SEARCH = 0.1
 """s; the delay is looked for so far to either side of that which fits best without a lag."""
-_TOLD = {"delay": 2e-3, "lag": 2e-3}
+_IDENTIFIABLE = {"delay": 2e-3, "lag": 2e-3}
 """s; half widths of 95 % above which a number is not told."""
 _LEAST_TRAVEL = 0.01
 """rad; a joint that moves by less tells nothing."""
@@ -111,7 +111,7 @@ def _with_second(
 
 def against_the_first(fits: tuple[JointFit, ...]) -> tuple[JointFit, ...]:
     """Delays less that of the joint that begins first: all that can be told where the two clocks differ."""
-    known = [own.delay.value for own in fits if own.moves and own.delay.told]
+    known = [own.delay.value for own in fits if own.moves and own.delay.identifiable]
     least = min(known, default=0.0)
 
     def shifted(own: JointFit) -> JointFit:
@@ -152,7 +152,7 @@ def _fit(
         return done - position, np.column_stack([-here(at, 1)[:, 0], by_lag])
 
     if not moves:
-        never = (Estimate(what, name, "s", 0.0, np.inf, _TOLD[what]) for what in ("delay", "lag"))
+        never = (Estimate(what, name, "s", 0.0, np.inf, _IDENTIFIABLE[what]) for what in ("delay", "lag"))
         return JointFit(name, *never, left=float(np.std(position)), moves=False, noise=noise)
     found = fitted(
         residuals,
@@ -164,7 +164,7 @@ def _fit(
     )
     deviation = np.sqrt(np.diag(found.covariance) + clock**2)
     late, lag = (
-        Estimate(what, name, "s", float(value), float(own), _TOLD[what])
+        Estimate(what, name, "s", float(value), float(own), _IDENTIFIABLE[what])
         for what, value, own in zip(("delay", "lag"), found.values, deviation, strict=True)
     )
     return JointFit(name, late, lag, found.left, moves=True, noise=noise)

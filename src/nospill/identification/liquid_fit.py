@@ -17,7 +17,7 @@ _SIGNED = 0.3
 """A record that falls below rest by more than this part of its highest value has signs: a crest has none."""
 _FILL, _DAMPING = 0.3, np.log(30.0)
 """Part of the stated fill, and logarithm of the factor, by which the fit may leave what is stated."""
-TOLD = {"clock": 0.01, "fill": 3e-3, "damping": 0.5, "frequency": 0.5, "gauge": 2e-3}
+IDENTIFIABLE = {"clock": 0.01, "fill": 3e-3, "damping": 0.5, "frequency": 0.5, "gauge": 2e-3}
 """Half widths of 95 % above which a number is not told: s, m, part of the value, rad/s, m."""
 _NEIGHBOURS = 6
 
@@ -87,7 +87,7 @@ def fit_liquid(
     while True:
         found = _with_held(residuals, start, lower, upper, free)
         estimates = _estimates(subject, found, free, law, fill, first.damping)
-        untold = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.told]
+        untold = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.identifiable]
         untold = [place for place in untold if free[place]]
         if not untold:
             ends = _profiles(_of_free(residuals, start, free), found, lower, upper, free)
@@ -159,11 +159,11 @@ def _estimates(
     slope = abs(law.frequency(rise + FILL_STEP) - here) / FILL_STEP
     ratio = stated * float(np.exp(damping))
     return (
-        Estimate("clock", subject, "s", clock, deviation[0], TOLD["clock"]),
-        Estimate("fill", subject, "m", fill + rise, deviation[1], TOLD["fill"]),
-        Estimate("damping", subject, "1", ratio, ratio * deviation[2], TOLD["damping"] * ratio),
-        Estimate("frequency", subject, "rad/s", here, slope * deviation[1], TOLD["frequency"]),
-        Estimate("gauge", subject, "m", gauge, deviation[3], TOLD["gauge"]),
+        Estimate("clock", subject, "s", clock, deviation[0], IDENTIFIABLE["clock"]),
+        Estimate("fill", subject, "m", fill + rise, deviation[1], IDENTIFIABLE["fill"]),
+        Estimate("damping", subject, "1", ratio, ratio * deviation[2], IDENTIFIABLE["damping"] * ratio),
+        Estimate("frequency", subject, "rad/s", here, slope * deviation[1], IDENTIFIABLE["frequency"]),
+        Estimate("gauge", subject, "m", gauge, deviation[3], IDENTIFIABLE["gauge"]),
     )
 
 

@@ -23,7 +23,7 @@ _CHANGE = np.array([1e-5, 1e-3])
 _LOWER, _UPPER = np.array([5e-4, 0.05]), np.array([0.2, 5.0])
 _STARTS = ((0.006, 0.5), (0.006, 1.0), (0.02, 0.5), (0.02, 1.0))
 """T in s, and damping ratio, to fit from; the delay so that the whole is as late as with first order."""
-_TOLD = {"delay": 2e-3, "frequency": 0.1, "damping": 0.1}
+_IDENTIFIABLE = {"delay": 2e-3, "frequency": 0.1, "damping": 0.1}
 """Half widths of 95 % above which a number is not told: s, and parts of the value."""
 _NEIGHBOURS = 25
 
@@ -99,11 +99,16 @@ def fit_second_order(
     deviation = np.sqrt(np.diag(found.covariance))
     frequency = 1.0 / period
     return SecondOrder(
-        Estimate("delay", name, "s", late, float(deviation[0]), _TOLD["delay"]),
+        Estimate("delay", name, "s", late, float(deviation[0]), _IDENTIFIABLE["delay"]),
         Estimate(
-            "frequency", name, "rad/s", frequency, float(deviation[1]) * frequency**2, _TOLD["frequency"] * frequency
+            "frequency",
+            name,
+            "rad/s",
+            frequency,
+            float(deviation[1]) * frequency**2,
+            _IDENTIFIABLE["frequency"] * frequency,
         ),
-        Estimate("damping", name, "1", ratio, float(deviation[2]), _TOLD["damping"] * ratio),
+        Estimate("damping", name, "1", ratio, float(deviation[2]), _IDENTIFIABLE["damping"] * ratio),
         found.left,
     )
 

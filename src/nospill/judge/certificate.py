@@ -59,7 +59,7 @@ class Judgement:
     fullest: Mapping[RowId, Trace] = field(default_factory=dict)
 
     @property
-    def leaves_room(self) -> bool:
+    def leaves_margin(self) -> bool:
         """Whether every row holds and leaves what a finer grid may find."""
         return self.certificate.ok and all(row.shortfall <= 0.0 for row in self.variant_rows)
 

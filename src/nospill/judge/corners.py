@@ -16,7 +16,7 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
 from nospill.laws.constraints.joint_torque import JointTorque
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -85,7 +85,7 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
         traces = with_peaks(traces, peaks_between(trajectory, scene, own, traces, motion))
     else:
-        scene = replace(scene, cargo=outer_objects(scene))
+        scene = replace(scene, cargo=hull_objects(scene))
         slow, own = _slowed(trajectory, scene, speed, motion, rate)
         traces = constraint_traces(slow, scene, own, points=OF_OBJECTS)
         traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)

@@ -90,7 +90,7 @@ def limiting_names(rows: Sequence[RowId], joints: Sequence[str]) -> list[str]:
     return names
 
 
-def held_back(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
+def limiting_text(time_at_limit: Mapping[str, float], joints: Sequence[str]) -> str:
     """What holds the motion back, in one sentence without a full stop; empty where nothing does.
 
     Args:
@@ -114,7 +114,7 @@ def longest_held(time_at_limit: Mapping[str, float]) -> list[RowId]:
     return [RowId.of(label) for label, share in longest if share >= _LEAST_SHARE]
 
 
-def would_save(savings: Mapping[str, float], joints: Sequence[str]) -> str:
+def savings_text(savings: Mapping[str, float], joints: Sequence[str]) -> str:
     """What limits wider by a tenth would save, in one sentence without a full stop; empty where nothing does.
 
     Args:

@@ -15,7 +15,7 @@ import numpy as np
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
 from nospill.laws.constraints.base import OF_OBJECTS, Role
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -51,7 +51,7 @@ def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEE
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
-    scene, motion = replace(scene, cargo=outer_objects(scene)), trajectory.motion
+    scene, motion = replace(scene, cargo=hull_objects(scene)), trajectory.motion
     return tuple(_use(trajectory, scene, motion, speed) for speed in speeds)
 
 

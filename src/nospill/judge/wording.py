@@ -108,7 +108,7 @@ def percent(use: float, ok: bool = True) -> str:
     return f"{max(tenths, 0) / 10:.1f} %"
 
 
-def reserve(row: Row) -> str:
+def margin_text(row: Row) -> str:
     """What is left of a limit, in percent with two decimals, rounded down; negative where it is broken."""
     hundredths = math.floor(1e4 * (1.0 - row.use) + _FUZZ) if row.use <= _MOST_SHARE else -1e4 * _MOST_SHARE
     return f"{hundredths / 100:.2f} %".replace("-", "−")

@@ -30,9 +30,9 @@ def bearable_acceleration(item: ObjectNumbers) -> float:
     return min((item.planned_friction * STANDARD_GRAVITY, *by_mode))
 
 
-def delicate_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
+def least_tolerant_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
     """The outer objects of a scene, and of more than `most` those that bear least; of equals those farther out."""
-    outer = outer_objects(scene)
+    outer = hull_objects(scene)
 
     def borne(cargo: Cargo) -> tuple[float, float]:
         numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
@@ -41,7 +41,7 @@ def delicate_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
     return outer if len(outer) <= most else tuple(sorted(outer, key=borne)[:most])
 
 
-def outer_objects(scene: Scene) -> tuple[Cargo, ...]:
+def hull_objects(scene: Scene) -> tuple[Cargo, ...]:
     """The objects of a scene but those in the convex hull of others just like them, tolerances and swing included."""
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, cargo in enumerate(scene.cargo):

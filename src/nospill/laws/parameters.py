@@ -229,7 +229,7 @@ class ObjectStructure:
     shallow: bool = False
     tense: bool = False
     spread: bool = False
-    carried: bool = False
+    in_carrier: bool = False
     slowed: bool = False
     constraints: tuple[Limit, ...] = ()
 

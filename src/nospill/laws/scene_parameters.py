@@ -68,8 +68,8 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         flat=tuple(mode.curvature == 0.0 for mode in cargo.oscillators),
         shallow=cargo.filling is not None and cargo.filling.shallow,
         tense=_tense(cargo),
-        spread=cargo.carried is not None and bool(cargo.oscillators),
-        carried=bool(cargo.carrier),
+        spread=cargo.contents is not None and bool(cargo.oscillators),
+        in_carrier=bool(cargo.carrier),
         slowed=cargo.is_slowed,
         constraints=cargo.constraints,
     )
@@ -131,7 +131,7 @@ def _numbers(scene: Scene) -> SceneNumbers:
         max_torque=blank.max_torque if torque is None else torque,
         **_load_numbers(scene, scene.cargo),
         via=_via_numbers(scene),
-        offset_jerk_limit=scene.motion.path_jerk_limit * scene.way,
+        offset_jerk_limit=scene.motion.path_jerk_limit * scene.path_length,
         objects=tuple(object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity) for cargo in scene.cargo),
     )
 
@@ -220,7 +220,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
                 damping=mode.damping,
                 surface_gain=mode.surface_gain,
                 tension=np.full(int(_tense(cargo)), mode.tension / speed**2),
-                place=np.zeros(0) if cargo.carried is None else np.array(mode.place),
+                place=np.zeros(0) if cargo.contents is None else np.array(mode.place),
             )
             for mode in cargo.oscillators
         ),
@@ -228,8 +228,8 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
 
 
 def _slosh_height(cargo: Cargo) -> float:
-    if cargo.carried is not None:
-        return cargo.carried.slosh_height
+    if cargo.contents is not None:
+        return cargo.contents.slosh_height
     return cargo.filling.max_slosh_height if cargo.filling else 0.0
 
 
@@ -240,8 +240,8 @@ def _rigid_part(cargo: Cargo, fidelity: Fidelity) -> tuple[float, np.ndarray, np
         # The published object is a point mass at its centre of mass with an inertia against yaw.
         point = total.mass * parallel_axis(total.centre)
         return total.mass, total.mass * total.centre, point, float(total.inertia[2, 2])
-    if cargo.carried is not None:
-        empty, liquids = cargo.empty, cargo.carried
+    if cargo.contents is not None:
+        empty, liquids = cargo.empty, cargo.contents
         first_moment = empty.mass * empty.centre + liquids.first_moment
         return empty.mass + liquids.mass, first_moment, _about_bottom(empty) + liquids.inertia, 0.0
     if not cargo.filling:

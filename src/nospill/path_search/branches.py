@@ -40,7 +40,7 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     if free:
         return free
     found = nearest_of(scene, candidates)
-    freest = max(range(len(found)), key=lambda index: found[index].room)
+    freest = max(range(len(found)), key=lambda index: found[index].slack)
     if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
         return [candidates[freest]]
     raise NoSolutionError(
@@ -52,14 +52,14 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
 def require_free_ends(scene: Scene) -> None:
     """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends."""
     ends = nearest_of_tray(scene, scene.path, places=2)
-    if ends.room < 0.0:
+    if ends.slack < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
         raise ScenarioError(f"{_in_words(ends, where)}; {_advice(ends)}", _reason(ends, REST))
 
 
 def tray_is_clear(scene: Scene, path: Path) -> bool:
     """Whether nothing is in the way of the level tray and its cargo along a path, whatever the arm does."""
-    return all(nearest_of_tray(scene, path, places=places).room >= 0.0 for places in _PLACES)
+    return all(nearest_of_tray(scene, path, places=places).slack >= 0.0 for places in _PLACES)
 
 
 def are_clear(scene: Scene, candidates: Sequence[JointPath]) -> Iterator[bool]:
@@ -112,7 +112,7 @@ def _on_path(nearness: Nearness) -> bool:
 def _in_words(nearness: Nearness, where: str) -> str:
     """As 'the forearm_link enters "column" by 12 mm at s = 0.41'."""
     pair = nearness.pair
-    distance = nearness.room + pair.limit
+    distance = nearness.slack + pair.limit
     first, second = _named(pair.first), _named(pair.second)
     if pair.second.of_region:
         return f"{first} reach {_shown(-distance)} out of {second} {where}"
@@ -128,7 +128,7 @@ def _named(body: Body) -> str:
 
 
 def _reason(nearness: Nearness, kind: str) -> Reason:
-    return Reason(kind, Clearance.name, nearness.pair.subject, at_s=nearness.s, excess=-nearness.room, unit="m")
+    return Reason(kind, Clearance.name, nearness.pair.subject, at_s=nearness.s, excess=-nearness.slack, unit="m")
 
 
 def _shown(length: float) -> str:

@@ -32,20 +32,20 @@ _HIGHER = (0.0, 0.2, 0.4, -0.2)
 """How much farther from the axis, and higher, detours are half way, in parts of the arm's reach."""
 
 
-def has_free_way(scene: Scene) -> bool:
+def has_free_path(scene: Scene) -> bool:
     """Whether the scenario leaves the way to the planner."""
     table = _path_table(scene)
     return table.get("type") == "free" and "way" not in table
 
 
-def has_found_way(scene: Scene) -> bool:
+def has_found_path(scene: Scene) -> bool:
     """Whether the scene goes the way that the planner took in the place of one left open."""
     table = _path_table(scene)
     return table.get("type") == "free" and "way" in table
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class FeasiblePath:
     """A way that the arm can follow.
 
     Attributes:
@@ -58,7 +58,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PossibleWay:
+class PathCandidate:
     """A way that is looked at, whether the arm can follow it or not.
 
     Attributes:
@@ -73,10 +73,10 @@ class PossibleWay:
 
     def scene(self) -> Scene:
         """The task with it: a whole scenario is read."""
-        return self.task if self.points is None else along(self.task, self.points)
+        return self.task if self.points is None else with_path(self.task, self.points)
 
 
-def possible_ways(scene: Scene) -> Iterator[PossibleWay]:
+def path_candidates(scene: Scene) -> Iterator[PathCandidate]:
     """Each way that is looked at.
 
     The straight line from start to goal, and arcs about the base's vertical axis either way round: on the plain ones
@@ -84,11 +84,11 @@ def possible_ways(scene: Scene) -> Iterator[PossibleWay]:
     nearer to the axis or farther from it, and higher or lower. With places between them smooth curves through all, in
     the base's axes or in angle, distance and height, and no detours.
     """
-    yield PossibleWay(scene, scene.path)
+    yield PathCandidate(scene, scene.path)
     yield from _arcs(scene)
 
 
-def ways(scene: Scene) -> list[Way]:
+def feasible_paths(scene: Scene) -> list[FeasiblePath]:
     """Each possible way that the arm can follow from start to goal, the fastest by its speed figure first.
 
     Raises:
@@ -96,9 +96,9 @@ def ways(scene: Scene) -> list[Way]:
         NoSolutionError: the arm can follow none of the ways; tells of the first one.
     """
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
-    scenes = [way.scene() for way in possible_ways(scene)]
+    scenes = [way.scene() for way in path_candidates(scene)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
-    found = [Way(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
+    found = [FeasiblePath(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
     if not found:
         first = tried[0].failure()
         which = "the only way that was tried" if len(tried) == 1 else f"any of the {len(tried)} ways that were tried"
@@ -111,7 +111,7 @@ def ways(scene: Scene) -> list[Way]:
     return sorted(found, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
 
 
-def _arcs(scene: Scene) -> Iterator[PossibleWay]:
+def _arcs(scene: Scene) -> Iterator[PathCandidate]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
     detours = scene.keeps_distances and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
@@ -142,10 +142,12 @@ def _arcs(scene: Scene) -> Iterator[PossibleWay]:
         with suppress(ScenarioError):  # points that coincide make no way, or it passes a place too far away
             path = table.model_copy(update={"way": points.tolist()}).build()
             table.places_passed(path)
-            yield PossibleWay(scene, path, points)
+            yield PathCandidate(scene, path, points)
 
 
-def along(scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joints: np.ndarray | None = None) -> Scene:
+def with_path(
+    scene: Scene, points: np.ndarray, yaw: np.ndarray | None = None, joints: np.ndarray | None = None
+) -> Scene:
     """The scene with a way in the place of the open one.
 
     Args:

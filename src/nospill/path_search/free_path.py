@@ -10,10 +10,10 @@ import numpy as np
 
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.path_search.branches import are_clear, free_paths, nearest_of, require_free_ends, tray_is_clear
-from nospill.path_search.candidates import PossibleWay, along, possible_ways, ways
+from nospill.path_search.candidates import PathCandidate, feasible_paths, path_candidates, with_path
 from nospill.path_search.level_arm import LEVER, METRIC, LevelArm
-from nospill.path_search.over_the_base import base_axis, led_over, passes
-from nospill.path_search.sampled_paths import SampledWay, cut, joined, sampled_way, shortened, time_along
+from nospill.path_search.over_the_base import axis_crossings, base_axis, lead_over_axis
+from nospill.path_search.sampled_paths import SampledPath, concatenate, sample_path, shorten, split_after, time_along
 from nospill.paths.path import Path
 from nospill.paths.smoothing import smooth_curve
 from nospill.robots.joint_paths.no_joint_path import require_reachable_ends
@@ -44,11 +44,11 @@ _POINTS = 41
 _MUCH_FASTER = 0.75
 """Part of a detour's speed figure that a sampled way may have at most to take its place: with less of a difference the
 smoother detour leads to the shorter motion (record 0043)."""
-_GLIMPSES = (5, 17)
+_COARSE_SAMPLES = (5, 17)
 """Places at which a way is looked at before it is followed, a few first, which sort most ways out."""
 
 
-def freest_way(scene: Scene) -> Scene:
+def fastest_clear_path(scene: Scene) -> Scene:
     """The scene with a way in the place of one that its path leaves open.
 
     It is the fastest of the plain ways and detours on which nothing is in the way of the level tray, or a much faster
@@ -63,10 +63,10 @@ def freest_way(scene: Scene) -> Scene:
         MissingExtraError: the library coal is not installed.
     """
     if not scene.keeps_distances:
-        return ways(scene)[0].scene
+        return feasible_paths(scene)[0].scene
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
-    in_order = open_ways(scene)
+    in_order = clear_candidates(scene)
     straight_is_open = any(way.points is None for way in in_order)
     for number, way in enumerate(in_order):
         item = way.scene()
@@ -75,38 +75,38 @@ def freest_way(scene: Scene) -> Scene:
         if any(are_clear(scene, paths)):
             is_fastest = number == 0 and straight_is_open
             return item if is_fastest else _or_sampled(item, paths[0].speed_figure, scene)
-    found = sampled_way_of(scene)
-    return _with_most_room(scene) if found is None else found[1]
+    found = fastest_sampled_path(scene)
+    return _least_blocked(scene) if found is None else found[1]
 
 
-def open_ways(scene: Scene) -> list[PossibleWay]:
+def clear_candidates(scene: Scene) -> list[PathCandidate]:
     """The possible ways that may be clear, the fastest first: few of many are then followed all along."""
     arm = LevelArm(scene)
-    figures = [(way, _figure(arm, way)) for way in possible_ways(scene)]
+    figures = [(way, _figure(arm, way)) for way in path_candidates(scene)]
     # rounded, so that ways that are alike compare by their order
     return [way for way, figure in sorted(figures, key=lambda one: float(f"{one[1]:.6g}")) if figure < np.inf]
 
 
-def _figure(arm: LevelArm, way: PossibleWay) -> float:
+def _figure(arm: LevelArm, way: PathCandidate) -> float:
     """The speed figure, s, of a way; infinite where the arm cannot follow it, or something is seen to be in the way.
 
     Of six joints with a closed form it is what some places show, of others that of the fastest joint path.
     """
     closed = has_closed_form(kinematics(arm.robot), arm.redundant)
     if closed and arm.redundant is None:
-        return _glimpsed(arm, way.path)
+        return _coarse_figure(arm, way.path)
     if not tray_is_clear(arm.scene, way.path):
         return np.inf
-    seen = (way.path.at(np.linspace(0.0, 1.0, places)[1:-1]) for places in _GLIMPSES)
+    seen = (way.path.at(np.linspace(0.0, 1.0, places)[1:-1]) for places in _COARSE_SAMPLES)
     if closed and not all(map(arm.can_stand, seen)):
         return np.inf
     return min((path.speed_figure for path in tried_along(way.scene()).paths), default=np.inf)
 
 
-def _glimpsed(arm: LevelArm, path: Path) -> float:
+def _coarse_figure(arm: LevelArm, path: Path) -> float:
     """The speed figure, s, of a path as some places show it; infinite where at one of them nothing is clear."""
     figure = 0.0
-    for places in _GLIMPSES:
+    for places in _COARSE_SAMPLES:
         figure = arm.least_figure(path.at(np.linspace(0.0, 1.0, places)))
         if figure == np.inf:
             break
@@ -129,18 +129,18 @@ def paths_along(scene: Scene) -> list[JointPath]:
 
 def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
     """A clear detour with its speed figure, s, or a sampled way of the scene that is much faster."""
-    found = sampled_way_of(scene)
+    found = fastest_sampled_path(scene)
     return detour if found is None or found[0] > _MUCH_FASTER * figure else found[1]
 
 
-def _with_most_room(scene: Scene) -> Scene:
+def _least_blocked(scene: Scene) -> Scene:
     """The scene with the way that has most room, as far as the motion may leave it; raises where it may not."""
     try:
-        candidates = ways(scene)
+        candidates = feasible_paths(scene)
     except NoSolutionError as error:
         text = f"{error}; random searches found no other way"
         raise NoSolutionError(text, error.reason) from None
-    freest = max(candidates, key=lambda way: max(item.room for item in nearest_of(scene, way.paths))).scene
+    freest = max(candidates, key=lambda way: max(item.slack for item in nearest_of(scene, way.paths))).scene
     try:
         free_paths(freest, paths_along(freest))
     except NoSolutionError as error:
@@ -152,7 +152,7 @@ def _with_most_room(scene: Scene) -> Scene:
     return freest
 
 
-def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
+def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
     """The fastest of some ways found by sampling, each with its own seed; None where none is found.
 
     Returns:
@@ -166,7 +166,7 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     kinds = (False, True) if seven or axis is not None else (False,)
     for farther, spare in product(kinds, _SPARES):
         arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
-        short = [way for seed in SEEDS if (way := _short_way(arm, over, seed)) is not None]
+        short = [way for seed in SEEDS if (way := _shortened_sample(arm, over, seed)) is not None]
         short.sort(key=lambda way: time_along(arm, way.q))
         smooth = [*islice(filter(None, (_smooth(scene, arm, over, way) for way in short)), _SMOOTHED)]
         if smooth:
@@ -175,21 +175,21 @@ def sampled_way_of(scene: Scene) -> tuple[float, Scene] | None:
     return None
 
 
-def _short_way(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledWay | None:
+def _shortened_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledPath | None:
     """The way that one seed finds, made shorter; None where it finds none.
 
     Where it passes over the axis of the base it is kept as it is.
     """
-    legs = sampled_way(arm, seed=seed, samples=SAMPLES, over=over)
+    legs = sample_path(arm, seed=seed, samples=SAMPLES, over=over)
     if not legs:
         return None
     if over is not None:
-        legs = [part for leg in legs for part in cut(leg, passes(leg.poses, leg.q, over))]
-    return joined([shortened(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs])
+        legs = [part for leg in legs for part in split_after(leg, axis_crossings(leg.poses, leg.q, over))]
+    return concatenate([shorten(arm, leg, seed=seed, tries=_SHORTCUTS) for leg in legs])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _SmoothWay:
+class _SmoothPath:
     """A smooth clear curve beside a sampled way.
 
     Attributes:
@@ -206,10 +206,10 @@ class _SmoothWay:
 
     def along(self, scene: Scene) -> Scene:
         """The scene with this way."""
-        return along(scene, self.points, self.yaw, self.joints)
+        return with_path(scene, self.points, self.yaw, self.joints)
 
 
-def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledWay) -> _SmoothWay | None:
+def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPath) -> _SmoothPath | None:
     """The smoothest clear curve beside a way; None where none is clear.
 
     Where the way passes over the axis of the base, so does the curve.
@@ -229,9 +229,9 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledWa
         values = curve.pieces(at)
         poses = values[:, :4] / METRIC
         if axis is not None:
-            for look in passes(way.poses, way.q, axis):
+            for look in axis_crossings(way.poses, way.q, axis):
                 over = np.interp(0.5 * (along_it[look] + along_it[look + 1]), dense, curve.s)
-                poses = led_over(poses, float(over), axis)
+                poses = lead_over_axis(poses, float(over), axis)
         poses[[0, -1], :3] = arm.ends[:, :3]
         joints = None
         if arm.redundant is not None:
@@ -240,7 +240,7 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledWa
             if joints is None:
                 continue
         try:
-            found = along(scene, poses[:, :3], poses[:, 3], joints)
+            found = with_path(scene, poses[:, :3], poses[:, 3], joints)
         except ScenarioError:  # between its points it passes a place too far away
             continue
         if not tray_is_clear(scene, found.path):
@@ -248,5 +248,5 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledWa
         paths = tried_along(found).paths
         path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
         if path is not None:
-            return _SmoothWay(float(f"{path.speed_figure:.6g}"), poses[:, :3], poses[:, 3], joints)
+            return _SmoothPath(float(f"{path.speed_figure:.6g}"), poses[:, :3], poses[:, 3], joints)
     return None

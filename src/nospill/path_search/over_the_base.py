@@ -35,7 +35,7 @@ def base_axis(scene: Scene) -> np.ndarray | None:
     return foot[:2] if len(scene.robot.joints) == 6 and max(1.0 - rotation[2, 2], beside) < _UPRIGHT else None
 
 
-def beyond(pose: np.ndarray, axis: np.ndarray, random: np.random.Generator) -> np.ndarray | None:
+def pose_beyond(pose: np.ndarray, axis: np.ndarray, random: np.random.Generator) -> np.ndarray | None:
     """A pose (4,) behind the axis (2,), straight over it from another one; None where that is next to it."""
     gap = pose[:2] - axis
     distance = float(np.linalg.norm(gap))
@@ -45,14 +45,14 @@ def beyond(pose: np.ndarray, axis: np.ndarray, random: np.random.Generator) -> n
     return np.array([*over, pose[2] + random.uniform(*_HIGHER), pose[3] + random.uniform(-_TURNED, _TURNED)])
 
 
-def passes(poses: np.ndarray, q: np.ndarray, axis: np.ndarray) -> np.ndarray:
+def axis_crossings(poses: np.ndarray, q: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """Numbers (k,) of the looks of a way (m, 4), (m, n) after which it passes the axis (2,) without joint 1 turning."""
     gap = poses[:, :2] - axis
     opposite = np.sum(gap[1:] * gap[:-1], axis=1) < 0.0
     return np.flatnonzero(opposite & (np.abs(np.diff(q[:, 0])) < _STILL))
 
 
-def led_over(poses: np.ndarray, at: float, axis: np.ndarray) -> np.ndarray:
+def lead_over_axis(poses: np.ndarray, at: float, axis: np.ndarray) -> np.ndarray:
     """A smooth curve through poses (m, 4), m odd, at even parameters, moved so that it leads through the axis (2,).
 
     Args:

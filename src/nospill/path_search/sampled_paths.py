@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from nospill.path_search.level_arm import METRIC, LevelArm
-from nospill.path_search.over_the_base import beyond
+from nospill.path_search.over_the_base import pose_beyond
 from nospill.robots.description.urdf import base_pose
 from nospill.robots.kinematics.closed_form import TURN
 
@@ -45,7 +45,7 @@ _SHORTER = 0.99
 
 
 @dataclass(frozen=True, slots=True)
-class SampledWay:
+class SampledPath:
     """A way on which the arm, its level tray and its cargo are clear.
 
     Attributes:
@@ -109,7 +109,7 @@ class _Draws:
         return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
-def sampled_way(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | None = None) -> list[SampledWay] | None:
+def sample_path(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | None = None) -> list[SampledPath] | None:
     """A way from the start of a scene's path to its end, not shortened; None where none is found.
 
     Args:
@@ -122,7 +122,7 @@ def sampled_way(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | No
         From the start to the first place on the way, from there to the next and so on, each from the configuration in
         which the one before ends.
     """
-    random, found = np.random.default_rng(seed), list[SampledWay]()
+    random, found = np.random.default_rng(seed), list[SampledPath]()
     start, goal = arm.ends
     first, last = arm.scene.path.ends
     here = _rooted(arm, start[None], first)
@@ -130,18 +130,18 @@ def sampled_way(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | No
     for number, place in enumerate(arm.scene.motion.via, start=1):
         yaw = start[3] + (goal[3] - start[3]) * number / (len(arm.scene.motion.via) + 1)
         poses = np.array([[*place.position, yaw + turn] for turn in np.linspace(0.0, TURN, _YAWS, endpoint=False)])
-        leg = _between(arm, random, here, _rooted(arm, poses), samples, over)
+        leg = _connect(arm, random, here, _rooted(arm, poses), samples, over)
         if leg is None:
             return None
         found.append(leg)
         here = _Tree(leg.poses[-1:], leg.q[-1:])
-    leg = _between(arm, random, here, _rooted(arm, goal + turned, last), samples, over)
+    leg = _connect(arm, random, here, _rooted(arm, goal + turned, last), samples, over)
     return None if leg is None else [*found, leg]
 
 
-def _between(
+def _connect(
     arm: LevelArm, random: np.random.Generator, start: _Tree, goal: _Tree, samples: int, over: np.ndarray | None
-) -> SampledWay | None:
+) -> SampledPath | None:
     """A way from a root of a tree to one of another."""
     roots = start, goal
     if not all(tree.roots for tree in roots):
@@ -171,7 +171,7 @@ def _between(
     return None
 
 
-def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> SampledWay | None:
+def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> SampledPath | None:
     """The way through some nodes with every look between them; None where it is another one in this direction."""
     poses, q = [nodes[0][0][None]], [nodes[0][1][None]]
     for pose, joints in nodes[1:]:
@@ -180,7 +180,7 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
             return None
         poses.append(straight)
         q.append(found)
-    return SampledWay(np.concatenate(poses), np.concatenate(q))
+    return SampledPath(np.concatenate(poses), np.concatenate(q))
 
 
 def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) -> _Tree:
@@ -210,7 +210,7 @@ def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int |
 def _grown_over(arm: LevelArm, tree: _Tree, axis: np.ndarray, random: np.random.Generator) -> int | None:
     """Grow a tree from any of its nodes straight over the base."""
     node = int(random.integers(len(tree.q)))
-    pose = beyond(tree.poses[node], axis, random)
+    pose = pose_beyond(tree.poses[node], axis, random)
     return None if pose is None else _grown_from(arm, tree, node, pose, tree.q[node])
 
 
@@ -222,21 +222,21 @@ def _grown_from(arm: LevelArm, tree: _Tree, node: int, pose: np.ndarray, q: np.n
     return tree.add(poses[kept], found[kept], node)
 
 
-def cut(way: SampledWay, after: np.ndarray) -> list[SampledWay]:
+def split_after(way: SampledPath, after: np.ndarray) -> list[SampledPath]:
     """A way in legs as `joined` joins them, the stretch after each of the given looks (k,) a leg of its own."""
     last = len(way.q) - 1
     cuts = np.unique([0, *after, *(after + 1), last])
-    return [SampledWay(way.poses[a : b + 1], way.q[a : b + 1]) for a, b in pairwise(cuts)]
+    return [SampledPath(way.poses[a : b + 1], way.q[a : b + 1]) for a, b in pairwise(cuts)]
 
 
-def joined(legs: Sequence[SampledWay]) -> SampledWay:
+def concatenate(legs: Sequence[SampledPath]) -> SampledPath:
     """One way of several, each of which begins where the one before ends."""
     first, *others = legs
     poses, q = [first.poses, *(leg.poses[1:] for leg in others)], [first.q, *(leg.q[1:] for leg in others)]
-    return SampledWay(np.concatenate(poses), np.concatenate(q))
+    return SampledPath(np.concatenate(poses), np.concatenate(q))
 
 
-def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> SampledWay:
+def shorten(arm: LevelArm, way: SampledPath, *, seed: int, tries: int) -> SampledPath:
     """The way with straight pieces in the place of longer ones, between places drawn at random."""
     random = np.random.default_rng(seed)
     poses, q = way.poses, way.q
@@ -252,7 +252,7 @@ def shortened(arm: LevelArm, way: SampledWay, *, seed: int, tries: int) -> Sampl
         if time_along(arm, np.vstack([q[first], found])) < taken:
             poses = np.vstack([poses[: first + 1], straight, poses[last + 1 :]])
             q = np.vstack([q[: first + 1], found, q[last + 1 :]])
-    return SampledWay(poses, q)
+    return SampledPath(poses, q)
 
 
 def time_along(arm: LevelArm, q: np.ndarray) -> float:

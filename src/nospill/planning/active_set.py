@@ -22,7 +22,7 @@ from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, tightened, uses_of
 from nospill.planning.task import Task
-from nospill.planning.tightening import ROUGH, beyond_backoff, heavier_jerks, relaxed_backoff, shared_backoff
+from nospill.planning.tightening import ROUGH, beyond_backoff, increased_jerk_weight, relaxed_backoff, shared_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 
@@ -94,7 +94,7 @@ class ActiveSet:
         members = task.first_members if members is None else members
         modes = modes or task.scene.planned_modes
         scene = task.problem_scene(members, refined, modes)
-        apart = clearance_backoff(task.room(q[[0, -1]]))
+        apart = clearance_backoff(task.clearance_slack(q[[0, -1]]))
         rows = [RowId(item.name, subject) for item in constraints_of(scene) for subject in item.subjects(scene)] + [
             *apart
         ]
@@ -162,7 +162,7 @@ class ActiveSet:
         if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
-        heavier = heavier_jerks(self.jerk_weight_factor, over)
+        heavier = increased_jerk_weight(self.jerk_weight_factor, over)
         if heavier > self.jerk_weight_factor:
             return replace(self, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)

@@ -19,7 +19,7 @@ from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_
 from nospill.transcription.solvers.options import BARRIERS, LOOSE, TIGHT, Options, near_optimum
 from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.starting_motions import HIDDEN_AT_START
-from nospill.transcription.weights import weigh_too_much
+from nospill.transcription.weights import jerk_cost_dominates
 
 _NEAR_AT_START, _LEAST_TIME = 0.75, 10.0
 
@@ -99,7 +99,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
     """What part of its budget every row leaves on a motion, whether it takes part or not."""
-    room = active.task.room(node_positions(active.scene, motion))
+    room = active.task.clearance_slack(node_positions(active.scene, motion))
     of_table = row_slack(problem_about(active.with_rows(active.possible - room.keys()), motion), motion)
     return of_table | {row: own - active.backoff[row] for row, own in room.items()}
 
@@ -142,7 +142,7 @@ def solved(
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
     log.solutions.append(replace(solution, pivot_order=None))  # as large as the factor
     expected, found = active.expected or start.duration, solution.stages.duration
-    if usable(solution) and weigh_too_much(active.scene, expected, found):
+    if usable(solution) and jerk_cost_dominates(active.scene, expected, found):
         options = {**options, **near_optimum(BARRIERS[1])}
         again = solved(replace(active, expected=found), solution.stages, log, options, tightens=tightens)
         if usable(again.solution):

@@ -24,8 +24,8 @@ import numpy as np
 from nospill.judge.verdict import Row, condensed
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.planning.tightening import is_spent, tightened_backoff
-from nospill.planning.worst_speeds import beside, evenly, is_far, peaks
+from nospill.planning.tightening import is_saturated, tightened_backoff
+from nospill.planning.worst_speeds import adjacent_members, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
 
@@ -133,7 +133,7 @@ class Members:
             backoff: of every row of the problem, the fraction of its budget that is kept.
         """
         slowed = {label: item for item, label in self.names.items() if self.speeds[item] < 1.0}
-        rows = (row for row, kept in backoff.items() if row.constraint in END_NAMES and is_spent(kept))
+        rows = (row for row, kept in backoff.items() if row.constraint in END_NAMES and is_saturated(kept))
         return {row: slowed[row.subject] for row in rows if row.subject in slowed}
 
     @property
@@ -146,7 +146,7 @@ class Members:
 
     def _next_to(self, row: Row) -> list[VariantId]:
         """The slowed members at the speeds next to that of a row."""
-        return beside(self.speeds[_variant(row)], self.names, self.speeds)
+        return adjacent_members(self.speeds[_variant(row)], self.names, self.speeds)
 
     def _beside_spent(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
         """Rows on the final state of slowed liquids next to a member whose back-off is spent."""

@@ -16,8 +16,8 @@ from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import free_paths
-from nospill.path_search.candidates import has_free_way
-from nospill.path_search.free_path import freest_way, paths_along
+from nospill.path_search.candidates import has_free_path
+from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -79,9 +79,9 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
-    if has_free_way(scene):
+    if has_free_path(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
-            scene = freest_way(scene)
+            scene = fastest_clear_path(scene)
     task = Task.of(scene, ignore)
     judged = _first_certified(_candidates(task, warm, last, log), log)
     report = log.report(

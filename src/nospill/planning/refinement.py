@@ -123,7 +123,7 @@ def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
     """`certified_by_refinement` without that last solve; raises the same."""
     judged = _judged(candidate, log)
     tightened = grown = 0
-    while not judged.judgement.leaves_room and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
+    while not judged.judgement.leaves_margin and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
         before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
         if active is before.active or (certified and active.scene is not before.active.scene):

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.collisions.along_path import least_room
+from nospill.collisions.along_path import least_slack
 from nospill.collisions.pairs import scene_pairs
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.residual_height import EndDisplacement
-from nospill.laws.like_objects import delicate_objects, outer_objects
+from nospill.laws.like_objects import hull_objects, least_tolerant_objects
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
@@ -71,7 +71,7 @@ class Task:
         choice = not self.searched_scene.motion.is_given or len(self.scene.robot.joints) > 6
         return self.scene.keeps_distances and choice
 
-    def room(self, q: np.ndarray) -> dict[RowId, float]:
+    def clearance_slack(self, q: np.ndarray) -> dict[RowId, float]:
         """What bodies leave of their clearance at joint positions (m, n), rad, as part of a budget; without any, {}.
 
         Raises:
@@ -79,7 +79,7 @@ class Task:
         """
         if not self.keeps_apart:
             return {}
-        found = least_room(self.scene, q, within=Clearance.least_size)
+        found = least_slack(self.scene, q, within=Clearance.least_size)
         return {RowId(Clearance.name, subject): room / Clearance.least_size for subject, room in found.items()}
 
     @property
@@ -97,12 +97,12 @@ class Task:
     @property
     def outer(self) -> frozenset[str]:
         """Objects that no like ones stand for."""
-        return frozenset(cargo.name for cargo in outer_objects(self.model))
+        return frozenset(cargo.name for cargo in hull_objects(self.model))
 
     @property
     def first_members(self) -> frozenset[VariantId]:
         """What a problem begins with: the stated variants of the outer ones of like objects, of many the delicate."""
-        chosen = {cargo.name for cargo in delicate_objects(self.model, _MOST_OBJECTS)}
+        chosen = {cargo.name for cargo in least_tolerant_objects(self.model, _MOST_OBJECTS)}
         return frozenset(stated.id for stated, *_ in self.variants if stated.name in chosen)
 
     def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:

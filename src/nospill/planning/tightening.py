@@ -75,7 +75,7 @@ def shared_backoff(
     return {row: max(value, most.get(row.constraint, 0.0)) if row in near else value for row, value in backoff.items()}
 
 
-def is_spent(backoff: float) -> bool:
+def is_saturated(backoff: float) -> bool:
     """Whether more of the back-off of a row on the final state would not do."""
     return backoff > _TOO_MUCH
 
@@ -93,10 +93,10 @@ def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float]
     over = {row: use for row, use in at_end.items() if use > 1.0}
     most, tightest = max(over.values(), default=0.0), max((backoff[row] for row in over), default=0.0)
     stuck = 0.0 < _STUCK * excess < most - 1.0
-    return most if most > ROUGH or is_spent(tightest) or stuck else 0.0
+    return most if most > ROUGH or is_saturated(tightest) or stuck else 0.0
 
 
-def heavier_jerks(factor: float, over: float) -> float:
+def increased_jerk_weight(factor: float, over: float) -> float:
     """Factor on the weights of the jerks in the next problem; the same where no row is beyond its back-off.
 
     Args:

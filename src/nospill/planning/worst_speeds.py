@@ -64,7 +64,7 @@ def _worst_at_each(rows: Iterable[Row], speeds: Mapping[VariantId, float]) -> di
     return worst
 
 
-def beside(speed: float, members: Iterable[VariantId], speeds: Mapping[VariantId, float]) -> list[VariantId]:
+def adjacent_members(speed: float, members: Iterable[VariantId], speeds: Mapping[VariantId, float]) -> list[VariantId]:
     """The slowed members at the speeds next to one, below and above; none where no member is slowed."""
     slowed = [member for member in members if speeds[member] < 1.0]
     next_to = {

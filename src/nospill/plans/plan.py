@@ -17,7 +17,7 @@ from nospill.approach import Segment
 from nospill.judge.certificate import Judgement, judge
 from nospill.judge.full_model import with_full_model
 from nospill.judge.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
-from nospill.judge.limiting import held_back, would_save
+from nospill.judge.limiting import limiting_text, savings_text
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.replay import tray_from_joints
 from nospill.judge.verdict import Certificate
@@ -89,17 +89,17 @@ class Plan:
         return self.scene.motion.speed_range if self.certificate.ok else None
 
     @property
-    def held_back(self) -> str:
+    def limiting_text(self) -> str:
         """What holds the motion back, and for how much of its time, in one sentence; empty where nothing does."""
-        return held_back(self.maxima.time_at_limit, self.scene.robot.joints)
+        return limiting_text(self.maxima.time_at_limit, self.scene.robot.joints)
 
     @property
-    def would_save(self) -> str:
+    def savings_text(self) -> str:
         """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
-        return would_save(self.report.savings, self.scene.robot.joints)
+        return savings_text(self.report.savings, self.scene.robot.joints)
 
     @property
-    def sooner(self) -> tuple[str, ...]:
+    def comparison(self) -> tuple[str, ...]:
         """How much sooner it is than what it was compared with, a line each."""
         return tuple(
             f"{name}: {other:.3f} s; this motion is {_sooner(other - self.duration, other)}"
@@ -363,12 +363,12 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
     "constraints": _Computed(lambda plan: [limit.to_dict() for limit in _limits(plan.scene)]),
-    "held_back": _Computed(lambda plan: plan.held_back),
+    "limiting_text": _Computed(lambda plan: plan.limiting_text),
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
     "largest_use_at_lower_speeds": _Computed(_largest_uses),
     "settling_s": _Computed(_settling),
-    "would_save": _Computed(lambda plan: plan.would_save),
+    "savings_text": _Computed(lambda plan: plan.savings_text),
     "savings_s": _Kept("report", "savings", from_json=_fractions),
     "compared_s": _Kept("report", "compared", from_json=_fractions),
     "warnings": _Computed(lambda plan: [asdict(warning) for warning in plan.warnings]),

@@ -46,7 +46,7 @@ def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
     }
 
 
-def starting_after(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
+def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
     """The scene with its liquids swinging as a plan's motion and a wait have left them.
 
     Args:

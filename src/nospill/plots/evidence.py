@@ -12,7 +12,7 @@ import numpy as np
 from nospill.core.frames import SX, frame_at_rest
 from nospill.core.trees import constants
 from nospill.judge.certificate import Judgement
-from nospill.judge.limiting import Limiting, held_back, limiting_rows
+from nospill.judge.limiting import Limiting, limiting_rows, limiting_text
 from nospill.judge.other_speeds import SpeedUse, uses_at
 from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints import constraints_of
@@ -92,9 +92,9 @@ class Evidence:
         return uses_at(self.plan.trajectory, self.plan.scene, _SPEEDS)
 
     @property
-    def held_back(self) -> str:
+    def limiting_text(self) -> str:
         """What holds the motion back, in one sentence without a full stop; empty where nothing does."""
-        return held_back(self.maxima.time_at_limit, self.plan.scene.robot.joints)
+        return limiting_text(self.maxima.time_at_limit, self.plan.scene.robot.joints)
 
     def traces(self, constraint: str) -> tuple[Trace, ...]:
         """The traces of one constraint, a subject each; empty where it does not apply."""

@@ -72,7 +72,7 @@ def report_pdf(evidence: Evidence, first: tuple[TextTable, ...], last: tuple[Tex
 def _heading(evidence: Evidence) -> Figure:
     """Name, verdict in a box, headline figures."""
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
-    said = textwrap.wrap("; ".join(filter(None, (evidence.held_back, evidence.plan.would_save))), 95)
+    said = textwrap.wrap("; ".join(filter(None, (evidence.limiting_text, evidence.plan.savings_text))), 95)
     beyond = textwrap.wrap(full_model_note(certificate), 144)
     below = 0.9 + _LINE * max(len(said) - 2, 0)
     foot = max(0.98, below + _LINE * len(beyond) + 0.02)

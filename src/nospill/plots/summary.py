@@ -79,7 +79,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     over = " over its tolerances" if is_uncertain(scene) else ""
     if certificate.ok:
         counted, color = f"all {len(rows)} rows hold", "#00704F"
-        detail = evidence.held_back or f"nearest to its limit: {detail}"
+        detail = evidence.limiting_text or f"nearest to its limit: {detail}"
     else:
         failed = [row for row in rows if not row.ok]
         counted, color = f"{len(failed)} of {len(rows)} rows fail", DARK_RED

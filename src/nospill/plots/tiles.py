@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from nospill.core.short_names import short_names
 from nospill.judge.rims import rim_distances
 from nospill.judge.verdict import Row
-from nospill.judge.wording import reserve, row_text
+from nospill.judge.wording import margin_text, row_text
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -54,7 +54,7 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
         Tile(f"{evidence.end_time:.3f} s", "duration"),
         *_sooner(evidence),
         Tile(f"{moves:,}".replace(",", "\u202f"), "moves an hour, one way"),
-        Tile(reserve(worst), f"least reserve: {worst.constraint}", worst.ok),
+        Tile(margin_text(worst), f"least reserve: {worst.constraint}", worst.ok),
         *_rim(evidence),
         *(_height(row) for row in kinds if row is not None),
     ]

@@ -40,12 +40,12 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
             continue
         middle = 1e3 * cargo.position
         room = float(np.ptp(outline[:, 0])) / sides[0] * width
-        across = "center" if cargo.carried is None else "top"
+        across = "center" if cargo.contents is None else "top"
         lines = [plain(cargo.name, max(int(room / 0.075), 5))]
-        if cargo.carried is not None:
+        if cargo.contents is not None:
             # what stands in it takes its middle
             middle = np.array([middle[0], np.min(outline[:, 1])])
-            lines = [f"{lines[0]}, {len(cargo.carried.content)} in it"]
+            lines = [f"{lines[0]}, {len(cargo.contents.content)} in it"]
         elif cargo.filling:
             lines.append(f"{1e3 * cargo.filling.liquid_height:.3g} of {1e3 * cargo.container.height:.3g}")
         else:

@@ -86,7 +86,7 @@ def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") 
 def _heading(report: Report) -> str:
     scene = report.evidence.plan.scene
     standing = [
-        item.name if item.carried is None else f"{item.name} with {len(item.carried.content)} in it"
+        item.name if item.contents is None else f"{item.name} with {len(item.contents.content)} in it"
         for item in scene.standing
     ]
     more = f" and {len(standing) - _NAMED} more" if len(standing) > _NAMED else ""
@@ -100,7 +100,7 @@ def _heading(report: Report) -> str:
 
 
 def _held_back(report: Report) -> str:
-    sentence, saved = report.evidence.held_back, report.evidence.plan.would_save
+    sentence, saved = report.evidence.limiting_text, report.evidence.plan.savings_text
     more = f" {escape(saved[:1].upper() + saved[1:])}." if saved else ""
     return f"<p>What holds it back: {escape(sentence)}.{more}</p>" if sentence else ""
 

@@ -7,9 +7,9 @@ import io
 import numpy as np
 from PIL import Image
 
-from nospill.drawing.props import Stagehand
+from nospill.drawing.props import SceneBuilder
 from nospill.drawing.timeline import make_film
-from nospill.drawing.views import CLOSE, View, carriage, viewpoint
+from nospill.drawing.views import CLOSE, View, camera_frame, viewpoint
 from nospill.film.picture import draw
 from nospill.plots.evidence import Evidence
 
@@ -27,9 +27,9 @@ def scene_picture(evidence: Evidence) -> bytes:
     film = make_film(evidence.plan, evidence.judgement, rate=_RATE)
     index, views = film.index(MOMENT * film.end_time), []
     for view in (View.ARM, View.TRAY):
-        hand = Stagehand(film, path=view not in CLOSE)
+        hand = SceneBuilder(film, path=view not in CLOSE)
         camera = viewpoint([film], view, aspect=_SIZE[0] / _SIZE[1])
-        views.append(draw(hand, index, camera, carriage(film, view), size=_SIZE))
+        views.append(draw(hand, index, camera, camera_frame(film, view), size=_SIZE))
     file = io.BytesIO()
     Image.fromarray(np.hstack(views)).save(file, format="JPEG", quality=_QUALITY)
     return file.getvalue()

@@ -208,7 +208,7 @@ def _jerks(scene: Scene) -> str:
     rules = scene.motion
     found = [f"third derivative of the path parameter up to {rules.path_jerk_limit:.4g} 1/s³"]
     if rules.corridor is not None:
-        found.append(f"of the way beside the path up to {rules.path_jerk_limit * scene.way:.4g} m/s³")
+        found.append(f"of the way beside the path up to {rules.path_jerk_limit * scene.path_length:.4g} m/s³")
     angles = [name for name, free in (("the tilt angles", rules.tilt_free), ("the yaw", rules.yaw_free)) if free]
     if angles:
         found.append(f"of {' and '.join(angles)} up to {rules.tilt_jerk_limit:.4g} rad/s³")
@@ -238,7 +238,7 @@ def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tu
     height = f"{1e3 * item.container.height:.4g} high"
     size = " x ".join(f"{1e3 * side:.4g}" for side in footprint.sides) + f" across, {height}"
     turned = f", {np.degrees(item.yaw):.3g} deg" if item.yaw else ""
-    contents = "solid" if item.carried is None else f"{len(item.carried.content)} in it, with their mass"
+    contents = "solid" if item.contents is None else f"{len(item.contents.content)} in it, with their mass"
     if item.filling is not None:
         contents = f"{item.filling.liquid.name}, {1e3 * item.filling.liquid_height:.4g} deep"
     return (

@@ -21,7 +21,7 @@ from nospill.robots.tool import Tool
 from nospill.scenario.fields import ANGLE, POINT, SIDE, Angle, Measured, Name, Point, Vector
 from nospill.scenario.freedom_entries import WIDEST, WidthAlong
 from nospill.scenario.path_table import PathTable
-from nospill.scenario.place_entry import Placed, PlaceTable, placed
+from nospill.scenario.place_entry import Placed, PlaceTable, resolve_place
 from nospill.scenario.tables import (
     Given,
     OptionalQuantityOrList,
@@ -129,7 +129,7 @@ class FreePath(PathTable):
         stated = next((key for key, entry in ends.items() if entry.joints is not None), None)
         if base_is_free and stated is not None:
             raise ScenarioError(f"{stated}.joints: where the tray is then depends on base_yaw, which is free; state it")
-        return self.model_copy(update={key: placed(entry, key, robot, tool) for key, entry in ends.items()})
+        return self.model_copy(update={key: resolve_place(entry, key, robot, tool) for key, entry in ends.items()})
 
     @property
     def width(self) -> float:
@@ -224,7 +224,7 @@ class FreePath(PathTable):
         radii = [0.0, *(item.radius for item in self.via), 0.0]
         for region in self.regions:
             for (name, place), radius in zip(places, radii, strict=True):
-                outside = -region.room(np.array(place)) - radius
+                outside = -region.slack(np.array(place)) - radius
                 if outside > SAME_PLACE:
                     shown = format_quantity(outside, "length", digits=3)
                     raise ScenarioError(

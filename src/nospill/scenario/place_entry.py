@@ -63,7 +63,7 @@ class Placed(PlaceTable):
         return (f"{key}: the tray leans {lean} in the stated joints; level, they are up to {moved} from them",)
 
 
-def placed(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Placed:
+def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Placed:
     """The place with position and yaw, and with joints in which the tray is level.
 
     Args:

@@ -32,7 +32,7 @@ from nospill.scenario.sentences import Fault, report
 from nospill.scenario.tables import Table, plain
 from nospill.scene.cargo import Cargo
 from nospill.scene.places import Via
-from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, way_of
+from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, path_length_of
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
@@ -298,7 +298,7 @@ def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
     """Bound on the third derivative of s, 1/s^3: as stated, or of a jerk along the way."""
     if rules.path_jerk_limit is not None:
         return rules.path_jerk_limit
-    return (rules.max_jerk or DEFAULT_JERK) / way_of(path, tray)
+    return (rules.max_jerk or DEFAULT_JERK) / path_length_of(path, tray)
 
 
 def _motion(scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...]) -> MotionRules:

@@ -55,7 +55,7 @@ def _elsewhere(cargo: Sequence[Cargo], tray: Tray, index: int) -> tuple[Change, 
 
 def payload_reason(robot: Robot, tray: Tray, cargo: Sequence[Cargo], excess: float) -> Reason:
     """The reason for a load that is `excess` kg more than the robot may carry."""
-    solids = [item for item in cargo if item.filling is None and item.carried is None and not item.carrier]
+    solids = [item for item in cargo if item.filling is None and item.contents is None and not item.carrier]
     heaviest = max(solids, key=lambda item: item.total.mass, default=None)
     changes: tuple[Change, ...] = ()
     places = [("tray", "tray.mass", tray.mass)]

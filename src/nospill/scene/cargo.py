@@ -77,7 +77,7 @@ class Tolerance:
 
 
 @dataclass(frozen=True, slots=True)
-class Carried:
+class CarrierContents:
     """What stands in a carrier, as the carrier feels it, about its bottom centre, in its axes.
 
     Attributes:
@@ -137,7 +137,7 @@ class Cargo:
     label: str = ""
     carrier: str = ""
     seat: float = 0.0
-    carried: Carried | None = None
+    contents: CarrierContents | None = None
     speed: float = 1.0
     constraints: tuple[Limit, ...] = ()
 
@@ -164,8 +164,8 @@ class Cargo:
     @property
     def oscillators(self) -> tuple[Oscillator, ...]:
         """Modal masses of the liquid, or of the liquids that it carries; none of another solid."""
-        if self.carried is not None:
-            return self.carried.oscillators
+        if self.contents is not None:
+            return self.contents.oscillators
         return self.filling.modes.oscillators if self.filling else ()
 
     @property
@@ -197,11 +197,11 @@ def mass_at_rest(
         homogeneous: take the whole as the homogeneous solid of the outer shape with its centre where it is, as the
             published computations do, instead of adding the inertias by the parallel-axis theorem.
     """
-    total = joined([empty, frozen])
+    total = combine_bodies([empty, frozen])
     return replace(container.solid_properties(total.mass), centre=total.centre) if homogeneous else total
 
 
-def joined(bodies: Sequence[MassProperties]) -> MassProperties:
+def combine_bodies(bodies: Sequence[MassProperties]) -> MassProperties:
     """Bodies in one frame as one: inertias moved to the common centre by the parallel-axis theorem."""
     mass = sum(body.mass for body in bodies)
     centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass

@@ -18,7 +18,7 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.errors import ScenarioError
-from nospill.scene.cargo import Cargo, Carried, Filling, frozen_liquid, joined
+from nospill.scene.cargo import Cargo, CarrierContents, Filling, combine_bodies, frozen_liquid
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.sloshing.modes import Oscillator
@@ -39,9 +39,9 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
 
     Of a carrier: those of the liquids that push it, `CARRIED_MODES` at most.
     """
-    if cargo.carried is not None:
-        content = tuple(with_modes(item, min(count, CARRIED_MODES)) for item in cargo.carried.content)
-        same = all(a is b for a, b in zip(content, cargo.carried.content, strict=True))
+    if cargo.contents is not None:
+        content = tuple(with_modes(item, min(count, CARRIED_MODES)) for item in cargo.contents.content)
+        same = all(a is b for a, b in zip(content, cargo.contents.content, strict=True))
         return cargo if same else with_content(cargo, content, cargo.empty)
     filling = cargo.filling
     if filling is None or filling.modes.count == count:
@@ -69,7 +69,7 @@ def carrying(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
     Raises:
         ScenarioError: the sides of a box with liquid are not parallel to the carrier's.
     """
-    empty = joined([carrier.empty, *(_moved(item.empty, item, carrier) for item in content)])
+    empty = combine_bodies([carrier.empty, *(_moved(item.empty, item, carrier) for item in content)])
     few = tuple(
         with_modes(item, min(item.filling.modes.count, CARRIED_MODES)) if item.filling else item for item in content
     )
@@ -89,7 +89,7 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
         mass += fixed.mass
         first_moment = first_moment + fixed.mass * fixed.centre
         inertia = inertia + fixed.inertia + fixed.mass * parallel_axis(fixed.centre)
-    carried = Carried(
+    carried = CarrierContents(
         content=content,
         mass=mass,
         first_moment=read_only(first_moment),
@@ -97,14 +97,14 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
         oscillators=tuple(_pushing(filled, carrier)),
         slosh_height=min((filling.max_slosh_height for _, filling in filled), default=0.0),
     )
-    return replace(carrier, total=joined([empty, *frozen]), empty=empty, carried=carried)
+    return replace(carrier, total=combine_bodies([empty, *frozen]), empty=empty, carried=carried)
 
 
 def single_oscillators(cargo: Cargo) -> tuple[Oscillator, ...]:
     """Modal masses of an object, of a carrier those of every single liquid in it, none of which stands for others."""
-    if cargo.carried is None:
+    if cargo.contents is None:
         return cargo.oscillators
-    filled = [(item, item.filling) for item in cargo.carried.content if item.filling is not None]
+    filled = [(item, item.filling) for item in cargo.contents.content if item.filling is not None]
     return tuple(mode for own in filled for mode in _pushing([own], cargo))
 
 

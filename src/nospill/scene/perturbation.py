@@ -85,9 +85,9 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         friction=cargo.friction * (1.0 + by.friction),
         tolerance=None,
     )
-    if cargo.carried is not None:
+    if cargo.contents is not None:
         certain = cargo.tolerance is None
-        content = tuple(_in_carrier(item, by, certain=certain, fidelity=fidelity) for item in cargo.carried.content)
+        content = tuple(_in_carrier(item, by, certain=certain, fidelity=fidelity) for item in cargo.contents.content)
         return with_content(changed, content, empty)
     if cargo.filling is None:
         return changed

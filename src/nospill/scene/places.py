@@ -54,7 +54,7 @@ class Region:
         """The six half-spaces outside, named as "region top"."""
         return tuple(self._side(axis, sign) for axis in range(3) for sign in (1.0, -1.0))
 
-    def room(self, point: np.ndarray) -> float:
+    def slack(self, point: np.ndarray) -> float:
         """Distance of a point (3,) from the nearest side, m; negative outside."""
         inside = about_axis((0.0, 0.0, 1.0), self.yaw).T @ (np.asarray(point) - self.position)
         return float(np.min(np.array(self.size) / 2.0 - np.abs(inside)))

@@ -326,9 +326,9 @@ class Scene:
         return self.slosh_modes if self.fidelity == "deliverable" else min(self.slosh_modes, _PLANNED_MODES)
 
     @property
-    def way(self) -> float:
+    def path_length(self) -> float:
         """Length of the path, m: the tray centre's, or that of its corners about it where that is longer."""
-        return way_of(self.path, self.tray)
+        return path_length_of(self.path, self.tray)
 
     def with_one_mode(self) -> Scene:
         """The scene with one mode of each liquid in each direction, with which a search begins."""
@@ -337,7 +337,7 @@ class Scene:
         return self if same else replace(self, cargo=cargo, slosh_modes=1)
 
 
-def way_of(path: Path, tray: Tray) -> float:
+def path_length_of(path: Path, tray: Tray) -> float:
     """`Scene.way` of a path and a tray."""
     turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
     return max(path.length, turn * float(np.hypot(*tray.size)) / 2)

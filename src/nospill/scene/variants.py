@@ -74,7 +74,7 @@ class Variant:
         return self.name, self.text
 
     @property
-    def moved(self) -> Cargo:
+    def cargo_at_speed(self) -> Cargo:
         """The object as it stands in a problem, moved at its speed."""
         return self.cargo if self.speed == 1.0 else replace(self.cargo, speed=self.speed)
 
@@ -140,7 +140,7 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
 
 def _with_liquid(cargo: Cargo) -> Cargo | None:
     """The object, or of a carrier the first with liquid that stands in it; None of another solid."""
-    candidates = (cargo,) if cargo.carried is None else cargo.carried.content
+    candidates = (cargo,) if cargo.contents is None else cargo.contents.content
     return next((item for item in candidates if item.filling is not None), None)
 
 
@@ -225,7 +225,7 @@ def labels(by_object: Iterable[Sequence[Variant]]) -> dict[VariantId, str]:
 def scene_of(scene: Scene, by_object: Iterable[Sequence[Variant]], chosen: Collection[VariantId]) -> Scene:
     """A certain scene whose cargo are chosen variants, in the order of the objects; itself where that is its cargo."""
     names = labels(by_object)
-    variants = [(names[item.id], item.moved) for family in by_object for item in family if item.id in chosen]
+    variants = [(names[item.id], item.cargo_at_speed) for family in by_object for item in family if item.id in chosen]
     cargo = tuple(own if own.name == name else replace(own, name=name) for name, own in variants)
     same = len(cargo) == len(scene.cargo) and all(a is b for a, b in zip(cargo, scene.cargo, strict=True))
     return scene if same else replace(scene, cargo=cargo)

@@ -51,7 +51,7 @@ class SloshSimulation:
         reading: (m,) m, what a gauge at the wall shows of it (`nospill.simulation.readings`).
         displacement: (m, k) of the modal masses along the container's axes, m.
         velocity: (m, k) likewise, m/s.
-        room: m, from the rest level to the rim.
+        freeboard: m, from the rest level to the rim.
         error: estimated integration error of the displacements, m.
     """
 
@@ -60,7 +60,7 @@ class SloshSimulation:
     reading: np.ndarray
     displacement: np.ndarray
     velocity: np.ndarray
-    room: float
+    freeboard: float
     error: float
 
     @property
@@ -162,7 +162,7 @@ def _simulated(
         reading=reading.of(heights, filling.liquid),
         displacement=states[:, :count],
         velocity=states[:, count:],
-        room=cargo.container.height - filling.liquid_height,
+        freeboard=cargo.container.height - filling.liquid_height,
         error=integral.error,
     )
 

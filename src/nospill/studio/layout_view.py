@@ -11,7 +11,7 @@ import numpy as np
 
 from nospill.drawing.robot_model import read_chain
 from nospill.errors import NospillError
-from nospill.path_search.candidates import has_free_way, ways
+from nospill.path_search.candidates import feasible_paths, has_free_path
 from nospill.robots.joint_paths.search import joint_paths
 from nospill.scene.scene import Scene
 from nospill.viewer.scene_view import ArmView, TrayView, add_path
@@ -118,9 +118,9 @@ class LayoutView:
 
     def _draw_way(self, scene: Scene) -> None:
         obstacle = ""
-        if has_free_way(scene):
+        if has_free_path(scene):
             try:
-                scene = ways(scene)[0].scene
+                scene = feasible_paths(scene)[0].scene
             except NospillError as error:
                 obstacle = str(error)
         points = scene.path.at(np.linspace(0.0, 1.0, _PATH_POINTS))

@@ -51,7 +51,7 @@ class PlanningStoppedError(Exception):
     """Raised inside the planner by the user's stop; it never leaves this module."""
 
 
-class Seats:
+class PlanningSlots:
     """How many plans may be made at once in this process."""
 
     def __init__(self, count: int | None = None) -> None:
@@ -76,7 +76,7 @@ class Seats:
 class PlanningDesk:
     """One session's planner: plans one scene at a time, each from the answer before where that helps."""
 
-    def __init__(self, seats: Seats, *, report: Callable[[], None]) -> None:
+    def __init__(self, seats: PlanningSlots, *, report: Callable[[], None]) -> None:
         """Nothing is planned yet.
 
         Args:

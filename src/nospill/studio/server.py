@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
-from nospill.studio.planning import Seats
+from nospill.studio.planning import PlanningSlots
 from nospill.studio.session import Session
 from nospill.viewer.live import running_server
 from nospill.viewer.scene_view import prepare
@@ -43,7 +43,7 @@ def studio(
         ScenarioError: `host` is no address of this machine.
     """
     _require_own(host)
-    seats, opened, lock = Seats(), {} if sessions is None else sessions, threading.Lock()
+    seats, opened, lock = PlanningSlots(), {} if sessions is None else sessions, threading.Lock()
     with running_server(port=port, host=host) as server:
         server.gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
         prepare(server.scene)

@@ -26,7 +26,7 @@ from nospill.studio.pages import (
     warning_list,
 )
 from nospill.studio.placing import GRID, at_of_entry, free_place, place_objects, snapped, tray_size
-from nospill.studio.planning import BUSY, PlanningDesk, PlanningState, Seats
+from nospill.studio.planning import BUSY, PlanningDesk, PlanningSlots, PlanningState
 from nospill.studio.tray_plan import draw_plan, read_drag
 
 if TYPE_CHECKING:
@@ -42,7 +42,9 @@ _LAST_MOMENT = 2.0
 class Session:
     """Connects the model to the controls of one client. Every callback of the browser ends in `_refresh`."""
 
-    def __init__(self, client: viser.ClientHandle, table: Mapping[str, Any], *, folder: Path, seats: Seats) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, table: Mapping[str, Any], *, folder: Path, seats: PlanningSlots
+    ) -> None:
         """Build the controls and show the scenario.
 
         Args:

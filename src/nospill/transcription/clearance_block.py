@@ -32,7 +32,7 @@ AXIS, NORMAL, ACROSS, OFFSET = slice(0, 3), slice(3, 6), slice(6, 12), 12
 plane where its variables are zero: its unit normal towards the body it is fixed to, two unit vectors across that, and
 its offset, m, in the frame of the joint that it is fixed to; what the body's ball takes is taken off."""
 NUMBERS = 13
-POINT, DISC, LIMIT, RESERVE = slice(0, 3), 3, 4, 5
+POINT, DISC, LIMIT, BACKOFF = slice(0, 3), 3, 4, 5
 """Places among the numbers of a point, which is a row: the point of the core of its body in the frame of its joint and
 the radius of its disc, m, the distance to be kept from the plane, m, and the back-off."""
 POINT_NUMBERS = 6

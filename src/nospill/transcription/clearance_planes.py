@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nospill.collisions.along_path import ball_room
+from nospill.collisions.along_path import ball_slack
 from nospill.collisions.bodies import Body
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import planes, reaching
@@ -32,6 +32,7 @@ from nospill.scene.scene import MotionRules, Scene
 from nospill.transcription.clearance_block import (
     ACROSS,
     AXIS,
+    BACKOFF,
     DISC,
     LIMIT,
     NORMAL,
@@ -40,7 +41,6 @@ from nospill.transcription.clearance_block import (
     PLANE,
     POINT,
     POINT_NUMBERS,
-    RESERVE,
     Between,
 )
 
@@ -137,7 +137,7 @@ class Planes:
         for group, rows, numbers, points in zip(self.groups, self.rows, self.numbers, self.points, strict=True):
             own = points.copy()
             if group.between.count:
-                own[:, RESERVE] = [backoff.get(row, 0.0) for row in rows]
+                own[:, BACKOFF] = [backoff.get(row, 0.0) for row in rows]
             parts += [numbers.ravel(), own.ravel()]
         return np.concatenate(parts)
 
@@ -259,7 +259,7 @@ class _NearPlanes:
 
 
 def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
-    near = np.flatnonzero(ball_room(pair, frames) < within)
+    near = np.flatnonzero(ball_slack(pair, frames) < within)
     normals, offsets, gaps = planes(pair, frames, near)
     room = gaps - pair.limit
     found = np.zeros((len(near), NUMBERS))

@@ -15,13 +15,13 @@ import numpy as np
 from nospill.core.batches import over_columns
 from nospill.laws.constraints.clearance import clearance_row
 from nospill.transcription.clearance_block import (
+    BACKOFF,
     COEFFICIENTS,
     DISC,
     LIMIT,
     NUMBERS,
     PLANE,
     POINT_NUMBERS,
-    RESERVE,
     clearance_block,
     upper_triangle,
 )
@@ -110,7 +110,7 @@ class _GroupRows:
             ca.reshape(of_bodies, NUMBERS, bodies),
         )
         points = ca.reshape(of_points, POINT_NUMBERS, rows)
-        self._limit, self._reserve = points[LIMIT, :], points[RESERVE, :]
+        self._limit, self._reserve = points[LIMIT, :], points[BACKOFF, :]
         # (coefficients of all bodies, rows): 1, the point and its disc, below those of its body
         read = COEFFICIENTS * self.body[:, None] + np.arange(COEFFICIENTS)
         starts = COEFFICIENTS * np.arange(rows + 1)

@@ -281,7 +281,7 @@ def _bounds(
     # pushes the carrier nothing is demanded there.
     slow = np.array(
         [
-            not (flat or item.spread or item.carried)
+            not (flat or item.spread or item.in_carrier)
             for item in structure.objects
             for axes, flat in zip(item.oscillators, item.flat, strict=True)
             for _ in axes

@@ -23,7 +23,7 @@ _INTERVALS = 10
 """In each part."""
 
 
-def played(scene: Scene, way: JointPath, duration: float, ramp: int = THIRD) -> Trajectory:
+def trapezoid_trajectory(scene: Scene, way: JointPath, duration: float, ramp: int = THIRD) -> Trajectory:
     """The trapezoid of a duration in s, as the samples of a file.
 
     Args:
@@ -36,7 +36,7 @@ def played(scene: Scene, way: JointPath, duration: float, ramp: int = THIRD) -> 
         ModelError: the joints cannot follow.
     """
     place, speed, acceleration = profile(_INTERVALS * PIECES, ramp)
-    chain = along(scene.path, place, speed / duration, acceleration / duration**2)
+    chain = path_parameter_rates(scene.path, place, speed / duration, acceleration / duration**2)
     return export_samples(scene, motion_along(scene, way, [chain], duration))
 
 
@@ -54,7 +54,7 @@ def profile(intervals: int, ramp: int = THIRD) -> tuple[np.ndarray, np.ndarray, 
     return place / whole, speed / whole, acceleration / whole
 
 
-def along(path: Path, place: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+def path_parameter_rates(path: Path, place: np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
     """Path parameter, its rate and its acceleration (n, 3) for parts of the path's length and their rates.
 
     Where the path only turns, its parameter counts in place of its length.

@@ -31,7 +31,7 @@ from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece, piece_degree, piece_size
 from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import RowCollector, RowIndex, Rows, subject_count
-from nospill.transcription.tray_motion import INSTANTS, motion_columns, motion_pattern, moved, tray_motions
+from nospill.transcription.tray_motion import INSTANTS, advance_chains, motion_columns, motion_pattern, tray_motions
 from nospill.transcription.tray_state import TrayState
 
 Triplets = tuple[np.ndarray, np.ndarray]
@@ -163,7 +163,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
         gravity=numbers.gravity,
         slowed=structure.slowed,
     )
-    ends = moved(chains, jerks, interval)
+    ends = advance_chains(chains, jerks, interval)
     gaps = -ca.vertcat(*[ca.vertcat(*end) for end in ends], interval) / given.scales[: layout.states]
     equalities = joint_equalities(structure, numbers, given.own, stage, layout, chains, pieces[0], tray.start)
     rows = _rows(structure, layout, numbers, stage, tray.start, given.backoff)
@@ -185,7 +185,7 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     assert slopes[:, columns].sparsity() == pattern.jacobian and slopes.nnz() == pattern.jacobian.nnz()
     share = ca.vertcat(gamma, curvature)
 
-    instants = ca.vertcat(*[moved(chains[:1], jerks[:1], fraction * interval)[0][0] for fraction in INSTANTS])
+    instants = ca.vertcat(*[advance_chains(chains[:1], jerks[:1], fraction * interval)[0][0] for fraction in INSTANTS])
     shared = [z, given.pieces, given.parameters]
     outputs: dict[str, tuple[list[SX], Sequence[SX]]] = {
         "instants": ([z, given.parameters], [instants]),

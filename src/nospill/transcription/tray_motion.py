@@ -72,7 +72,7 @@ class TrayMotions:
     entries: tuple[tuple[int | None, ...], ...]
 
 
-def moved(chains: tuple[IntegratorChain, ...], jerks: SX, time: SX) -> tuple[IntegratorChain, ...]:
+def advance_chains(chains: tuple[IntegratorChain, ...], jerks: SX, time: SX) -> tuple[IntegratorChain, ...]:
     """The chains after a time of constant jerks."""
     return tuple(advance_chain(chain, jerks[index], time) for index, chain in enumerate(chains))
 
@@ -92,7 +92,7 @@ def tray_motions(
     start = tray_state(pieces[0], chains, freedom=freedom, gravity=gravity).lifted(lifted)
     states = [start]
     for piece, fraction in zip(pieces[1:], INSTANTS[1:], strict=True):
-        later = moved(chains, jerks, fraction * interval)
+        later = advance_chains(chains, jerks, fraction * interval)
         later = tuple((lifted.lift(chain[0]), lifted.lift(chain[1]), lifted.lift(chain[2])) for chain in later)
         states.append(tray_state(piece, later, freedom=freedom, gravity=gravity))
     numbers: list[SX] = []

@@ -35,10 +35,10 @@ def jerk_weights(scene: Scene, duration: float, jerk_weight_factor: float = 1.0)
         stated = {name: getattr(scene.planning, name) for name in _NAMES}
         found = {name: usual if weight is None else weight for name, weight in stated.items()}
     found = {name: jerk_weight_factor * weight for name, weight in found.items()}
-    return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.way**2}
+    return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.path_length**2}
 
 
-def weigh_too_much(scene: Scene, expected: float, found: float) -> bool:
+def jerk_cost_dominates(scene: Scene, expected: float, found: float) -> bool:
     """Whether the weights for the expected duration, s, hold back an answer that was found to be much shorter."""
     unstated = any(getattr(scene.planning, name) is None for name in _NAMES)
     return unstated and found < _MUCH_SHORTER * expected

@@ -29,7 +29,7 @@ class PlayedJoints:
     source: str
 
 
-def played(samples: JointSamples, scene: Scene, *, interpolation: Interpolation, source: str) -> PlayedJoints:
+def replay_joints(samples: JointSamples, scene: Scene, *, interpolation: Interpolation, source: str) -> PlayedJoints:
     """What a receiver makes of joint samples.
 
     Raises:
@@ -54,7 +54,7 @@ def planned_joints(trajectory: Trajectory, scene: Scene, *, source: str) -> Play
         PlanFolderError: they are not a motion of the scene's robot.
     """
     samples = commanded(trajectory, scene.controller)
-    return played(samples, scene, interpolation=QUINTIC_SPLINE, source=source)
+    return replay_joints(samples, scene, interpolation=QUINTIC_SPLINE, source=source)
 
 
 @dataclass(frozen=True, slots=True)

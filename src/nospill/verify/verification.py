@@ -14,7 +14,7 @@ from nospill.verify.bodies import Body, bodies_of
 from nospill.verify.engine import STEP, build, mujoco, simulate
 from nospill.verify.report import ObjectReport, Thresholds, VerifyReport, object_reports
 from nospill.verify.touching import touches
-from nospill.verify.tray_motion import PlayedJoints, TrayMotion, planned_joints, played, tray_motion
+from nospill.verify.tray_motion import PlayedJoints, TrayMotion, planned_joints, replay_joints, tray_motion
 
 SETTLE = 0.3
 """s at rest before the motion, in which objects and contacts come to rest; slides are counted from its end."""
@@ -107,5 +107,5 @@ def folder_joints(folder: str | Path, plan: Plan) -> PlayedJoints:
     exporter = EXPORTERS[_JOINT_FILE]
     if exporter.plan_file is not None and (Path(folder) / exporter.plan_file).is_file():
         samples = exporter.read(Path(folder) / exporter.plan_file, plan.scene)
-        return played(samples, plan.scene, interpolation=exporter.interpolation, source=exporter.plan_file)
+        return replay_joints(samples, plan.scene, interpolation=exporter.interpolation, source=exporter.plan_file)
     return planned_joints(plan.trajectory, plan.scene, source=TRAJECTORY_FILE)

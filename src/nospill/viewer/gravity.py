@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from nospill.drawing.geometry import Mesh, joined, tube, widest_outline
+from nospill.drawing.geometry import Mesh, merge_meshes, tube, widest_outline
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import Tray
 
@@ -36,7 +36,7 @@ def arrow(cargo: Sequence[Cargo]) -> Mesh:
     tall = max((item.container.height for item in cargo), default=_SHORTEST)
     length = float(np.clip(tall, _SHORTEST, _LONGEST))
     up, neck = np.array([0.0, 0.0, 1.0]), 2.6 * _HEAD
-    return joined(
+    return merge_meshes(
         [
             tube(np.zeros(3), neck * up, (0.0002, _HEAD), sides=20),
             tube(neck * up, length * up, (_SHAFT, _SHAFT), sides=12),

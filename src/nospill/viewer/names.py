@@ -10,7 +10,7 @@ import numpy as np
 
 from nospill.drawing.stage import Camera, axes_facing
 from nospill.drawing.timeline import Film
-from nospill.drawing.views import View, carriage
+from nospill.drawing.views import View, camera_frame
 
 ABOVE_RIM = 0.012
 """m; height of a name above its object."""
@@ -90,7 +90,7 @@ def name_boxes(
 def _boxes(
     film: Film, title: str, place: np.ndarray, view: View, camera: Camera, picked: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    cargo, ride = film.plan.scene.standing, carriage(film, view)
+    cargo, ride = film.plan.scene.standing, camera_frame(film, view)
     tops = np.array([[*item.position, item.container.height + ABOVE_RIM] for item in cargo])
     world = film.tray_position[picked, None] + tops @ np.swapaxes(film.tray_rotation[picked], 1, 2)
     carried = (world - ride.position[picked, None]) @ ride.rotation[picked]

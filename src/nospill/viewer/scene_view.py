@@ -19,7 +19,7 @@ from nospill.drawing.props import followed_line, limit_ring
 from nospill.drawing.robot_model import DrawnChain, read_chain
 from nospill.drawing.surfaces import LiquidSurface, liquid_surface
 from nospill.drawing.timeline import Film
-from nospill.drawing.views import CLOSE, View, carriage
+from nospill.drawing.views import CLOSE, View, camera_frame
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.tray import TRAY_THICKNESS, Tray
@@ -87,7 +87,7 @@ class TrayView:
     def _add_object(self, scene: viser.SceneApi, cargo: Cargo, root: str) -> None:
         half = cargo.yaw / 2
         scene.add_frame(root, show_axes=False, position=tuple(cargo.place), wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)))
-        hollow = cargo.filling is not None or cargo.carried is not None
+        hollow = cargo.filling is not None or cargo.contents is not None
         look = {"color": _CUP, "opacity": _CUP_OPACITY, "side": "double"} if hollow else {"color": _SOLID}
         body = creased(container_body(cargo.container, hollow=hollow))
         add_mesh(scene, f"{root}/body", body, cast_shadow=not hollow, **look)
@@ -277,7 +277,7 @@ class PlanView:
         self._pulls = against(film.specific_force)
         assert planned.joints == whole.robot.joints
         self._attitudes = self.arm.attitudes(film.joint_position)
-        self._carriage, self._close, self._path_wanted = carriage(film, View.ARM), False, True
+        self._carriage, self._close, self._path_wanted = camera_frame(film, View.ARM), False, True
         self._shown = -1
         self.show(0.0)
 
@@ -306,7 +306,7 @@ class PlanView:
 
     def ride(self, view: View, place: np.ndarray) -> None:
         """See the plan from the carriage of a view, which stands at a place (3,), m."""
-        self._carriage, self._close = carriage(self.film, view), view in CLOSE
+        self._carriage, self._close = camera_frame(self.film, view), view in CLOSE
         self._root.position = place
         self.show_path(self._path_wanted)
         shown, self._shown = self._shown, -1

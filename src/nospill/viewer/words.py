@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from nospill.drawing.timeline import Film
-from nospill.judge.limiting import held_back, limiting_rows
+from nospill.judge.limiting import limiting_rows, limiting_text
 from nospill.scene.cargo import titles_of
 from nospill.scene.scene import Scene
 
@@ -38,11 +38,11 @@ def introduction(films: Sequence[Film]) -> str:
 
 def _sentences(film: Film, *, alone: bool) -> str:
     joints = film.plan.scene.robot.joints
-    back = held_back({item.row.label: item.share for item in limiting_rows(film.judgement)}, joints)
+    back = limiting_text({item.row.label: item.share for item in limiting_rows(film.judgement)}, joints)
     found = [_shown(film)] if alone else []
     if back:
         found.append(f"<b>What holds it back:</b> {escape(back)}.")
-    saved = film.plan.would_save
+    saved = film.plan.savings_text
     if saved and alone:
         found.append(f"<b>What would help:</b> {escape(saved)}.")
     return "".join(f"<p>{sentence}</p>" for sentence in found)

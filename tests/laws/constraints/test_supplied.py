@@ -13,7 +13,7 @@ import nospill as ns
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import BY_NAME, by_name, constrained, constraints_of
 from nospill.laws.kinds import functions_of_kind, limited_object_kind, object_kind, tray_kind
-from nospill.laws.like_objects import outer_objects
+from nospill.laws.like_objects import hull_objects
 from nospill.laws.scene_parameters import structure_of
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -112,9 +112,9 @@ def test_like_objects_with_other_limits_are_no_longer_alike() -> None:
     entry = dict(SCENE.source["cargo"][0]) | {"name": "middle", "at": ["0 mm", "0 mm"], "radius": "20 mm"}  # type: ignore[index]
     four = [dict(item) | {"radius": "20 mm"} for item in SCENE.source["cargo"]]  # type: ignore[union-attr]
     scene = ns.load({**SCENE.source, "cargo": [*four, entry]})
-    assert "middle" not in {item.name for item in outer_objects(scene)}
+    assert "middle" not in {item.name for item in hull_objects(scene)}
     limited = constrained(scene, [Sideways(objects=("middle",))])
-    assert "middle" in {item.name for item in outer_objects(limited)}
+    assert "middle" in {item.name for item in hull_objects(limited)}
 
 
 def test_functions_are_kept_by_their_content(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,11 +11,11 @@ from PIL import Image
 
 from nospill.drawing.arm_bodies import arm_bodies
 from nospill.drawing.geometry import Mesh
-from nospill.drawing.props import ARM, Body, Kind, Stagehand
+from nospill.drawing.props import ARM, Body, Kind, SceneBuilder
 from nospill.drawing.robot_model import read_chain
 from nospill.drawing.stage import axes_facing, framed
 from nospill.drawing.timeline import Film, make_film
-from nospill.drawing.views import CLOSE, VIEW_NAMES, Carriage, View, carriage, viewpoint
+from nospill.drawing.views import CLOSE, VIEW_NAMES, CameraFrame, View, carriage, viewpoint
 from nospill.film.picture import draw
 from nospill.film.raster import Canvas
 from nospill.plans.approach import judged
@@ -37,7 +37,7 @@ def film_of(plan: Plan) -> Film:
 
 def moments(film: Film, view: View, times: Sequence[float], size: tuple[int, int]) -> list[np.ndarray]:
     """Pictures (height, width, 3) of a motion at some parts (0 to 1) of its time."""
-    hand = Stagehand(film, path=view not in CLOSE)
+    hand = SceneBuilder(film, path=view not in CLOSE)
     camera, ride = viewpoint([film], view, aspect=size[0] / size[1]), carriage(film, view)
     return [draw(hand, film.index(part * film.end_time), camera, ride, size=size) for part in times]
 
@@ -75,7 +75,7 @@ def around_a_column(plan: Plan) -> Figure:
 
 
 class _Arms:
-    """All arms of the catalogue in a row, each at home; stands in for a `Stagehand`."""
+    """All arms of the catalogue in a row, each at home; stands in for a `SceneBuilder`."""
 
     def __init__(self) -> None:
         self._bodies: list[Body] = []
@@ -111,7 +111,7 @@ def robots() -> Figure:
     vertices = np.vstack([vertices, vertices[0] * (1, 0, 1) - (0, 0.7, 0), vertices[-1] + (0, 0.45, 0)])
     back = np.array([1.0, 0.0, 0.12])
     camera = framed(vertices, back / np.linalg.norm(back), aspect=size[0] / size[1], angle=float(np.radians(9.0)))
-    ride = Carriage(np.zeros((1, 3)), np.eye(3)[None])
+    ride = CameraFrame(np.zeros((1, 3)), np.eye(3)[None])
     picture = draw(arms, 0, camera, ride, size=size)  # pyright: ignore[reportArgumentType]
     figure = sheet(2.1)
     axes = figure.add_axes((0.0, 0.19, 1.0, 0.81))

@@ -301,4 +301,4 @@ def standing_names(scene: Scene) -> tuple[str, ...]:
 
 def standing(sample: Sample) -> tuple[ObjectSample, ...]:
     """The objects of a sample that stand on the tray itself."""
-    return tuple(item for item in sample.objects if not item.structure.carried)
+    return tuple(item for item in sample.objects if not item.structure.in_carrier)

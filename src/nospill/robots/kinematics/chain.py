@@ -62,7 +62,7 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
 
 
-def placed(motion: ChainExpressions, place: SX) -> ChainExpressions:
+def with_base_at(motion: ChainExpressions, place: SX) -> ChainExpressions:
     """The same motion in axes in which the base stands at a place (4, 1) x, y, z in m and yaw in rad."""
     turn = about_z(place[3])
     jacobian = ca.vertcat(turn @ motion.jacobian[:3, :], turn @ motion.jacobian[3:, :])

@@ -20,7 +20,7 @@ from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
-from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions, placed
+from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions, with_base_at
 from nospill.robots.tool import FLANGE, Tool
 
 SHARED = 8
@@ -121,7 +121,7 @@ class Kinematics:
         """
         none, tool = ca.SX.zeros(self.n), shared[:4]
         rate, change = (none if given is None else given for given in (rate, change))
-        return placed(chain_expressions(_chain(*self.stood), q, rate, change, tool=tool), shared[4:])
+        return with_base_at(chain_expressions(_chain(*self.stood), q, rate, change, tool=tool), shared[4:])
 
     def shared_of(self, tool: Tool) -> np.ndarray:
         """What functions of samples have in common, (`SHARED`,): the tool, and the place of the base."""
