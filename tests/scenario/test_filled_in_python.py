@@ -238,7 +238,7 @@ def changes(draw: st.DrawFn, scene: ns.Scene) -> dict[str, Any]:
 
 
 @given(st.data())
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_what_the_schema_allows_survives_its_own_text(data: st.DataObject) -> None:
     """A scene of any shape and path, with any keys that it takes: text and back is the identity."""
     obstacle = data.draw(st.sampled_from(["", *OBSTACLES]))

@@ -316,7 +316,7 @@ class Session:
         controls, plan, scene = self.controls, self._motion.plan, self.checked.scene
         if state.stage not in BUSY and self.draft.table != self._planned:
             state = PlanningState()
-        same = plan is not None and scene is not None and scene.source == plan.scene.source
+        same = plan is not None and scene == plan.scene
         previous = not same or bool(self._obstacle) or state.stage == "failed"
         page = headline(
             state,
