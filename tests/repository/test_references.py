@@ -47,6 +47,6 @@ def test_the_python_page_has_every_public_name() -> None:
 
 def test_a_name_of_the_python_page_leads_to_its_file_and_to_its_directive() -> None:
     entry = api.names_table("nospill.plan")
-    assert entry.startswith("- [`nospill.plan`](../../src/nospill/planning/planner.py) `(scene, *, warm=None")
+    assert entry.startswith("- [`nospill.plan`](../../src/nospill/planning/planner.py) `(scene, *, constraints=None")
     assert api.directives("nospill.Plan") == ".. autoclass:: nospill.Plan\n   :members:\n\n"
     assert api.directives("nospill.ScenarioError", "nospill.plan").count("autoexception") == 1
