@@ -86,7 +86,7 @@ def test_a_rack_feels_every_vial(scene: Scene) -> None:
         total = total + np.vstack([force, moment + np.cross(arm, force, axisb=0, axisc=0)])
     felt = wrench(rack)
     # against what the liquids add to a rack in which they are frozen, sideways and in the moments that tip it
-    frozen = wrench(replace(rack, carried=None, empty=rack.total))
+    frozen = wrench(replace(rack, contents=None, empty=rack.total))
     added = np.max(np.abs(total - frozen), axis=1)
     apart = np.max(np.abs(felt - total), axis=1)
     assert np.all(added[[0, 1]] > 0.01) and np.all(added[[3, 4]] > 5e-4)

@@ -266,5 +266,5 @@ def test_places_and_regions_are_drawn_where_they_are(server: viser.ViserServer) 
     assert tuple(ball.position) == (0.85, 0.0, 1.4) and ball.radius == 0.02
     edges = region_edges(scene.regions[0])
     assert sorted(np.round(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1), 9)) == [0.5] * 4 + [1.5] * 4 + [2.0] * 4
-    assert all(abs(scene.regions[0].room(corner)) < 1e-9 for corner in edges.reshape(-1, 3))
+    assert all(abs(scene.regions[0].slack(corner)) < 1e-9 for corner in edges.reshape(-1, 3))
     assert server.scene.get_handle_by_name("/around/regions/region") is not None

@@ -218,7 +218,7 @@ class ObjectStructure:
         shallow: whether its surface may rise by more than its liquid is deep.
         tense: whether surface tension pulls at its surface.
         spread: whether its oscillators are those of liquids that it carries, off its middle.
-        carried: whether it stands in a carrier, and no law of contact is its own.
+        in_carrier: whether it stands in a carrier, and no law of contact is its own.
         slowed: whether it is moved at another speed than the others.
         constraints: given from Python, that are about it.
     """

@@ -59,14 +59,14 @@ class _Found:
         use: of the limit, (m,), by constraint.
         value: limit less margin, in the constraint's unit, (m,), by constraint.
         points: where each constraint is evaluated.
-        room: distance from the liquid at rest to the rim, (m,), m; None for a solid.
+        freeboard: distance from the liquid at rest to the rim, (m,), m; None for a solid.
     """
 
     name: str
     use: dict[str, np.ndarray]
     value: dict[str, np.ndarray]
     points: dict[str, EvaluationPoint]
-    room: np.ndarray | None
+    freeboard: np.ndarray | None
 
 
 def margins(
@@ -129,14 +129,14 @@ def margins(
                 progress(done, total)
         constraints = parts[0].constraints
         margin, limit = (np.vstack([getattr(part, field) for part in parts]) for field in ("margin", "limit"))
-        rooms = [item.container.height - item.filling.liquid_height for item in changed if item.filling]
+        freeboards = [item.container.height - item.filling.liquid_height for item in changed if item.filling]
         found.append(
             _Found(
                 name=cargo.name,
                 use={own.name: limit_use(own, limit[:, k], margin[:, k]) for k, own in enumerate(constraints)},
                 value={own.name: limit[:, k] - margin[:, k] for k, own in enumerate(constraints)},
                 points={own.name: own.evaluated_at for own in constraints},
-                room=np.array(rooms) if rooms else None,
+                freeboard=np.array(freeboards) if freeboards else None,
             )
         )
     drawn = slice(0, samples)
@@ -176,9 +176,9 @@ def _during(item: _Found) -> dict[str, np.ndarray]:
 
 
 def _spilt(item: _Found) -> np.ndarray:
-    if item.room is None:
+    if item.freeboard is None:
         return np.zeros(len(next(iter(item.use.values()))), dtype=bool)
-    return np.maximum(item.value[SloshHeight.name], item.value[ResidualHeight.name]) > item.room
+    return np.maximum(item.value[SloshHeight.name], item.value[ResidualHeight.name]) > item.freeboard
 
 
 def _broken(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:

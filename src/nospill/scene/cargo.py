@@ -117,7 +117,7 @@ class Cargo:
         label: what people call it, of any letters; empty where that is the name.
         carrier: name of the object in which it stands, whose friction it has; empty where it stands on the tray.
         seat: height of its bottom above the tray, m.
-        carried: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
+        contents: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
         speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
         constraints: those of `Scene.constraints` that are about it.
     """

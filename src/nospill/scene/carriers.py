@@ -89,7 +89,7 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
         mass += fixed.mass
         first_moment = first_moment + fixed.mass * fixed.centre
         inertia = inertia + fixed.inertia + fixed.mass * parallel_axis(fixed.centre)
-    carried = CarrierContents(
+    contents = CarrierContents(
         content=content,
         mass=mass,
         first_moment=read_only(first_moment),
@@ -97,7 +97,7 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
         oscillators=tuple(_pushing(filled, carrier)),
         slosh_height=min((filling.max_slosh_height for _, filling in filled), default=0.0),
     )
-    return replace(carrier, total=combine_bodies([empty, *frozen]), empty=empty, carried=carried)
+    return replace(carrier, total=combine_bodies([empty, *frozen]), empty=empty, contents=contents)
 
 
 def single_oscillators(cargo: Cargo) -> tuple[Oscillator, ...]:
