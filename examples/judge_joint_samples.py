@@ -18,7 +18,7 @@ for speed in (0.5, 0.8, 1.0, 1.1):
         f"{100 * speed:.0f} % speed: {certificate.word}; {worst.constraint} of {worst.subject} {100 * worst.use:.1f} %"
     )
     rows = {f"{row.constraint} of {row.subject}": 100 * row.use for row in certificate.rows if row.subject == "left"}
-    axes.plot(list(rows), list(rows.values()), ".-", label=f"{100 * speed:.0f} % speed")
+    axes.plot(list(rows), list(rows.values()), "o", label=f"{100 * speed:.0f} % speed")
 axes.axhline(100.0, color="black", linestyle="--")
 axes.set_ylabel("use of the limit, %")
 axes.tick_params("x", rotation=30)

@@ -1,7 +1,4 @@
-"""A limit of one's own: the tray arrives slowly, whatever it does before.
-
-python examples/own_limit.py
-"""
+"""A limit of one's own: the tray arrives slowly, whatever it does before."""
 
 from __future__ import annotations
 
@@ -52,6 +49,7 @@ free, slow = ns.plan(scene), ns.plan(scene, constraints=[limit])
 print(f"without it {free.duration:.3f} s, with it {slow.duration:.3f} s: {slow.limiting_text}")
 print(f"the motion without it is judged by it: {ns.certify(free.trajectory, scene, constraints=[limit]).word}")
 
+slow.plot("limits").savefig("own_limit.png", dpi=100)
 slow.save("out/slow-arrival")
 print(ns.load_plan("out/slow-arrival").message)
 print(ns.load_plan("out/slow-arrival", constraints=[limit]).message)
