@@ -78,7 +78,7 @@ def test_what_stayed_and_what_slid_bound_the_friction(found: Identified) -> None
 
 
 def test_what_the_motion_does_not_tell_is_said(found: Identified) -> None:
-    assert {own.subject for own in found.untold} >= {"joint_4"}
+    assert {own.subject for own in found.unidentifiable} >= {"joint_4"}
     text = scenario_text(found)
     assert "zero stands where this motion does not tell" in text
     if not found.liquids[0].of("fill").identifiable:

@@ -70,3 +70,11 @@ def test_the_commands_run_as_printed(tmp_path: Path) -> None:
     for words in listed:
         if "-o" in words:
             assert (tmp_path / words[words.index("-o") + 1]).exists(), words
+
+
+def test_the_python_of_the_page_runs_as_printed(tmp_path: Path) -> None:
+    [code] = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    done = run_python("-W", "error", "-c", code, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    [message] = re.findall(r"# (Certified: .* s); nearest", code)
+    assert message in done.stdout and (tmp_path / "summary.png").is_file()

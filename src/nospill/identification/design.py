@@ -42,7 +42,7 @@ _LAG, _LAG_STEP = 0.01, 1e-4
 _LEAST_TRAVEL = 0.01
 """rad; a joint that moves by less tells nothing."""
 _IDENTIFIABLE = 2e-3
-"""s; half width of an interval of delay or lag above which it is not told."""
+"""s; half width of an interval of delay or lag above which it is not identifiable."""
 
 
 @dataclass(frozen=True, slots=True)

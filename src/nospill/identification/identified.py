@@ -63,7 +63,7 @@ class Identified:
     frictions: tuple[FrictionBound, ...]
 
     @property
-    def untold(self) -> list[Estimate]:
+    def unidentifiable(self) -> list[Estimate]:
         """What this motion does not tell."""
         of_joints = [own for fit in self.joints for own in (fit.delay, fit.lag)]
         return [
@@ -161,14 +161,16 @@ def scenario_text(found: Identified) -> str:
     for bound in found.frictions:
         word = "slid: friction below" if bound.slid else "stayed: friction above"
         lines.append(f"# {bound.subject} {word} {bound.friction:.3f}.")
-    told = [fit for fit in found.joints if fit.moves and fit.lag.identifiable and fit.delay.identifiable]
-    if told:
+    identified_fits = [fit for fit in found.joints if fit.moves and fit.lag.identifiable and fit.delay.identifiable]
+    if identified_fits:
         lines += ["", "[controller]"]
-        if len(told) < len(found.joints):
+        if len(identified_fits) < len(found.joints):
             lines.append("# zero stands where this motion does not tell")
-        lines += [f"# {own}; the scenario's law is of first order" for own in map(second_order_text, told) if own]
+        lines += [
+            f"# {own}; the scenario's law is of first order" for own in map(second_order_text, identified_fits) if own
+        ]
         for key in ("delay", "lag"):
-            values = [max(getattr(fit, key).value, 0.0) if fit in told else 0.0 for fit in found.joints]
+            values = [max(getattr(fit, key).value, 0.0) if fit in identified_fits else 0.0 for fit in found.joints]
             listed = ", ".join(f'"{round(1e3 * value, 2):g} ms"' for value in values)
             lines.append(f"{key} = [{listed}]")
     tolerance = _tolerance(found)
@@ -231,7 +233,7 @@ def identified_table(found: Identified) -> dict[str, Any]:
     def plain(own: Estimate) -> dict[str, Any]:
         wide = own.half_width if np.isfinite(own.half_width) else None
         ends = {} if own.ends is None else {"interval": list(own.ends)}
-        return {"value": own.value, "half_width": wide, "unit": own.unit, "told": own.identifiable} | ends
+        return {"value": own.value, "half_width": wide, "unit": own.unit, "identifiable": own.identifiable} | ends
 
     return {
         "log": found.recorded.log.origin,

@@ -22,7 +22,7 @@ _LARGEST_LAG = 0.5
 _SEARCH = 0.1
 """s; the delay is looked for so far to either side of that which fits best without a lag."""
 _IDENTIFIABLE = {"delay": 2e-3, "lag": 2e-3}
-"""s; half widths of 95 % above which a number is not told."""
+"""s; half widths of 95 % above which a number is not identifiable."""
 _LEAST_TRAVEL = 0.01
 """rad; a joint that moves by less tells nothing."""
 _AFTER = 0.3

@@ -87,15 +87,15 @@ def fit_liquid(
     while True:
         found = _with_held(residuals, start, lower, upper, free)
         estimates = _estimates(subject, found, free, law, fill, first.damping)
-        untold = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.identifiable]
-        untold = [place for place in untold if free[place]]
-        if not untold:
+        unidentifiable = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.identifiable]
+        unidentifiable = [place for place in unidentifiable if free[place]]
+        if not unidentifiable:
             ends = _profiles(_of_free(residuals, start, free), found, lower, upper, free)
             stated_now = fill, first.damping
             return LiquidFit(
                 subject, tuple(_with_ends(own, ends, stated_now) for own in estimates), stated_now, found.left
             )
-        free[untold[0]] = False
+        free[unidentifiable[0]] = False
 
 
 _PLACES = {name: place for place, name in enumerate(NUMBERS)}
