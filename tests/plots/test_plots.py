@@ -22,7 +22,7 @@ from nospill.errors import PlanFolderError
 from nospill.judge.limiting import limiting_names
 from nospill.judge.verdict import Trace
 from nospill.judge.wording import integrity_line, row_text, shown_unit
-from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints import CONSTRAINTS, constrained
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plots import figures, save_figures
 from nospill.plots.evidence import AFTER_END, Evidence
@@ -202,7 +202,7 @@ def test_new_constraint_gets_its_panel_bar_and_legend(tilting: Evidence) -> None
     t = tilting.judgement.replay.t
     value = np.linspace(0.0, 0.7, len(t))
     extra = Trace("splash", "box", "m/s", t, value, np.full(len(t), 0.5), 0.5 - value)
-    scene = dataclasses.replace(tilting.plan.scene, constraints=(splash,))
+    scene = constrained(tilting.plan.scene, [splash])
     judgement = dataclasses.replace(tilting.judgement, traces=(*tilting.judgement.traces, extra))
     figure = drawn(Evidence(dataclasses.replace(tilting.plan, scene=scene), judgement))["margins"]
     axes = next(axes for axes in panels(figure) if axes.get_title(loc="left") == "splash")

@@ -16,7 +16,7 @@ from packaging.requirements import Requirement
 
 from tests.repository.modules import ROOT, imports, label, python_files
 
-OWN = {"nospill", "tests", "benchmarks"}
+OWN = {"nospill", "tests", "benchmarks", "nospill_docs"}
 """Of this repository."""
 DOCS = ROOT / "tests" / "repository" / "docs"
 """Tests of the pages, which `make docs` runs in an environment with the extra `docs`."""

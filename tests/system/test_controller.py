@@ -74,8 +74,7 @@ def test_every_file_holds_the_command_and_is_certified_through_the_controller(
 
 @pytest.mark.slow
 def test_a_plan_that_is_its_own_command_is_tightened_until_the_joints_keep_the_limits(late_plan: Plan) -> None:
-    uncompensated = replace(late_plan.scene, controller=replace(LATE, compensate=False))
-    found = plan(uncompensated)
+    found = plan(late_plan.scene.changed({"controller.compensate": False}))
     assert found.certificate.ok
     assert found.duration < 1.03 * late_plan.duration
 
@@ -91,7 +90,7 @@ def test_a_plan_folder_comes_back_with_its_controller(late_plan: Plan, tmp_path:
 
 @pytest.mark.slow
 def test_a_controller_that_would_stop_is_warned_of(late_plan: Plan) -> None:
-    strict = replace(late_plan.scene, controller=replace(LATE, tracking_tolerance=np.full(6, 0.01)))
+    strict = late_plan.scene.changed({"controller.tracking_tolerance": 0.01})
     found = plan(strict, warm=late_plan)
     texts = [warning.text for warning in found.warnings if warning.name == "tracking"]
     assert texts

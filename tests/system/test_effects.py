@@ -90,7 +90,6 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
     def make(name: str) -> Scene:
         changes = {
             "published end": {"motion.end": "published"},
-            "tin loaded on one side": {"cargo.1": _TIN},
             "tight tilt": {"motion.max_tilt": "15 deg"},
             "shallow water": {"cargo.0.liquid_height": "10 mm", "cargo.0.max_slosh_height": "30 mm"},
             "tight path jerk": {"motion.path_jerk_limit": 25.0},
@@ -101,8 +100,10 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "drop of the bottle": _DROP,
         }
         cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]
-        cargo = [bottle] if name == "drop of the bottle" else [cup, bottle]
-        scene = changed_scene("mixed-tray", {"cargo": cargo} | _QUICK | changes.get(name, {}))
+        objects = {"drop of the bottle": [bottle], "tin loaded on one side": [cup, _TIN]}
+        scene = changed_scene(
+            "mixed-tray", {"cargo": objects.get(name, [cup, bottle])} | _QUICK | changes.get(name, {})
+        )
         if name == "short shoulder":
             upper = scene.robot.upper.copy()
             upper[1] = -0.07

@@ -13,7 +13,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from nospill.compiled.codegen import Functions, Shared, functions
+from nospill.compiled import codegen
+from nospill.compiled.codegen import Functions, Shared
 from nospill.core.frames import SX
 from nospill.core.trees import flatten, symbolic
 from nospill.laws.parameters import (
@@ -65,11 +66,11 @@ def functions_of_kind(
     the functions, which are built to know it.
     """
     if not kind.constraints:
-        return functions(name, kind, build, of_columns=of_columns)
+        return codegen.functions(name, kind, build, of_columns=of_columns)
     made, data = build()
     content = [function.serialize() for function in made.values()]
     digest = hashlib.sha256(json.dumps([content, data]).encode()).hexdigest()
-    return functions(name, digest, lambda: (made, data), of_columns=of_columns)
+    return codegen.functions(name, digest, lambda: (made, data), of_columns=of_columns)
 
 
 def numbers_of_tray(numbers: SceneNumbers) -> SceneNumbers:
