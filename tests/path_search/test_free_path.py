@@ -14,8 +14,7 @@ from nospill.collisions.distances import Distances
 from nospill.diagnosis.not_found import not_found
 from nospill.diagnosis.search import Trials
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.path_search import candidates as free_way
-from nospill.path_search import free_path as free_ways
+from nospill.path_search import candidates, free_path
 from nospill.path_search.branches import are_clear, tray_is_clear
 from nospill.path_search.candidates import PathCandidate, feasible_paths, with_path
 from nospill.path_search.free_path import fastest_clear_path
@@ -33,8 +32,8 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(autouse=True)
 def _one_short_search(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(free_ways, "SEEDS", (0,))
-    monkeypatch.setattr(free_ways, "SAMPLES", 300)
+    monkeypatch.setattr(free_path, "SEEDS", (0,))
+    monkeypatch.setattr(free_path, "SAMPLES", 300)
 
 
 COLUMN = {"name": "column", "shape": "box", "at": [0.86, 0.0, 0.45], "size": [0.15, 0.15, 0.9], "clearance": 0.01}
@@ -74,19 +73,19 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     points[[0, -1]] = start, goal
     behind = with_path(scene, points)
     possible = [PathCandidate(scene, scene.path), PathCandidate(scene, behind.path, points)]
-    monkeypatch.setattr(free_ways, "path_candidates", lambda _: possible)
-    monkeypatch.setattr(free_ways, "SAMPLES", 2000)
+    monkeypatch.setattr(free_path, "path_candidates", lambda _: possible)
+    monkeypatch.setattr(free_path, "SAMPLES", 2000)
     found = fastest_clear_path(scene)
     assert middle_of(found)[0] > 0.0
     figures = [joint_paths(own.robot, own.path, tool=own.tray.tool)[0].speed_figure for own in (found, behind)]
     assert figures[0] < 0.75 * figures[1]
-    monkeypatch.setattr(free_ways, "fastest_sampled_path", lambda _: (0.8 * figures[1], found))
+    monkeypatch.setattr(free_path, "fastest_sampled_path", lambda _: (0.8 * figures[1], found))
     assert fastest_clear_path(scene).source["path"] == behind.source["path"]  # what is a little faster stays
 
 
 def test_where_all_are_blocked_one_line_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the forty ways, every sixth."""
-    monkeypatch.setattr(free_ways, "feasible_paths", lambda scene: feasible_paths(scene)[::6])
+    monkeypatch.setattr(free_path, "feasible_paths", lambda scene: feasible_paths(scene)[::6])
     walls = [
         {"name": name, "shape": "box", "at": [side, 0.0, 1.25], "size": ["1.8 m", "20 mm", "2.5 m"]}
         for name, side in (("front", 1.1), ("back", -1.1))
@@ -114,7 +113,7 @@ def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> Non
 def test_a_way_that_the_arm_cannot_follow_is_no_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the benchmark: behind the arm its elbow is bent the other way than in front of it."""
     scene = scene_from_table(read_problems(PROBLEMS)[61]["table"], name="behind")
-    for module in (free_way, free_ways):
+    for module in (candidates, free_path):
         monkeypatch.setattr(module, "path_candidates", lambda scene: iter([PathCandidate(scene, scene.path)]))
     with pytest.raises(NoSolutionError, match=r"the only way that was tried .*; random searches found no") as caught:
         fastest_clear_path(scene)
@@ -123,9 +122,9 @@ def test_a_way_that_the_arm_cannot_follow_is_no_bad_input(monkeypatch: pytest.Mo
 
 def test_seven_joints_find_a_way_that_keeps_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the benchmark: on the motion that is known the self-motion turns joint 7 back three times."""
-    monkeypatch.setattr(free_ways, "SAMPLES", 2000)
+    monkeypatch.setattr(free_path, "SAMPLES", 2000)
     scene = scene_from_table(read_problems(PROBLEMS)[50]["table"], name="shelf")
-    found = free_ways.fastest_sampled_path(scene)
+    found = free_path.fastest_sampled_path(scene)
     assert found is not None
     stated = found[1].source["path"]["way_joints"]  # type: ignore[index,call-overload]
     paths = joint_paths(scene.robot, found[1].path, tool=scene.tray.tool)
@@ -141,7 +140,7 @@ def test_a_goal_beside_an_obstacle_is_bad_input() -> None:
 
 def test_a_sampled_way_round_a_column_is_clear_and_the_same_every_time() -> None:
     scene = scene_of(COLUMN, TABLE)
-    found, again = free_ways.fastest_sampled_path(scene), free_ways.fastest_sampled_path(scene)
+    found, again = free_path.fastest_sampled_path(scene), free_path.fastest_sampled_path(scene)
     assert found is not None and again is not None
     assert found[1].source == again[1].source
     assert found[1].path.length < 2.0  # the arc the other way round is 4.6 m long
@@ -166,9 +165,9 @@ def test_what_is_in_the_way_of_the_tray_is_seen_without_the_arm() -> None:
 def test_what_a_glimpse_shows_is_what_following_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ways that are open on some branch all along, and their figures, from places against the whole path."""
     scene = scene_of({**COLUMN, "at": [0.86, 0.0, 0.15], "size": [0.15, 0.15, 0.3]}, TABLE)
-    found = free_ways.clear_candidates(scene)
+    found = free_path.clear_candidates(scene)
     monkeypatch.setenv("NOSPILL_THREADS", "2")
-    by_two = free_ways.clear_candidates(scene)
+    by_two = free_path.clear_candidates(scene)
     assert [own.path.coefficients.tobytes() for own in by_two] == [own.path.coefficients.tobytes() for own in found]
     assert scene not in found
     clear = {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.carry.draw import PROBLEMS, read_problems
-from nospill.path_search import free_path as free_ways
+from nospill.path_search import free_path
 from nospill.path_search.level_arm import LevelArm
 from nospill.path_search.over_the_base import axis_crossings, base_axis, lead_over_axis, pose_beyond
 from nospill.path_search.sampled_paths import concatenate, sample_path, split_after
@@ -73,9 +73,9 @@ def test_from_behind_to_the_front_joint_1_does_not_jump(monkeypatch: pytest.Monk
     parts = split_after(leg, over)
     np.testing.assert_array_equal(concatenate(parts).q, leg.q)
     assert len(parts) == 2 * len(over) + 1
-    monkeypatch.setattr(free_ways, "SEEDS", (1,))
-    monkeypatch.setattr(free_ways, "sample_path", lambda _, *, over, **given: legs if over is not None else None)
-    found = free_ways.fastest_sampled_path(scene)
+    monkeypatch.setattr(free_path, "SEEDS", (1,))
+    monkeypatch.setattr(free_path, "sample_path", lambda _, *, over, **given: legs if over is not None else None)
+    found = free_path.fastest_sampled_path(scene)
     assert found is not None
     way = found[1].path
     assert np.hypot(*way.at(np.linspace(0.0, 1.0, 41))[:, :2].T).min() < 1e-9
