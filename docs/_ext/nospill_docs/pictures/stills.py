@@ -15,7 +15,7 @@ from nospill.drawing.props import ARM, Body, Kind, SceneBuilder
 from nospill.drawing.robot_model import read_chain
 from nospill.drawing.stage import axes_facing, framed
 from nospill.drawing.timeline import Film, make_film
-from nospill.drawing.views import CLOSE, VIEW_NAMES, CameraFrame, View, carriage, viewpoint
+from nospill.drawing.views import CLOSE, VIEW_NAMES, CameraFrame, View, camera_frame, viewpoint
 from nospill.film.picture import draw
 from nospill.film.raster import Canvas
 from nospill.plans.approach import judged
@@ -38,7 +38,7 @@ def film_of(plan: Plan) -> Film:
 def moments(film: Film, view: View, times: Sequence[float], size: tuple[int, int]) -> list[np.ndarray]:
     """Pictures (height, width, 3) of a motion at some parts (0 to 1) of its time."""
     hand = SceneBuilder(film, path=view not in CLOSE)
-    camera, ride = viewpoint([film], view, aspect=size[0] / size[1]), carriage(film, view)
+    camera, ride = viewpoint([film], view, aspect=size[0] / size[1]), camera_frame(film, view)
     return [draw(hand, film.index(part * film.end_time), camera, ride, size=size) for part in times]
 
 
