@@ -131,7 +131,7 @@ def _moment(places: Places, name: str, folder: Path) -> Path:
 
 def _card(number: int, name: str, about: str, summary: dict[str, Any]) -> str:
     page = f"{number:02d}-{name}"
-    said = (summary["limiting_text"], summary["certificate"]["full_model"])
+    said = (summary["held_back"], summary["certificate"]["full_model"])
     held = "".join(f"; {text}" for text in said if text)
     return (
         f"## {number}. [{name}]({page}.md)\n\n{about[:1].upper()}{about[1:]}.\n\n"
