@@ -42,7 +42,7 @@ def test_tables_are_printed_and_written(place: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_record_as_json(place: Path) -> None:
     result = run(place, "@run.csv", "--plan", "@plan", "--json")
-    assert json.loads(result.stdout)["joints"]["joint_1"]["lag"]["told"] is True
+    assert json.loads(result.stdout)["joints"]["joint_1"]["lag"]["identifiable"] is True
 
 
 @pytest.mark.parametrize(

@@ -87,8 +87,8 @@ def test_what_the_motion_does_not_tell_is_said(found: Identified) -> None:
 
 def test_the_record_is_plain(found: Identified) -> None:
     table = identified_table(found)
-    assert table["joints"]["joint_4"]["lag"] == {"value": 0.0, "half_width": None, "unit": "s", "told": False}
-    assert table["liquids"]["c1"]["clock"]["told"]
+    assert table["joints"]["joint_4"]["lag"] == {"value": 0.0, "half_width": None, "unit": "s", "identifiable": False}
+    assert table["liquids"]["c1"]["clock"]["identifiable"]
     assert [own["slid"] for own in table["friction"]] == [False, True]
 
 

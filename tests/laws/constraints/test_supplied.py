@@ -125,7 +125,7 @@ def test_functions_are_kept_by_their_content(monkeypatch: pytest.MonkeyPatch) ->
         keys.append(key)
         return *build(), False
 
-    monkeypatch.setattr("nospill.laws.kinds.functions", kept)
+    monkeypatch.setattr("nospill.compiled.codegen.functions", kept)
     kind = tray_kind(structure_of(constrained(SCENE, [Crawl()])))
     x = ca.SX.sym("x")
     for factor in (2.0, 2.0, 3.0):
