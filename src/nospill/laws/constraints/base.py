@@ -52,7 +52,7 @@ class Role(Enum):
     CLEARANCE = "clearance"
     """Arm, tray and cargo from what they could run into."""
     TRAY = "tray"
-    """The motion of the tray: its tilt, speed and acceleration, and the smoothness of path parameter and tilt."""
+    """Tilt, speed and acceleration of the tray, and the smoothness of path parameter and tilt."""
 
 
 class RowId(NamedTuple):
