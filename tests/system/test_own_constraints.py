@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,29 +21,11 @@ from nospill.plans.handover import hand_over
 from nospill.plans.plan import Plan
 from nospill.plots.evidence import evidence_of
 from nospill.report.task import task_table
-from nospill.scene.scene import Scene
+from tests.own_limits import Sideways
 
 pytestmark = pytest.mark.slow
 
 MOST = 1.5
-
-
-@dataclass(frozen=True)
-class Sideways(ns.Constraint):
-    """Specific force along the tray, m/s^2."""
-
-    most: float
-    objects: tuple[str, ...] = ()
-    name = "sideways"
-    unit = "m/s^2"
-    role = ns.Role.CONTACT
-    evaluated_at = ns.EvaluationPoint.OBJECT
-
-    def subjects(self, scene: Scene) -> tuple[str, ...]:
-        return tuple(item.name for item in scene.cargo)
-
-    def budgets(self, sample: ns.Sample) -> Any:
-        return tuple((ns.Cone(item.motion.specific_force[:2], self.most, self.most),) for item in sample.objects)
 
 
 LIMIT = Sideways(MOST, objects=("c1",))
@@ -105,7 +87,8 @@ def test_another_number_is_planned_warm(limited: Plan) -> None:
 
 def test_the_folder_names_it_and_nothing_is_certified_without_it(saved: Path) -> None:
     (entry,) = json.loads((saved / "summary.json").read_text())["constraints"]
-    assert entry == {"name": "sideways", "class": "Sideways", "values": {"most": MOST, "objects": ["c1"]}}
+    values = {"most": MOST, "objects": ["c1"], "name": "sideways"}
+    assert entry == {"name": "sideways", "class": "Sideways", "values": values}
     plan = ns.load_plan(saved)
     assert plan.status == "uncertified" and not plan.certificate.ok and not rows_of(plan.certificate)
     assert (
@@ -115,6 +98,12 @@ def test_the_folder_names_it_and_nothing_is_certified_without_it(saved: Path) ->
     checked = CliRunner().invoke(app, ["check", str(saved)])
     assert checked.exit_code == 1
     assert 'Not certified: the constraint "sideways" was not judged' in " ".join(checked.stderr.split())
+
+
+def test_its_scenario_is_not_planned_again_without_it(saved: Path) -> None:
+    result = CliRunner().invoke(app, ["plan", str(saved)])
+    assert result.exit_code == 2
+    assert "limits of your own classes (sideways)" in result.stderr and "scenario.toml to plan without" in result.stderr
 
 
 def test_a_plan_saved_again_without_the_class_still_names_it(saved: Path, tmp_path: Path) -> None:

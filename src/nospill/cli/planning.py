@@ -59,7 +59,7 @@ def plan(
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
-        from nospill.plans.loading import load_plan
+        from nospill.plans.loading import load_plan, require_no_own_limits
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
         from nospill.scenario import read_scenario
 
@@ -67,6 +67,7 @@ def plan(
             raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
+        require_no_own_limits(scenario)
         scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")

@@ -9,7 +9,7 @@ from typing import Any
 
 from nospill.approach import Segment, read_segment
 from nospill.core.files import parsed_json
-from nospill.errors import PlanFolderError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
@@ -80,6 +80,26 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         # the repr of an error of decoding holds the whole file
         reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
+
+
+def require_no_own_limits(scenario: str | Path) -> None:
+    """Refuse to plan the scenario of a plan folder again without the limits that it was planned with.
+
+    Raises:
+        ScenarioError: the folder names limits of classes in Python; its scenario file says nothing of them.
+    """
+    file = Path(scenario) / SUMMARY_FILE
+    if not file.is_file():
+        return
+    try:
+        names = [limit.name for limit in _unjudged(parsed_json(file.read_text(encoding="utf-8-sig")))]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return  # whoever needs the summary says what is wrong with it
+    if names:
+        raise ScenarioError(
+            f"{scenario}: this plan has limits of your own classes ({', '.join(names)}), which no command knows; plan "
+            f"from Python with constraints=[...], or name {Path(scenario) / SCENARIO_FILE} to plan without them"
+        )
 
 
 def _unjudged(summary: dict[str, Any]) -> list[LimitRecord]:

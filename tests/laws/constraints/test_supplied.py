@@ -20,26 +20,9 @@ from nospill.scene.scene import Scene
 from nospill.scene.variants import scene_of, variants_by_object
 from nospill.transcription.problem import Problem, build_problem
 from tests.builders import one_mode
+from tests.own_limits import Sideways
 
 SCENE = read_scenario("matrix-liquid")
-
-
-@dataclass(frozen=True)
-class Sideways(ns.Constraint):
-    """Specific force along the tray, m/s^2."""
-
-    most: float = 2.0
-    objects: tuple[str, ...] = ()
-    name: str = "sideways"
-    unit = "m/s^2"
-    role = ns.Role.CONTACT
-    evaluated_at = ns.EvaluationPoint.OBJECT
-
-    def subjects(self, scene: Scene) -> tuple[str, ...]:
-        return tuple(item.name for item in scene.cargo)
-
-    def budgets(self, sample: ns.Sample) -> Any:
-        return tuple((ns.Cone(item.motion.specific_force[:2], self.most, self.most),) for item in sample.objects)
 
 
 @dataclass(frozen=True)
