@@ -70,7 +70,8 @@ def test_figures_and_report_show_it(limited: Plan) -> None:
     evidence = evidence_of(limited, judge(limited.trajectory, limited.scene))
     assert "sideways" in evidence.by_constraint(ns.EvaluationPoint.OBJECT)
     assert any(item.row.constraint == "sideways" for item in evidence.limiting)
-    assert ("limit: sideways", "Sideways(most=1.5, objects=['c1'])") in task_table(limited.scene).rows
+    stated = "Sideways(most=1.5, objects=['c1'], name='sideways')"
+    assert ("limit: sideways", stated) in task_table(limited.scene).rows
 
 
 def test_another_number_is_planned_warm(limited: Plan) -> None:
