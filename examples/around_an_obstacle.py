@@ -10,5 +10,6 @@ for clearance in ("10 mm", "30 mm"):
     )
     print(f"{clearance} of clearance: {plan.duration:.3f} s, {plan.status}")
     print(f"  {plan.report.branch}; nearest: {nearest.subject}, {1e3 * nearest.worst_value:.0f} mm")
+    print(f"  {plan.limiting_text}")
 
 plan.plot("distances").savefig("around_an_obstacle.png", dpi=100)

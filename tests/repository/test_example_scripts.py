@@ -15,7 +15,7 @@ SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 @pytest.mark.parametrize("script", SCRIPTS, ids=label)
 def test_a_script_is_short_and_says_what_it_shows(script: Path) -> None:
     lines = script.read_text(encoding="utf-8").splitlines()
-    assert 10 <= len(lines) <= 70
+    assert 15 <= len(lines) <= 60
     assert lines[0].startswith('"""')
 
 
