@@ -54,7 +54,7 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
         Tile(f"{evidence.end_time:.3f} s", "duration"),
         *_sooner(evidence),
         Tile(f"{moves:,}".replace(",", "\u202f"), "moves an hour, one way"),
-        Tile(margin_text(worst), f"least reserve: {worst.constraint}", worst.ok),
+        Tile(margin_text(worst), f"smallest margin: {worst.constraint}", worst.ok),
         *_rim(evidence),
         *(_height(row) for row in kinds if row is not None),
     ]
