@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import nospill as ns
 from nospill.cli import app
 from nospill.errors import ScenarioError
 from nospill.judge.certificate import certify, judge_motion
@@ -17,7 +20,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
-from nospill.plans.rows import swing_after, with_residual_slosh
+from nospill.plans.rows import seam_fault, swing_after, with_residual_slosh
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 from nospill.scene.swing import coordinates
@@ -84,3 +87,43 @@ def test_out_wait_and_back(tmp_path) -> None:
     for name, code in (("found", 0), ("back", 1)):
         command = ["check", str(tmp_path / "out"), str(tmp_path / name), "--wait", "0.2 s"]
         assert CliRunner().invoke(app, command).exit_code == code
+
+
+@pytest.mark.slow
+def test_a_second_motion_in_another_configuration_is_refused_and_the_advice_cures_it(tmp_path: Path) -> None:
+    """The fastest branch of the second line is another one than the first line ends in."""
+    first = ns.plan(crossing([0.6, -0.4, 0.5], [0.6, 0.4, 0.5]))
+    first.save(tmp_path / "first")
+    onwards = crossing([0.6, 0.4, 0.5], [0.6, 0.1, 0.8])
+    second = plan(with_residual_slosh(onwards, first, 0.1))
+    fault = seam_fault(first, second)
+    assert re.search(r"is \d+ deg off; plan it with robot.home = \[", fault)
+    second.save(tmp_path / "second")
+    result = CliRunner().invoke(app, ["check", *map(str, (tmp_path / "first", tmp_path / "second")), "--wait", "0.1 s"])
+    assert result.exit_code == 1 and "Not certified in a row" in result.stderr
+    home = [float(part) for part in re.findall(r"home = \[(.*?)\]", fault)[0].split(",")]
+    again = plan(with_residual_slosh(onwards.changed({"robot.home": home}), first, 0.1))
+    assert again.certificate.ok and seam_fault(first, again) == ""
+    assert seam_fault(first, first) != ""
+
+
+def crossing(start: list[float], end: list[float]) -> Scene:
+    """A mug on a UR10e along a line."""
+    mug = ns.Cylinder(
+        name="mug",
+        at=[0, 0],
+        radius="40 mm",
+        height="95 mm",
+        liquid="water",
+        liquid_height="60 mm",
+        empty_mass="0.3 kg",
+    )
+    return ns.load(
+        ns.Scenario(
+            robot=ns.Robot(model="ur10e"),
+            tray=ns.Tray(size=["400 mm", "300 mm"], friction=0.4, mass="0.5 kg", offset="50 mm"),
+            cargo=[mug],
+            path=ns.LinePath(start=start, end=end),
+            planning=ns.Planning(slosh_modes=1),
+        )
+    )

@@ -44,6 +44,13 @@ def check(
         if len(folders) > 1:
             print_lines(f"{folder}:" if before is None else f"{folder}, {wait} after the one before:")
         good &= _check(saved, folder, everything=everything)
+        if before is not None:
+            from nospill.plans.rows import seam_fault
+
+            fault = seam_fault(before, saved)
+            if fault:
+                say(f"Not certified in a row: {fault}.")
+                good = False
         before = saved
     return 0 if good else 1
 

@@ -73,10 +73,11 @@ def plan(
             say(f"{scene.robot.name}: {one_line(note)}")
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
-        if after is not None:
+        before = None if after is None else load_plan(after)
+        if before is not None:
             from nospill.plans.rows import with_residual_slosh
 
-            scene = with_residual_slosh(scene, load_plan(after), seconds(wait))
+            scene = with_residual_slosh(scene, before, seconds(wait))
         progress.say(LOADING)
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan
@@ -114,7 +115,18 @@ def plan(
         print_plan(outcome, output, page)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
-    return 0 if outcome.certificate.ok else 1
+    fault = "" if before is None else _seam(before, outcome)
+    return 0 if outcome.certificate.ok and not fault else 1
+
+
+def _seam(before: Plan, outcome: Plan) -> str:
+    """What is wrong with the joints between two motions in a row; said, where anything is."""
+    from nospill.plans.rows import seam_fault
+
+    fault = seam_fault(before, outcome)
+    if fault:
+        say(f"Not certified in a row: {fault}.")
+    return fault
 
 
 def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:

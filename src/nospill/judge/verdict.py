@@ -126,7 +126,7 @@ def _fullest_of_each(rows: Iterable[Row]) -> tuple[Row, ...]:
     return tuple(sorted((max(group, key=_urgency) for group in groups.values()), key=_urgency, reverse=True))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Certificate:
     """All rows; ok when every one is.
 
@@ -148,6 +148,9 @@ class Certificate:
     modes: int | None = None
     full_model: tuple[Row, ...] | None = field(default=None, compare=False)
     unjudged: tuple[LimitRecord, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Certificate: {self.word}, {len(self.rows)} rows>"
 
     @property
     def word(self) -> str:

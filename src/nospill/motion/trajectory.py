@@ -43,7 +43,7 @@ class SloshTrack:
     height: np.ndarray
 
 
-@dataclass(frozen=True)  # without slots: the spline is worked out once
+@dataclass(frozen=True, repr=False)  # without slots: the spline is worked out once
 class Trajectory:
     """Samples at a fixed rate, from rest to rest; the last ones may already stand still.
 
@@ -111,6 +111,9 @@ class Trajectory:
     def rate(self) -> float:
         """Samples per second, Hz."""
         return (len(self.t) - 1) / float(self.t[-1] - self.t[0])
+
+    def __repr__(self) -> str:
+        return f"<Trajectory: {len(self.t)} samples of {len(self.joints)} joints, {self.end_time:.3f} s>"
 
     @property
     def end_time(self) -> float:

@@ -36,7 +36,7 @@ from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
 
 
-@dataclass(frozen=True)  # without slots: what a folder does not hold is judged again once
+@dataclass(frozen=True, repr=False)  # without slots: what a folder does not hold is judged again once
 class Plan:
     """A planned motion with its verdict.
 
@@ -65,6 +65,9 @@ class Plan:
     def duration(self) -> float:
         """End time of the motion, s."""
         return self.trajectory.end_time
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self.scene.name}: {self.duration:.3f} s, {self.status}>"
 
     @property
     def status(self) -> str:

@@ -20,6 +20,8 @@ from nospill.scene.swing import Swing, swing_of
 
 _SAME_PLACE, _SAME_YAW = 1e-3, math.radians(0.5)
 """m and rad: how far a motion may begin from where the one before it ends."""
+_SAME_JOINTS = 1e-3
+"""rad; likewise, each joint."""
 
 
 def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
@@ -49,6 +51,9 @@ def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
 def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
     """The scene with its liquids swinging as a plan's motion and a wait have left them.
 
+    In which configuration the arm begins is for the plan of the scene to choose: `seam_fault` compares it with the end
+    of the plan before, as do `nospill plan --after` and `nospill check`.
+
     Args:
         scene: of the next motion, which begins where the plan's ends. Liquids that the plan does not have are at rest.
         plan: of the motion before it.
@@ -66,6 +71,27 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
         if item.name in swings:
             _require_same_liquid(item, known[item.name])
     return scene.changed({f"cargo.{name}.initial_swing": asdict(swing) for name, swing in swings.items()})
+
+
+def seam_fault(before: Plan, after: Plan) -> str:
+    """Why the arm cannot go on from one plan with another, in one sentence without a full stop; empty where it can.
+
+    One pose of the tray is held in several configurations of the arm, and the branch of the second motion may begin in
+    another one than the first ends in.
+    """
+    if before.trajectory.joints != after.trajectory.joints:
+        return f"{after.scene.name} moves other joints than {before.scene.name}"
+    ends, starts = before.trajectory.joint_position[-1], after.trajectory.joint_position[0]
+    jump = starts - ends
+    worst = int(np.argmax(np.abs(jump)))
+    if abs(jump[worst]) <= _SAME_JOINTS:
+        return ""
+    stated = ", ".join(f"{angle:.6g}" for angle in ends)
+    return (
+        f"the arm stands otherwise where {after.scene.name} begins than where {before.scene.name} ends: "
+        f"{after.trajectory.joints[worst]} is {math.degrees(abs(jump[worst])):.3g} deg off; plan it with robot.home = "
+        f"[{stated}] (rad), or on a free path with these joints as its start"
+    )
 
 
 def _require_same_liquid(cargo: Cargo, before: Cargo) -> None:

@@ -173,7 +173,7 @@ class Origin(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Scene:
     """One planning task, complete. Scenes are equal that were read from equal tables and have equal constraints.
 
@@ -224,6 +224,9 @@ class Scene:
     constraints: tuple[Limit, ...] = ()
     unjudged: tuple[LimitRecord, ...] = ()
     as_read: bool = field(default=False, init=False, repr=False)
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.name}: {self.robot.name}, {', '.join(item.name for item in self.cargo) or 'no cargo'}>"
 
     def __eq__(self, other: object) -> bool:
         if self is other or not isinstance(other, Scene):

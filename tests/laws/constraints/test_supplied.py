@@ -270,6 +270,7 @@ def test_what_is_no_constraint_of_the_scene_is_told(constraints: Any, told: str)
     [
         (lambda sample: ((ns.Cone(sample.tray_velocity, 1.0, 1.0),),), "budgets returned 1 entries for its 2 subjects"),
         (lambda sample: ns.Cone(sample.tray_velocity, 1.0, 1.0), "a tuple of Cone or Range is needed for each subject"),
+        (lambda sample: ((ns.Cone(sample.tray_velocity, 0.0, 0.0),),) * 2, "the scale 0; a positive size"),
         (lambda sample: ((), ()), "a tuple of Cone or Range is needed for each subject"),
         (lambda sample: ((sample.tray_velocity,),) * 2, "which is no Cone and no Range"),
         (lambda sample: ((ns.Cone(sample.tray_velocity, "fast", 1.0),),) * 2, "capacity is of type str; a CasADi SX"),  # type: ignore[arg-type]

@@ -142,6 +142,9 @@ class Supplied(Constraint):
             except (TypeError, NotImplementedError):
                 kind = type(value).__name__
                 raise self._error(f"{item.name} is of type {kind}; a CasADi SX or a number is needed") from None
+        scale = values.get("scale")
+        if scale is not None and scale.is_constant() and float(scale) <= 0.0:
+            raise self._error(f"budgets returned the scale {float(scale):g}; a positive size of the limit is needed")
         wrong = [
             name for name, value in values.items() if name != "demand" and value is not None and value.numel() != 1
         ]
