@@ -1,4 +1,4 @@
-"""A first plan: a bundled example, its duration, its certificate, and a folder with everything."""
+"""A first plan: a bundled example, its duration, its certificate, and a plan folder."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The motion that tells most about fill, damping, delay and lag."""
+"""The most informative test motion for fill, damping, delay and lag."""
 
 from __future__ import annotations
 

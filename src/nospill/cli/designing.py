@@ -1,4 +1,4 @@
-"""design-test: the short motion that tells most about damping, fill and lag."""
+"""design-test: the most informative test motion for damping, fill and lag."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def design_test(
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
     ] = None,
 ) -> int:
-    """Find the motion along the path that tells most about damping, fill and lag, safe by certificate.
+    """Find the most informative test motion along the path (D-optimal for damping, fill and lag), safe by certificate.
 
     It ends with the liquids swinging, up to the limit of their height. Exit code 3 if no motion is certified.
     """

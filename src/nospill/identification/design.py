@@ -1,4 +1,4 @@
-"""The short motion that tells most about damping, fill and lag: D-optimal over a family of trapezoids, and certified.
+"""The most informative test motion for damping, fill and lag: D-optimal over a family of trapezoids, and certified.
 
 The information that a record has of its numbers is the inverse of their covariance, J^T J over the variance of the
 noise. The motion with the largest product of determinants is looked for: of fill and damping of every liquid, clock and
@@ -64,7 +64,7 @@ class Records:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design:
-    """The motion that tells most.
+    """The most informative test motion.
 
     Attributes:
         plan: the motion with its certificate; its limit of the height after the end is that of the whole motion.
