@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.campaign.combined import BACK_AFTER, way_back
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.judge.wording import describe
@@ -33,6 +34,7 @@ from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.search import PassageSearch, best_of, found_motion, passage_searches
 from nospill.plans.plan import Plan
+from nospill.plans.rows import seam_fault, with_residual_slosh
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
 from nospill.scenario import scene_from_table
 from nospill.scene.scene import Scene
@@ -93,6 +95,8 @@ def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[
         name: what it is called.
         longest: time to look for a motion, s.
     """
+    wait = table.get(BACK_AFTER)
+    table = {key: value for key, value in table.items() if key != BACK_AFTER}
     try:
         scene = limited(scene_from_table(table, name=name), longest)
     except NospillError as error:
@@ -105,7 +109,27 @@ def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[
         failure = failure_of(error, scene)
         return {"kind": failure.kind, "reason": failure.reason, "told": failure.told, "blamed": failure.blamed} | spent
     spent = {"plan_processor_s": time.process_time() - began}
-    return figures(plan) | spent
+    after = {} if wait is None or not plan.certificate.ok else {"next": gone_on(plan, table, wait, longest)}
+    return figures(plan) | spent | after
+
+
+def gone_on(plan: Plan, table: dict[str, Any], wait: float, longest: float) -> dict[str, Any]:
+    """The motion back along a plan's path, with what swings a wait after it: planned, judged, and the seam.
+
+    Args:
+        plan: of the motion before.
+        table: its scenario.
+        wait: s between the two.
+        longest: time to look for a motion, s.
+    """
+    scene = plan.scene
+    try:
+        scene = limited(scene_from_table(way_back(table), name=f"{plan.scene.name}-back"), longest)
+        second = planner.plan(with_residual_slosh(scene, plan, wait))
+    except NospillError as error:
+        failure = failure_of(error, scene)
+        return {"kind": failure.kind, "reason": failure.reason}
+    return figures(second) | {"seam": seam_fault(plan, second)}
 
 
 def figures(plan: Plan) -> dict[str, Any]:

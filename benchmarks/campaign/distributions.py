@@ -117,8 +117,28 @@ WITH_RACKS = replace(DISTRIBUTIONS, kind=Choice(("cup", "box", "vessel", "rack")
 """Those of the seeds from `FIRST_WITH_RACKS` on."""
 
 
+FIRST_COMBINED = 30_000
+"""The first seed whose scenario has three features at once (`benchmarks.campaign.combined`)."""
+
+COMBINED = replace(
+    DISTRIBUTIONS,
+    unreachable=Choice((False,)),
+    speed_scale=Choice((None,)),
+    objects=Choice((1, 2, 3), (0.3, 0.4, 0.3)),
+    path=Choice(("line", "arc", "waypoints"), (0.5, 0.25, 0.25)),
+    path_length=Spread(0.1, 1.0, "m"),
+    friction=Spread(0.3, 0.8),
+    slosh_share=Spread(0.2, 1.0, "of the room to the rim", logarithmic=True),
+    residual_fraction=Spread(0.1, 1.0, "of max_slosh_height", logarithmic=True),
+    end=Choice(("residual",)),
+    slosh_modes=Choice((3,)),
+    rate=Choice((500.0,)),
+)
+"""Those of the seeds from `FIRST_COMBINED` on, but for the kinds of objects."""
+
+
 def distributions_of(seed: int) -> Distributions:
-    """What the scenario of a seed is drawn from."""
+    """What the scenario of a seed below `FIRST_COMBINED` is drawn from."""
     if seed < FIRST_WITH_VESSELS:
         return DISTRIBUTIONS
     return WITH_VESSELS if seed < FIRST_WITH_RACKS else WITH_RACKS

@@ -9,11 +9,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.distributions import DISTRIBUTIONS, FIRST_WITH_VESSELS
+from benchmarks.campaign.distributions import DISTRIBUTIONS, FIRST_COMBINED, FIRST_WITH_VESSELS
+from benchmarks.campaign.pairs import pair_table
 from nospill.laws.constraints import CONSTRAINTS
 
 BEGIN, END = "<!-- campaign: begin -->", "<!-- campaign: end -->"
 VESSELS_BEGIN, VESSELS_END = "<!-- vessels: begin -->", "<!-- vessels: end -->"
+COMBINED_BEGIN, COMBINED_END = "<!-- combined: begin -->", "<!-- combined: end -->"
 DRAWN_BEGIN, DRAWN_END = "<!-- distributions: begin -->", "<!-- distributions: end -->"
 
 WORST = 10
@@ -34,13 +36,16 @@ Line = dict[str, Any]
 
 
 def write_page(lines: list[Line], page: Path) -> None:
-    """Put the tables and the distributions between the page's markers; seeds with vessels have tables of their own."""
+    """Put the tables and the distributions between the page's markers; a table for each kind of seeds."""
     text = page.read_text(encoding="utf-8")
-    vessels = [line for line in lines if line["seed"] >= FIRST_WITH_VESSELS]
+    combined = [line for line in lines if line["seed"] >= FIRST_COMBINED]
+    vessels = [line for line in lines if FIRST_WITH_VESSELS <= line["seed"] < FIRST_COMBINED]
+    others = [line for line in lines if line["seed"] < FIRST_WITH_VESSELS]
+    if combined:
+        text = _between(text, COMBINED_BEGIN, COMBINED_END, "\n".join([*section(combined), "", *pair_table(combined)]))
     if vessels:
         text = _between(text, VESSELS_BEGIN, VESSELS_END, "\n".join(section(vessels)))
-    if len(vessels) < len(lines) or not lines:
-        others = [line for line in lines if line["seed"] < FIRST_WITH_VESSELS]
+    if others or not lines:
         text = _between(text, BEGIN, END, "\n".join(section(others)))
     drawn = ["| drawn | from |", "|---|---|", *(f"| {name} | {shown} |" for name, shown in DISTRIBUTIONS.rows())]
     page.write_text(_between(text, DRAWN_BEGIN, DRAWN_END, "\n".join(drawn)), encoding="utf-8")
@@ -78,8 +83,10 @@ def section(lines: list[Line]) -> Iterator[str]:
 
 
 def false_certificate(line: Line) -> bool:
-    """Whether a plan called certified is rejected by the finer certificate or by the simulation."""
-    return line["kind"] == "planned" and not (line["fine"]["ok"] and line["verify"]["ok"])
+    """Whether a plan called certified is rejected by the finer certificate or by the simulation, or its row jumps."""
+    after = line.get("next") or {}
+    alone = line["kind"] == "planned" and not (line["fine"]["ok"] and line["verify"]["ok"])
+    return alone or bool(after.get("seam")) or ("fine" in after and false_certificate(after))
 
 
 def has_reason(line: Line) -> bool:
@@ -109,6 +116,10 @@ def _rates(cases: list[Line]) -> Iterator[str]:
     silent = sum(not has_reason(line) for line in open_cases)
     yield f"| certified, rejected by the certificate at 8 kHz | {fine} | |"
     yield f"| certified, something moves in MuJoCo | {moved} | |"
+    rows = [line["next"] for line in planned if line.get("next")]
+    if rows:
+        yield f"| next motions in a row, certified | {sum(row['kind'] == 'planned' for row in rows)} of {len(rows)} | |"
+        yield f"| of these false, or with a jump of the arm | {sum(map(false_certificate, rows))} | |"
     yield f"| failures that do not name what is in the way | {silent} of {len(open_cases)} | |"
     meant = [line for line in cases if line.get("unreachable")]
     shown = sum(line["kind"] == "out of reach" for line in meant)
@@ -178,6 +189,9 @@ def _badness(line: Line) -> tuple[int, float]:
 
 
 def _complaint(line: Line) -> str:
+    after = line.get("next")
+    if after is not None and false_certificate(after):
+        return f"the next motion: {after.get('seam') or _complaint(after)}"
     if false_certificate(line):
         fine = "" if line["fine"]["ok"] else "8 kHz: " + "; ".join(line["fine"]["broken"])
         moved = "" if line["verify"]["ok"] else "MuJoCo: " + line["verify"]["message"]

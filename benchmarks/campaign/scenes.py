@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.campaign.distributions import Distributions, distributions_of
+from benchmarks.campaign.combined import combined_distributions, combined_table, features_of
+from benchmarks.campaign.distributions import FIRST_COMBINED, Distributions, distributions_of
 from benchmarks.campaign.paths import reachable_base, unreachable_base
 from benchmarks.campaign.vessels import RACK_EDGE, draw_rack, draw_vessel
 from nospill.errors import ScenarioError
@@ -52,7 +53,8 @@ def draw_case(seed: int) -> Case:
     Raises:
         RuntimeError: nothing that the reader accepts came up in many attempts (the distributions are at fault).
     """
-    random, distributions = np.random.default_rng([STREAM, seed]), distributions_of(seed)
+    random, combined = np.random.default_rng([STREAM, seed]), seed >= FIRST_COMBINED
+    distributions = combined_distributions(seed) if combined else distributions_of(seed)
     unreachable = distributions.unreachable.draw(random)
     last = ""
     for _ in range(_ATTEMPTS):
@@ -62,7 +64,12 @@ def draw_case(seed: int) -> Case:
             found = place(table, random, distributions)
             if found is not None:
                 scene = scene_from_table(found, name=f"campaign-{seed}")
-                return Case(seed, found, unreachable, _structure(found, scene.path.length))
+                structure = _structure(found, scene.path.length)
+                if combined:
+                    # What the reader refuses of a combination is an answer, and no reason to draw again.
+                    features = ", ".join(features_of(seed))
+                    return Case(seed, combined_table(found, scene, seed), unreachable, f"{structure}; {features}")
+                return Case(seed, found, unreachable, structure)
         except ScenarioError as error:  # a draw the reader refuses, for example a liquid too viscous to slosh
             last = str(error)
     raise RuntimeError(f"seed {seed}: no scenario in {_ATTEMPTS} attempts, the last: {last or 'out of reach'}")
