@@ -40,12 +40,13 @@ def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.Fixtu
         surface, track, trace = liquid_surface(cargo), film.liquids[cargo.name], traces[cargo.name]
         recorded = trace.value
         at_wall = np.isclose(_to_wall(cargo, surface.points), 0.0, atol=1e-9)
-        if cargo.shape == "box":  # its height is bounded in the corners
-            at_wall &= np.all(np.isclose(np.abs(surface.points), np.max(np.abs(surface.points), axis=0)), axis=1)
         drawn = np.max(np.abs(track.coordinates[moving] @ surface.basis[at_wall].T), axis=1)
-        least = np.cos(np.pi / 32) if cargo.shape == "cylinder" else 1.0
-        assert np.all(drawn <= recorded + 1e-9)
-        assert np.all(drawn >= least * recorded - 1e-9)
+        if cargo.shape == "cylinder":
+            assert np.all(drawn <= recorded + 1e-9)
+            assert np.all(drawn >= np.cos(np.pi / 32) * recorded - 1e-9)
+        else:  # the yaw modes are looked at in nine places, and count as if these were in the highest corner
+            assert np.all(drawn <= recorded + 0.05 * np.max(recorded))
+            assert 0.95 * np.max(recorded) < np.max(drawn) <= np.max(recorded)
         assert np.max(recorded) > 2e-3
         assert np.max(np.abs(track.height[moving] - recorded)) < 1e-9  # what colours the liquid
         assert track.limit == float(trace.limit[0])
@@ -74,18 +75,21 @@ def test_liquid_stays_inside_its_container(name: str, request: pytest.FixtureReq
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.lists(st.floats(-0.02, 0.02), min_size=42, max_size=42))
+@given(st.lists(st.floats(-0.02, 0.02), min_size=82, max_size=82))
 def test_no_motion_of_the_liquid_changes_its_volume(mixed_film: Film, values: list[float]) -> None:
-    """Modes and lean are antisymmetric, so the rise at a point and at the opposite point cancel."""
+    """Modes and lean are antisymmetric, so the rise at a point and at the opposite point cancel; of yaw, mirrored."""
     for cargo in mixed_film.plan.scene.cargo:
         if cargo.filling is None:
             continue
         surface = liquid_surface(cargo)
         rise = surface.rise(np.array(values[: surface.basis.shape[1]]))
+        assert cargo.filling.turns == (cargo.shape == "box")
         for index in range(0, len(surface.points), 7):
-            opposite = np.argmin(np.linalg.norm(surface.points + surface.points[index], axis=1))
-            assert np.allclose(surface.points[opposite], -surface.points[index], atol=1e-12)
-            assert rise[opposite] == pytest.approx(-rise[index], abs=1e-12)
+            signs = [(1, 1), (-1, 1), (1, -1), (-1, -1)] if cargo.filling.turns else [(1, 1), (-1, -1)]
+            mirrored = surface.points[index] * np.array(signs)
+            places = [np.argmin(np.linalg.norm(surface.points - point, axis=1)) for point in mirrored]
+            assert np.allclose(surface.points[places], mirrored, atol=1e-12)
+            assert np.sum(rise[places]) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_steady_lean_is_a_plane(mixed_film: Film) -> None:
@@ -100,7 +104,8 @@ def test_steady_lean_is_a_plane(mixed_film: Film) -> None:
                 for mode in cargo.filling.modes.oscillators
                 for direction in mode.directions
             ]
-            leans = np.eye(2)[axis] * lean
+            yaw = surface.basis.shape[1] - len(steady) - 2  # a box's, at rest
+            leans = [*np.zeros(max(yaw - 1, 0)), *np.eye(2)[axis] * lean, *np.zeros(min(yaw, 1))]
             found = surface.rise(np.concatenate([steady, leans]))
             assert found == pytest.approx(-lean * surface.points[:, axis], abs=1e-12)
 

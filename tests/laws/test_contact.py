@@ -20,6 +20,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Scene
+from nospill.scene.turning import turning
 from tests.builders import one_mode
 
 GRAVITY = np.array((0.0, 0.0, -9.80665))
@@ -73,7 +74,7 @@ def pinocchio_model(pin, cargo: Cargo):
     slides = []
     if cargo.filling:
         modes = cargo.filling.modes
-        inertia = np.diag([*modes.fixed_inertia, 0.0]) + BALLAST * np.eye(3)
+        inertia = cargo.filling.fixed.inertia + BALLAST * np.eye(3)
         model.appendBodyToJoint(
             root, pin.Inertia(modes.fixed_mass, np.array((0, 0, modes.fixed_height)), inertia), place
         )
@@ -117,6 +118,7 @@ def test_full_wrench_against_pinocchio_on_random_states():
     pin = pytest.importorskip("pinocchio")
     random = np.random.default_rng(1)
     scene = with_any_solid(one_mode("mixed-tray"), random)
+    scene = replace(scene, cargo=tuple(turning(item, on=False) for item in scene.cargo))  # those are no point masses
     function = wrench_function(scene)
     structure = structure_of(scene)
     counts = [item.coordinates for item in structure.objects]

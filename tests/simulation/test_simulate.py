@@ -78,12 +78,14 @@ def test_a_tilted_box_has_its_corner_up() -> None:
     assert found.height == pytest.approx(np.full(len(t), 0.035 * np.tan(np.radians(10.0))), rel=1e-6)
 
 
-def test_a_turn_about_its_own_axis_moves_nothing() -> None:
+def test_a_turn_about_its_own_axis_moves_nothing_in_a_round_cup() -> None:
     t = clock(2.0)
     quaternion = Rotation.from_euler("z", 9.0 * quintic(t, 1.5)[:, None]).as_quat()
-    for cup in (CUP, BOX):
-        found = simulate_slosh(cup, t, np.zeros((len(t), 3)), quaternion, modes=2, height="corrected")
-        assert found.peak < 1e-12
+    found = simulate_slosh(CUP, t, np.zeros((len(t), 3)), quaternion, modes=2, height="corrected")
+    assert found.peak < 1e-12
+    box = simulate_slosh(BOX, t, np.zeros((len(t), 3)), quaternion, modes=2, height="corrected")
+    assert box.peak > 5e-4  # of how it moves see tests/scene/containers/test_box_in_time.py
+    np.testing.assert_allclose(box.displacement[:, :4], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("height", ["one-mode", "corrected"])

@@ -5,6 +5,7 @@ J1(k_n r)/J1(k_n R) along the mode's direction (nearly so where the wall is not 
 sin(k_n x)/sin(k_n a/2) along its side. With the quasi-static correction of `slosh.height` all modes that are not
 carried follow the apparent gravity at once, so together they are the plane that leans with it less the carried modes'
 own share: -(a_x/a_z) (x - sum C_n g/omega_n^2 shape_n(x)), which at the wall is `static_correction` times the lean.
+The yaw modes of a box that turns have shapes of their own, and what of them is not carried follows alpha_z/a_z.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import numpy as np
 from nospill.drawing.geometry import Mesh, drawn_section, half_width, shrunk, wall_thickness
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.footprints import Footprint
+from nospill.scene.sloshing.modes import WALL_POINTS
+from nospill.scene.sloshing.yaw_modes import mode_shapes, zhukovsky_potential
 
 _RING_POINTS = 32
 """Points round the wall, at least."""
@@ -32,8 +35,9 @@ class LiquidSurface:
         upper: (u,) indices of the vertices on the free surface.
         points: (u, 2) where in the liquid these are, m: out to the true wall.
         basis: (u, k + 2): rise in m of every upper vertex per slosh coordinate (k, in the order of the trajectory) and
-            per lean of the apparent gravity along x and y.
-        wall: (2, k + 2): the same at the wall on the positive side of x and of y.
+            per lean of the apparent gravity along x and y; of a box that turns a column more, per alpha_z/a_z, 1/m.
+        wall: (2, k + 2): the same at the wall on the positive side of x and of y; of a box that turns nine rows more,
+            of its yaw modes at places of its wall.
         section: of the container at rest level, whose edge the wall follows.
         floor: height of the floor inside, m, below which no surface is drawn.
         around: number of points round the wall.
@@ -66,8 +70,10 @@ class LiquidSurface:
 
     def crest(self, coordinates: np.ndarray) -> np.ndarray:
         """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2)."""
-        vectors = self.section.crest_vectors((coordinates @ self.wall.T).T)
-        return np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
+        along, yaw = np.split((coordinates @ self.wall.T).T, [2])
+        vectors = self.section.crest_vectors(along)
+        height = np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
+        return height + np.max(np.abs(yaw), axis=0, initial=0.0)
 
     def vertices(self, coordinates: np.ndarray) -> np.ndarray:
         """All vertices (n, 3), m, for (k + 2,) coordinates and leans.
@@ -117,7 +123,7 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
         upper=np.arange(len(flat)),
         points=true,
         basis=_basis(cargo, section, true),
-        wall=_basis(cargo, section, np.diag(section.half_lengths)),
+        wall=_wall(cargo, section),
         section=section,
         floor=floor,
         around=count,
@@ -152,14 +158,32 @@ def _faces(count: int, bands_below: int) -> np.ndarray:
 
 
 def _basis(cargo: Cargo, section: Footprint, points: np.ndarray) -> np.ndarray:
-    """Rise of the surface at points (u, 2) per slosh coordinate and per lean, (u, k + 2)."""
+    """Rise of the surface at points (u, 2) per slosh coordinate and per lean, (u, k + 2); one more of a turning box."""
     assert cargo.filling is not None
+    filling, modes = cargo.filling, cargo.filling.modes
     # a surface that surface tension holds leans less than a plane does; this is its rise at the wall, linear inside
-    columns, leans = [], points * (cargo.filling.modes.quasi_static_gain / section.half_lengths)
-    for mode in cargo.filling.modes.oscillators:
+    columns, leans = [], points * (modes.quasi_static_gain / section.half_lengths)
+    for mode in modes.oscillators:
         for direction in mode.directions:
             axis = _AXES[direction]
             shape = mode.surface_gain * section.mode_shape(mode.wave_number, points, axis)
             columns.append(shape)
             leans[:, axis] -= shape * mode.compliance
-    return np.column_stack([*columns, -leans])
+    if not filling.turns or modes.yaw is None:
+        return np.column_stack([*columns, -leans])
+    shapes, at_once = mode_shapes(modes.yaw, points), zhukovsky_potential(modes.yaw.sides, points)
+    at_once = at_once - shapes @ np.array([mode.arm * mode.compliance for mode in modes.yaw.oscillators])
+    return np.column_stack([*columns, shapes, -leans, -at_once])
+
+
+def _wall(cargo: Cargo, section: Footprint) -> np.ndarray:
+    """The same at the wall, as `LiquidSurface.wall`."""
+    assert cargo.filling is not None
+    rows = _basis(cargo, section, np.diag(section.half_lengths))
+    yaw = cargo.filling.modes.yaw if cargo.filling.turns else None
+    if yaw is None:
+        return rows
+    only = np.zeros((WALL_POINTS, rows.shape[1]))
+    own = np.r_[len(rows[0]) - 3 - len(yaw.oscillators) : len(rows[0]) - 3, len(rows[0]) - 1]
+    only[:, own] = np.column_stack([np.array([mode.wall_gains for mode in yaw.oscillators]).T, -yaw.static_correction])
+    return np.concatenate([rows, only])

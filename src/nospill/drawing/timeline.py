@@ -30,7 +30,7 @@ class LiquidTrack:
     """One liquid over the pictures.
 
     Attributes:
-        coordinates: (m, k + 2) slosh coordinates in m and leans of the apparent gravity, for `LiquidSurface`.
+        coordinates: (m, k + 2 or 3) slosh coordinates in m and leans of the apparent gravity, for `LiquidSurface`.
         height: (m,) greatest rise round the wall, m.
         limit: m.
     """
@@ -139,7 +139,7 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
         if cargo.filling is None:
             continue
         own = coordinates[:, part]
-        lean = leans[:, 2 * number : 2 * number + 2]
+        lean = leans[:, 3 * number : 3 * number + 2 + cargo.filling.turns]
         together = np.column_stack([own, lean if scene.fidelity == "full" else np.zeros_like(lean)])
         height = liquid_surface(cargo).crest(together)
         tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
@@ -156,13 +156,14 @@ def _coordinates(scene: Scene, played: Replay, picked: np.ndarray, after: np.nda
 
 
 def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
-    """Lean a_xy/a_z of the apparent gravity at every object's rest surface, (m, 2 per object), object axes."""
+    """Lean a_xy/a_z of the apparent gravity at every object's rest surface, and alpha_z/a_z: (m, 3 per object)."""
     numbers = constants(numbers_of(scene))
     motion = SX.sym("body", 9)
     rows = []
     for own in numbers.objects:
-        surface = object_motion(own, body_motion(motion)).at(ca.vertcat(0, 0, own.liquid_height)).specific_force
-        rows.append(surface[:2] / surface[2])
+        at_surface = object_motion(own, body_motion(motion)).at(ca.vertcat(0, 0, own.liquid_height))
+        surface, turn = at_surface.specific_force, at_surface.angular_acceleration[2]
+        rows.append(ca.vertcat(surface[:2], turn) / surface[2])
     if not rows:
         return np.zeros((body.shape[1], 0))
     function = ca.Function("leans", [motion], [ca.densify(ca.vertcat(*rows))])

@@ -19,9 +19,16 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX
 from nospill.core.trees import flatten
 from nospill.laws.constraints.residual_height import height_bound
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, object_parameter_count, symbolic_object_numbers
+from nospill.laws.parameters import (
+    YAW_AXES,
+    ObjectNumbers,
+    ObjectStructure,
+    object_parameter_count,
+    symbolic_object_numbers,
+)
 from nospill.laws.sample import object_states
 from nospill.laws.slosh.residual import free_states
+from nospill.scene.sloshing.modes import WALL_POINTS
 
 _STEP = 1e-3
 """s; a mode at 20 Hz reaches 0.2 % more than its highest sample, and is a small part of the height."""
@@ -61,14 +68,18 @@ def residual_height(
 
 def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np.ndarray) -> np.ndarray:
     """Crest round the wall (m,) m of a liquid at rest and level, from its slosh coordinates (m, k)."""
-    gains = np.zeros((2, displacement.shape[1]))
+    gains, yaw = np.zeros((2, displacement.shape[1])), np.zeros((WALL_POINTS, displacement.shape[1]))
     column = 0
     for mode, axes in zip(numbers.oscillators, item.oscillators, strict=True):
         for axis in axes:
-            gains[axis, column] = mode.surface_gain
+            if axes == YAW_AXES:
+                yaw[:, column] = mode.wall_gains
+            else:
+                gains[axis, column] = mode.surface_gain
             column += 1
     vectors = item.footprint.crest_vectors(gains @ displacement.T)
-    return np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
+    highest = np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
+    return highest + np.max(np.abs(yaw @ displacement.T), axis=0)
 
 
 @lru_cache(maxsize=16)

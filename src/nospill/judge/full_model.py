@@ -13,6 +13,7 @@ from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import FULL_MODES, Scene
+from nospill.scene.turning import turning, turns
 
 
 def full_scene(scene: Scene) -> Scene:
@@ -22,6 +23,8 @@ def full_scene(scene: Scene) -> Scene:
     """
     count = max(scene.slosh_modes, FULL_MODES)
     cargo = tuple(with_modes(item, count) for item in scene.cargo)
+    if turns(scene.path, scene.motion):
+        cargo = tuple(turning(item) for item in cargo)
     return replace(scene, fidelity="full", cargo=cargo, slosh_modes=count, obstacles=())
 
 

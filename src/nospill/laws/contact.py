@@ -3,7 +3,7 @@
 deliverable: the published rigid object: all mass at the centre of mass, force m (a + g), moment of that force and the
     yaw inertia term; rotational inertia about horizontal axes is left out, as published.
 full: Newton and Euler for the container and the fixed part of the liquid, plus every moving modal mass at its momentary
-    place.
+    place; of a yaw mode, two halves of a mass on either side of the axis, the moment about it alone.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure
-from nospill.laws.slosh.motion import OscillatorState, apparent_acceleration, modal_place
+from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
+from nospill.laws.slosh.motion import OscillatorState, apparent_acceleration, modal_place, yaw_acceleration
 from nospill.scene.scene import Fidelity
 
 
@@ -55,6 +55,10 @@ def contact_wrench(
     if fidelity == "deliverable":
         return Wrench(force, moment)
     for oscillator, directions, state in zip(numbers.oscillators, structure.oscillators, states, strict=True):
+        if directions == YAW_AXES:
+            about_axis = oscillator.mass * oscillator.arm * yaw_acceleration(oscillator, motion, state)
+            moment += ca.vertcat(0, 0, about_axis)
+            continue
         modal_force = oscillator.mass * apparent_acceleration(oscillator, directions, motion, state)
         force += modal_force
         moment += ca.cross(modal_place(oscillator, directions, state), modal_force)

@@ -21,6 +21,10 @@ from nospill.core.trees import flatten, symbolic
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
+from nospill.scene.sloshing.modes import WALL_POINTS
+
+YAW_AXES = (2,)
+"""`ObjectStructure.oscillators` of a yaw mode."""
 
 Number = Any
 """A float, a numpy array, or the SX expression that stands for it."""
@@ -45,6 +49,11 @@ class Of:
 def joints(structure: Structure) -> tuple[int, ...]:
     """Shape of one number a joint."""
     return (len(structure.joints),)
+
+
+def wall_points(item: ObjectStructure) -> tuple[int, ...]:
+    """Shape of one number a place of a box's wall, where its yaw modes swing."""
+    return (WALL_POINTS * int(item.yaws),)
 
 
 class Freedom(NamedTuple):
@@ -87,7 +96,8 @@ class Freedom(NamedTuple):
 class OscillatorNumbers:
     """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat.
 
-    The tension is (1,) where the object's structure is tense, else there is none; the place (2,) where it is spread.
+    The tension is (1,) where the object's structure is tense, else there is none; the place (2,) where it is spread;
+    where it yaws, the arm (1,), m, and the wall gains (9,), both zero of what is no yaw mode.
     """
 
     frequency: Number
@@ -99,6 +109,8 @@ class OscillatorNumbers:
     surface_gain: Number
     tension: Annotated[Number, Of(shape=lambda item: (int(item.tense),))] = 0.0
     place: Annotated[Number, Of(shape=lambda item: (2 * int(item.spread),))] = 0.0
+    arm: Annotated[Number, Of(shape=lambda item: (int(item.yaws),))] = 0.0
+    wall_gains: Annotated[Number, Of(shape=wall_points)] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +134,7 @@ class ObjectNumbers:
         liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
         static_correction: (2,) m, see `slosh.height`.
+        yaw_correction: (9,) m^2 where the object's structure yaws, see `slosh.height`, else there is none.
         added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
         oscillators: the modal masses.
     """
@@ -142,6 +155,7 @@ class ObjectNumbers:
     liquid_depth: Number
     max_slosh_height: Number
     static_correction: Annotated[Number, Of(shape=(2,))]
+    yaw_correction: Annotated[Number, Of(shape=wall_points)]
     added_gravity: Annotated[Number, Of(shape=lambda item: (int(item.slowed),))]
     oscillators: tuple[OscillatorNumbers, ...]
 
@@ -213,7 +227,7 @@ class ObjectStructure:
 
     Attributes:
         footprint: its class.
-        oscillators: per oscillator, the horizontal directions it moves in (0 = x, 1 = y).
+        oscillators: per oscillator, the directions it moves in (0 = x, 1 = y; 2 alone of a yaw mode).
         flat: per oscillator, whether its mass moves on a plane, so that its law is linear.
         shallow: whether its surface may rise by more than its liquid is deep.
         tense: whether surface tension pulls at its surface.
@@ -232,6 +246,11 @@ class ObjectStructure:
     in_carrier: bool = False
     slowed: bool = False
     constraints: tuple[Limit, ...] = ()
+
+    @property
+    def yaws(self) -> bool:
+        """Whether it has yaw modes."""
+        return YAW_AXES in self.oscillators
 
     @property
     def liquid(self) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
 from nospill.laws.contact import Wrench, contact_wrench
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, SceneNumbers, Structure
-from nospill.laws.slosh.height import surface_vector
+from nospill.laws.slosh.height import surface_vector, wall_vectors, yaw_heights
 from nospill.laws.slosh.motion import OscillatorState
 
 
@@ -24,6 +24,8 @@ class ObjectSample:
             acceleration of its origin less that of gravity, m/s^2; (3, 1) each.
         wrench: from the tray: force, N, and moment about its bottom centre, N m; (3, 1) each. `force[2]` presses.
         surface: (2, 1), rise of the liquid at the wall in the directions x and y, m.
+        yaw_heights: (9, 1), m, what the yaw modes of a box that turns add at places of its wall
+            (`yaw_modes.wall_points`); (0, 1) of what has none.
         states: of its modal masses: displacement, m, velocity and acceleration.
     """
 
@@ -33,6 +35,12 @@ class ObjectSample:
     wrench: Wrench
     surface: SX
     states: tuple[OscillatorState, ...]
+    yaw_heights: SX = field(default_factory=lambda: SX.zeros(0, 1))
+
+    @property
+    def wall_vectors(self) -> tuple[SX, ...]:
+        """Vectors whose norms bound the height of the liquid round the wall, m."""
+        return wall_vectors(self.structure, self.surface, self.yaw_heights)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,10 +102,9 @@ def sample_objects(
     for object_structure, object_numbers, states in zip(structure.objects, numbers.objects, slosh, strict=True):
         motion = object_motion(object_numbers, tray)
         wrench = contact_wrench(structure.fidelity, object_numbers, object_structure, motion, states)
-        surface = surface_vector(
-            object_numbers, object_structure, motion, states, corrected=structure.fidelity == "full"
-        )
-        samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states))
+        own, corrected = (object_numbers, object_structure, motion, states), structure.fidelity == "full"
+        surface, added = surface_vector(*own, corrected=corrected), yaw_heights(*own, corrected=corrected)
+        samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states, added))
     return tuple(samples)
 
 

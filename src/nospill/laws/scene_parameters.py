@@ -13,6 +13,7 @@ import numpy as np
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.core.trees import flatten
 from nospill.laws.parameters import (
+    YAW_AXES,
     BrakingNumbers,
     ObjectNumbers,
     ObjectStructure,
@@ -30,6 +31,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.scene import Fidelity, MotionRules, Scene
+from nospill.scene.sloshing.modes import WALL_POINTS, YAW
 from nospill.scene.tray import Tray
 
 
@@ -61,7 +63,7 @@ def structure_of(scene: Scene) -> Structure:
 
 def object_structure(cargo: Cargo) -> ObjectStructure:
     """The structure of one object."""
-    axes = {"x": 0, "y": 1}
+    axes = {"x": 0, "y": 1, YAW: YAW_AXES[0]}
     return ObjectStructure(
         footprint=type(cargo.container.footprint),
         oscillators=tuple(tuple(axes[axis] for axis in mode.directions) for mode in cargo.oscillators),
@@ -192,6 +194,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
     """
     footprint, filling, speed = cargo.container.footprint, cargo.filling, cargo.speed
     mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, fidelity)
+    yaws = int(_yaws(cargo))
     return ObjectNumbers(
         position=cargo.place,
         yaw=cargo.yaw,
@@ -209,6 +212,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         liquid_depth=filling.depth if filling else 0.0,
         max_slosh_height=_slosh_height(cargo),
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
+        yaw_correction=_yaw_correction(cargo),
         added_gravity=np.full(int(cargo.is_slowed), gravity / speed**2 - gravity),
         oscillators=tuple(
             OscillatorNumbers(
@@ -221,10 +225,23 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
                 surface_gain=mode.surface_gain,
                 tension=np.full(int(_tense(cargo)), mode.tension / speed**2),
                 place=np.zeros(0) if cargo.contents is None else np.array(mode.place),
+                arm=np.full(yaws, mode.arm),
+                wall_gains=np.array(mode.wall_gains or (0.0,) * (yaws * WALL_POINTS)),
             )
             for mode in cargo.oscillators
         ),
     )
+
+
+def _yaws(cargo: Cargo) -> bool:
+    return any(mode.yaws for mode in cargo.oscillators)
+
+
+def _yaw_correction(cargo: Cargo) -> np.ndarray:
+    """Of the yaw modes that are not carried; what a carrier feels has no surface of its own."""
+    yaw = None if cargo.filling is None else cargo.filling.modes.yaw
+    size = WALL_POINTS * int(_yaws(cargo))
+    return np.zeros(size) if yaw is None or not size else np.asarray(yaw.static_correction)
 
 
 def _slosh_height(cargo: Cargo) -> float:
@@ -246,11 +263,7 @@ def _rigid_part(cargo: Cargo, fidelity: Fidelity) -> tuple[float, np.ndarray, np
         return empty.mass + liquids.mass, first_moment, _about_bottom(empty) + liquids.inertia, 0.0
     if not cargo.filling:
         return total.mass, total.mass * total.centre, _about_bottom(total), 0.0
-    empty, modes = cargo.empty, cargo.filling.modes
-    # An ideal liquid in an upright cup does not take part in a turn about its axis: no yaw inertia.
-    fixed = MassProperties(
-        modes.fixed_mass, np.array([0.0, 0.0, modes.fixed_height]), np.diag([*np.asarray(modes.fixed_inertia), 0.0])
-    )
+    empty, fixed = cargo.empty, cargo.filling.fixed
     first_moment = empty.mass * empty.centre + fixed.mass * fixed.centre
     return empty.mass + fixed.mass, first_moment, _about_bottom(empty) + _about_bottom(fixed), 0.0
 

@@ -31,7 +31,7 @@ def settling_time(scene: Scene, certificate: Certificate, constraint: str = Resi
         if cargo.filling is None:
             continue
         factors = (1.0, 1.0) if cargo.tolerance is None else cargo.tolerance.damping
-        modes = cargo.filling.modes.oscillators
+        modes = cargo.filling.oscillators
         decay = min(_decay(factor * mode.damping) * mode.frequency for factor in factors for mode in modes)
         ratio = heights.get(cargo.name, 0.0) / (STILL_FRACTION * cargo.filling.max_slosh_height)
         if ratio > 1.0:

@@ -122,7 +122,7 @@ class Evidence:
         objects = sample_objects(
             structure, fixed, frame_at_rest(fixed.gravity), split_states(structure, q, still, still)
         )
-        heights = [crest(item.structure, item.surface) for item in objects if item.structure.liquid]
+        heights = [crest(item.structure, item.surface, item.yaw_heights) for item in objects if item.structure.liquid]
         table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states.T)).full())
         names = [cargo.name for cargo in scene.cargo if cargo.filling]
         return played.t[-1] + after, dict(zip(names, table, strict=True))

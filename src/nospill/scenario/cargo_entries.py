@@ -29,7 +29,17 @@ from nospill.scenario.fields import (
     Vector,
 )
 from nospill.scenario.profile_files import MOST_POINTS, read_profile
-from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Points, Quantity, Table, default, tag
+from nospill.scenario.tables import (
+    Given,
+    OptionalQuantities,
+    OptionalQuantity,
+    Points,
+    Quantity,
+    Table,
+    Values,
+    default,
+    tag,
+)
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
@@ -81,6 +91,18 @@ class SwingTable(Table):
         Given[list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]], Points],
         Field(description="their velocities, of the same modes", min_length=1, max_length=FULL_MODES),
     ]
+    yaw_displacement: Annotated[
+        Given[list[Annotated[float, _SWING]] | None, Values | None],
+        Field(
+            description="of the yaw modes of a box, the height of each in the corner towards x and y; at rest when not "
+            "given",
+            max_length=2 * FULL_MODES - 1,
+        ),
+    ] = default(None)
+    yaw_velocity: Annotated[
+        Given[list[Annotated[float, _SWING_RATE]] | None, Values | None],
+        Field(description="their velocities, of the same modes", max_length=2 * FULL_MODES - 1),
+    ] = default(None)
 
 
 LiquidValue = Annotated[

@@ -20,6 +20,7 @@ from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
+from nospill.scene.sloshing.modes import wall_gains
 from nospill.scene.surface_tension.meniscus import meniscus_in
 from nospill.scene.surface_tension.tension import liquid_modes
 from nospill.scene.swing import Swing, coordinates
@@ -206,10 +207,10 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         contact_line=line,
         contact_angle=angle,
     )
-    return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing)
+    return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing, fidelity)
 
 
-def _swinging(filling: Filling, container: Container, table: SwingTable) -> Filling:
+def _swinging(filling: Filling, container: Container, table: SwingTable, fidelity: Fidelity) -> Filling:
     """The liquid with its initial swing, which must be inside its limit."""
     if len(table.displacement) != len(table.velocity):
         raise ScenarioError(
@@ -217,19 +218,24 @@ def _swinging(filling: Filling, container: Container, table: SwingTable) -> Fill
             "give both of the same modes"
         )
     displacement, velocity = ([(x, y) for x, y in rows] for rows in (table.displacement, table.velocity))
-    swing = Swing(tuple(displacement), tuple(velocity))
-    modes = filling.modes.oscillators
-    gains = [mode.surface_gain for mode in modes for _ in mode.directions]
-    axes = [axis for mode in modes for axis in mode.directions]
-    raised = np.array(gains) * coordinates(swing, modes)[0]
-    height = np.array([sum(part for part, axis in zip(raised, axes, strict=True) if axis == own) for own in ("x", "y")])
-    crest = max(float(np.linalg.norm(vector)) for vector in container.footprint.crest_vectors(height))
+    yaw = [tuple(part or ()) for part in (table.yaw_displacement, table.yaw_velocity)]
+    swing = Swing(tuple(displacement), tuple(velocity), *yaw)
+    if len(yaw[0]) != len(yaw[1]) or (swing.yaws and filling.modes.yaw is None):
+        raise ScenarioError(
+            f"initial_swing: yaw_displacement has {len(yaw[0])} modes and yaw_velocity {len(yaw[1])}; give both of the "
+            "same modes, and only of a box"
+        )
+    filling = dataclasses.replace(filling, initial_swing=swing, turns=swing.yaws and fidelity == "full")
+    modes = filling.oscillators
+    height = wall_gains(modes) @ coordinates(swing, modes)[0]
+    crest = max(float(np.linalg.norm(vector)) for vector in container.footprint.crest_vectors(height[:2]))
+    crest += float(np.max(np.abs(height[2:])))
     if crest > filling.max_slosh_height:
         raise ScenarioError(
             f"initial_swing: the surface stands {_mm(crest)} high when the motion begins, above max_slosh_height "
             f"{_mm(filling.max_slosh_height)}; wait longer before the motion or raise the limit"
         )
-    return dataclasses.replace(filling, initial_swing=swing)
+    return filling
 
 
 def _check_angle(entry: CargoTable, container: Container) -> None:

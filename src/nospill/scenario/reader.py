@@ -36,6 +36,7 @@ from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, 
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
+from nospill.scene.turning import turning, turns
 
 MOST_REST_SAMPLES = 200_000
 """Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
@@ -111,6 +112,9 @@ def read_scene(
         source["obstacle"] = [
             {**entry, **update} for entry, update in zip(table["obstacle"], described_obstacles, strict=True)
         ]
+    motion = _motion(scenario, path, tray, passed)
+    if scenario.fidelity == "full" and turns(path, motion):
+        cargo = tuple(turning(item) for item in cargo)
     return Scene(
         name=scene_name,
         fidelity=scenario.fidelity,
@@ -118,7 +122,7 @@ def read_scene(
         tray=tray,
         cargo=cargo,
         path=path,
-        motion=_motion(scenario, path, tray, passed),
+        motion=motion,
         planning=_record_of(PlanningOptions, scenario.planning, {}),
         output_rate=scenario.output.rate,
         gravity=STANDARD_GRAVITY,

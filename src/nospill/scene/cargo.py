@@ -30,6 +30,7 @@ class Filling:
         contact_line: how the surface meets the wall; empty where surface tension is left out.
         contact_angle: between wall and surface at rest, measured in the liquid, rad; None where it is not stated.
         initial_swing: of the liquid when the motion begins; None where it is at rest then.
+        turns: whether its container turns about its own axis, which makes yaw modes swing (`scene.turning`).
     """
 
     liquid: Liquid
@@ -41,6 +42,21 @@ class Filling:
     contact_line: ContactLine = ""
     contact_angle: float | None = None
     initial_swing: Swing | None = None
+    turns: bool = False
+
+    @property
+    def oscillators(self) -> tuple[Oscillator, ...]:
+        """Its modal masses, yaw modes among them where it turns."""
+        yaw = self.modes.yaw if self.turns else None
+        return self.modes.oscillators if yaw is None else (*self.modes.oscillators, *yaw.oscillators)
+
+    @property
+    def fixed(self) -> MassProperties:
+        """What of the liquid moves with its container; in a body of revolution a turn about the axis moves nothing."""
+        modes, yaw = self.modes, self.modes.yaw
+        about_axis = 0.0 if yaw is None else yaw.fixed_inertia if self.turns else yaw.inertia
+        inertia = np.diag([*np.asarray(modes.fixed_inertia), about_axis])
+        return MassProperties(modes.fixed_mass, np.array([0.0, 0.0, modes.fixed_height]), inertia)
 
     @property
     def depth(self) -> float:
@@ -166,7 +182,7 @@ class Cargo:
         """Modal masses of the liquid, or of the liquids that it carries; none of another solid."""
         if self.contents is not None:
             return self.contents.oscillators
-        return self.filling.modes.oscillators if self.filling else ()
+        return self.filling.oscillators if self.filling else ()
 
     @property
     def initial_coordinates(self) -> np.ndarray:

@@ -30,6 +30,8 @@ CARRIED_MODES = 3
 _FEW = 4
 """Like liquids up to this number push a carrier each by itself."""
 
+_OTHER_SIDE = {"x": "y", "y": "x"}
+
 _THIN = 1e-9
 """m; spread of places that is rounding."""
 
@@ -85,7 +87,7 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
     ]
     mass, first_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     for item, filling in filled:
-        fixed = _moved(_fixed(filling), item, carrier)
+        fixed = _moved(filling.fixed, item, carrier)
         mass += fixed.mass
         first_moment = first_moment + fixed.mass * fixed.centre
         inertia = inertia + fixed.inertia + fixed.mass * parallel_axis(fixed.centre)
@@ -108,13 +110,6 @@ def single_oscillators(cargo: Cargo) -> tuple[Oscillator, ...]:
     return tuple(mode for own in filled for mode in _pushing([own], cargo))
 
 
-def _fixed(filling: Filling) -> MassProperties:
-    """What moves with its container of a liquid; an ideal one does not take part in a turn about its axis."""
-    modes = filling.modes
-    inertia = np.diag([*np.asarray(modes.fixed_inertia), 0.0])
-    return MassProperties(modes.fixed_mass, np.array([0.0, 0.0, modes.fixed_height]), inertia)
-
-
 def _pushing(filled: Sequence[tuple[Cargo, Filling]], carrier: Cargo) -> Iterable[Oscillator]:
     """The modal masses that stand for all liquids in a carrier."""
     groups: dict[tuple[object, ...], list[tuple[Cargo, Filling]]] = {}
@@ -131,9 +126,9 @@ def _pushing(filled: Sequence[tuple[Cargo, Filling]], carrier: Cargo) -> Iterabl
         chosen = places if len(places) <= _FEW else lumped(places)
         share = len(places) / len(chosen)
         for x, y in chosen.tolist():
-            for mode in filling.modes.oscillators:
+            for mode in filling.oscillators:
                 directions = (
-                    tuple({"x": "y", "y": "x"}[axis] for axis in mode.directions) if turned else mode.directions
+                    tuple(_OTHER_SIDE.get(axis, axis) for axis in mode.directions) if turned else mode.directions
                 )
                 yield replace(
                     mode,

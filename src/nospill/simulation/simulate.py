@@ -8,7 +8,7 @@ same laws that plan and certify: the modal masses (`nospill.laws.slosh.motion`) 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -19,15 +19,16 @@ import numpy as np
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
 from nospill.errors import ModelError, ScenarioError
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
-from nospill.laws.slosh.height import crest, surface_vector
+from nospill.laws.slosh.height import crest, surface_vector, yaw_heights
 from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
-from nospill.scene.sloshing.modes import STANDARD_GRAVITY, SloshModes
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.turning import turning
 from nospill.simulation.container_motion import body_rows, check_pressed, pose_spline, world_up
 from nospill.simulation.cup_file import cup_from_table, read_cup
 from nospill.simulation.motion_file import Heights, Motion, checked_motion
@@ -49,7 +50,7 @@ class SloshSimulation:
         t: (m,) s, the times of the motion's samples.
         height: (m,) m, of the free surface above rest at the wall, where it is highest, along the container's axis.
         reading: (m,) m, what a gauge at the wall shows of it (`nospill.simulation.readings`).
-        displacement: (m, k) of the modal masses along the container's axes, m.
+        displacement: (m, k) of the modal masses along the container's axes, m; of yaw modes, height in a box's corner.
         velocity: (m, k) likewise, m/s.
         freeboard: m, from the rest level to the rim.
         error: estimated integration error of the displacements, m.
@@ -147,7 +148,7 @@ def _simulated(
         body = body_rows(spline, grid, gravity)
         check_pressed(grid, body, filling.liquid_height)
         displaced, moving = cargo.initial_coordinates
-        start = np.concatenate([_level(structure, filling.modes, world_up(motion)) + displaced, moving])
+        start = np.concatenate([_level(structure, filling.oscillators, world_up(motion)) + displaced, moving])
         lengths = np.diff(grid[::2])
         return integrate(steps, start[None], inputs=body, lengths=lengths, parameters=np.zeros((1, 0)))[:, 0]
 
@@ -168,16 +169,16 @@ def _simulated(
 
 
 def _filled(container: Cargo | Mapping[str, Any] | str | os.PathLike[str], modes: int) -> Cargo:
-    """The container with the wanted number of modes."""
+    """The container with the wanted number of modes, and yaw modes if it is a box: any motion may turn it."""
     if isinstance(modes, bool) or not isinstance(modes, int | np.integer) or not 1 <= modes <= _LARGEST_MODE_COUNT:
         raise ScenarioError(f"modes = {modes}: a whole number from 1 to {_LARGEST_MODE_COUNT} is needed")
     if isinstance(container, Mapping):
-        return cup_from_table(container, slosh_modes=int(modes))
+        return turning(cup_from_table(container, slosh_modes=int(modes)))
     if not isinstance(container, Cargo):
-        return read_cup(Path(container), slosh_modes=int(modes))
+        return turning(read_cup(Path(container), slosh_modes=int(modes)))
     if container.filling is None:
         raise ScenarioError(f"{container.name} is solid: there is nothing to slosh; take a container with a liquid")
-    return with_modes(container, int(modes))
+    return turning(with_modes(container, int(modes)))
 
 
 def _is_corrected(height: str) -> bool:
@@ -202,11 +203,11 @@ def _divided(t: np.ndarray, parts: int) -> np.ndarray:
     return np.append(inside.ravel(), t[-1])
 
 
-def _level(structure: ObjectStructure, modes: SloshModes, up: np.ndarray) -> np.ndarray:
+def _level(structure: ObjectStructure, modes: Sequence[Oscillator], up: np.ndarray) -> np.ndarray:
     """Displacements (k,) of the modal masses at rest in a container that leans: f_xy + (omega^2/g) f_z q = 0."""
     places = [
-        -up[axis] / (mode.stiffness * up[2])
-        for mode, directions in zip(modes.oscillators, structure.oscillators, strict=True)
+        0.0 if directions == YAW_AXES else -up[axis] / (mode.stiffness * up[2])
+        for mode, directions in zip(modes, structure.oscillators, strict=True)
         for axis in directions
     ]
     return np.array(places)
@@ -226,6 +227,7 @@ def _heights(
     # The height reads displacements only.
     own = object_states(structure, state[:count], state[count:], SX.zeros(count))
     eta = surface_vector(numbers, structure, body_motion(row), own, corrected=corrected)
-    shown = crest(structure, eta) if azimuth is None else np.cos(azimuth) * eta[0] + np.sin(azimuth) * eta[1]
+    yaw = yaw_heights(numbers, structure, body_motion(row), own, corrected=corrected)
+    shown = crest(structure, eta, yaw) if azimuth is None else np.cos(azimuth) * eta[0] + np.sin(azimuth) * eta[1]
     function = ca.Function("height", [state, row], [shown], {"cse": True})
     return np.array(function(ca.DM(states.T), ca.DM(body)).full())[0]

@@ -167,9 +167,8 @@ def crest_function(kind: Structure) -> Any:
         displacement, body = SX.sym("q", count), SX.sym("body", 9)
         slosh = split_states(kind, displacement, SX.zeros(count), SX.zeros(count))
         (found,) = sample_objects(kind, numbers, body_motion(body), slosh)
-        return {
-            "crest": _dense("crest", [displacement, body, parameters], [crest(found.structure, found.surface)])
-        }, None
+        highest = crest(found.structure, found.surface, found.yaw_heights)
+        return {"crest": _dense("crest", [displacement, body, parameters], [highest])}, None
 
     return codegen.functions("crest", kind, build, of_columns={"crest": codegen.LAST})[0]["crest"]
 

@@ -241,7 +241,10 @@ def _expressions(
 
 def _lifted(item: ObjectSample, lifted: LiftedVariables) -> ObjectSample:
     wrench = Wrench(lifted.lift(item.wrench.force), lifted.lift(item.wrench.moment))
-    return replace(item, wrench=wrench, surface=lifted.lift(item.surface))
+    surface, added = item.surface, item.yaw_heights
+    return replace(
+        item, wrench=wrench, surface=lifted.lift(surface), yaw_heights=lifted.lift(added) if added.numel() else added
+    )
 
 
 def _quarters(own: SX, coordinates: int) -> list[SX]:

@@ -39,7 +39,7 @@ def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
     Others, whose part of a height is small, turn by 1 rad at most, or by `swing` where that is more.
     """
     turns = [
-        mode.frequency * duration / (swing if mode.number == 1 else max(swing, _FLAT_SWING))
+        mode.frequency * duration / (swing if mode.number == 1 and not mode.yaws else max(swing, _FLAT_SWING))
         for cargo in scene.cargo
         for mode in cargo.oscillators
     ]

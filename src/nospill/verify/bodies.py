@@ -12,6 +12,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import single_oscillators, with_modes
 from nospill.scene.scene import Scene
 from nospill.scene.swing import coordinates
+from nospill.scene.turning import turning
 
 RIM_POINTS = 16
 """Contact points round a disc. The polygon through them lies inside the disc by 1.9 % of the radius at most."""
@@ -89,10 +90,11 @@ def bodies_of(scene: Scene) -> tuple[Body, ...]:
     """Every object that stands on the tray itself with its liquid moving, whatever the fidelity it was planned with.
 
     A liquid has the modes that the scenario states, one unless it says otherwise; the others weigh a hundredth of it.
-    In a carrier every single liquid moves, with `CARRIED_MODES` at most.
+    In a carrier every single liquid moves, with `CARRIED_MODES` at most. Yaw modes of boxes are left out.
     """
     full = replace(scene, fidelity="full")
-    return tuple(_body(with_modes(cargo, scene.slosh_modes), full) for cargo in scene.cargo if not cargo.carrier)
+    still = (turning(cargo, on=False) for cargo in scene.cargo if not cargo.carrier)
+    return tuple(_body(with_modes(cargo, scene.slosh_modes), full) for cargo in still)
 
 
 def _body(cargo: Cargo, scene: Scene) -> Body:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 
 import casadi as ca
 import numpy as np
@@ -169,7 +170,7 @@ def test_residual_height_bounds_what_the_liquid_then_does(name):
     ]
     if name == "mixed-tray":
         box = SloshHeight().budgets(Sample(structure, numbers, objects=objects))[2]
-        heights[2] = ca.fmax(*[figures(budget, False)[0] for budget in box])
+        heights[2] = reduce(ca.fmax, [figures(budget, False)[0] for budget in box])
     height = ca.Function("h", [states], [ca.vertcat(*heights)])
     random = np.random.default_rng(1)
     looseness = []

@@ -32,8 +32,9 @@ def numbers_of(mode: Oscillator) -> tuple[OscillatorNumbers, tuple[int, ...]]:
     return OscillatorNumbers(*[getattr(mode, name) for name in FIELDS]), tuple(AXES[axis] for axis in mode.directions)
 
 
-FIELDS = [field.name for field in dataclasses.fields(OscillatorNumbers) if field.name != "place"]
-"""What is a number; the place is that of the container's axis."""
+NONE = ("place", "arm", "wall_gains")
+FIELDS = [field.name for field in dataclasses.fields(OscillatorNumbers) if field.name not in NONE]
+"""What is a number; the place is that of the container's axis, and no mode is one of yaw."""
 
 
 def law(directions: tuple[int, ...], *, damp_against_spin: bool) -> ca.Function:

@@ -27,11 +27,11 @@ class SloshHeight(Constraint):
         return liquid_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
-        """One cone for a circular wall, two bands for a box."""
+        """One cone for a circular wall, two bands for a box, a band for every place of the wall of one that turns."""
         return tuple(
             tuple(
                 Cone(demand, item.numbers.max_slosh_height, item.numbers.max_slosh_height)
-                for demand in item.structure.footprint.crest_vectors(item.surface)
+                for demand in item.wall_vectors
             )
             for item in sample.objects
             if item.structure.liquid

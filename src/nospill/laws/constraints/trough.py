@@ -34,10 +34,7 @@ class Trough(Constraint):
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """As for the slosh height: one cone for a circular wall, two bands for a box."""
         return tuple(
-            tuple(
-                Cone(demand, item.numbers.liquid_depth, item.numbers.liquid_depth)
-                for demand in item.structure.footprint.crest_vectors(item.surface)
-            )
+            tuple(Cone(demand, item.numbers.liquid_depth, item.numbers.liquid_depth) for demand in item.wall_vectors)
             for item in sample.objects
             if item.structure.shallow
         )

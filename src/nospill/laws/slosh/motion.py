@@ -17,6 +17,11 @@ on a level tray the published 4-D equation. The others are flat, P = 0, and line
 
 The stiffness comes from the apparent gravity along the axis, so kappa is free of g. Surface tension, where it counts,
 adds a spring tau q that no gravity changes.
+
+A yaw mode of a box is flat too; its mass slides along a circle of the radius L about the axis, where the container
+turns with alpha_z [`scene.sloshing.yaw_modes`]:
+
+    q'' = -L alpha_z - kappa b_z q - 2 zeta omega q'.
 """
 
 from __future__ import annotations
@@ -26,7 +31,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers
+from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure, OscillatorNumbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +44,10 @@ class OscillatorState:
 
 
 def horizontal(directions: tuple[int, ...], coordinates: SX) -> SX:
-    """D q: the coordinates as a horizontal vector, shape (2, 1)."""
+    """D q: the coordinates as a horizontal vector, shape (2, 1); nothing of a yaw mode, whose middle stays."""
     full = SX.zeros(2)
+    if directions == YAW_AXES:
+        return full
     for index, axis in enumerate(directions):
         full[axis] = coordinates[index]
     return full
@@ -75,6 +82,14 @@ def apparent_acceleration(
     return motion.at(place).specific_force + 2 * ca.cross(motion.angular_velocity, speed) + relative
 
 
+def yaw_acceleration(oscillator: OscillatorNumbers, motion: FrameMotion, state: OscillatorState) -> SX:
+    """Acceleration of a yaw mode's mass along its circle, q'' + L alpha_z, scalar, m/s^2.
+
+    Times the mass and L it is the moment about the axis that the container exerts on it.
+    """
+    return state.acceleration + oscillator.arm * motion.angular_acceleration[2]
+
+
 def motion_residual(
     oscillator: OscillatorNumbers,
     directions: tuple[int, ...],
@@ -87,7 +102,7 @@ def motion_residual(
 
     Args:
         oscillator: its numbers.
-        directions: horizontal axes it moves along.
+        directions: horizontal axes it moves along, or `YAW_AXES`.
         motion: of the container frame, in container axes.
         state: displacement, velocity, acceleration.
         damp_against_spin: measure the damping velocity against axes that do not spin about the cup's axis, as the
@@ -96,7 +111,10 @@ def motion_residual(
     q, qd = state.displacement, state.velocity
     curvature = oscillator.curvature
     apparent = apparent_acceleration(oscillator, directions, motion, state)
-    along = ca.vertcat(*[apparent[axis] for axis in directions])
+    if directions == YAW_AXES:
+        along = yaw_acceleration(oscillator, motion, state)
+    else:
+        along = ca.vertcat(*[apparent[axis] for axis in directions])
     slip_rate = qd
     if damp_against_spin and len(directions) == 2:
         slip_rate = qd + motion.angular_velocity[2] * ca.vertcat(-q[1], q[0])

@@ -14,6 +14,7 @@ from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import SloshModes
 from nospill.scene.sloshing.prism import (
     EMPIRICAL_DAMPING,
+    LARGEST_DAMPING,
     FrozenLiquid,
     PrismMode,
     check_filling,
@@ -24,6 +25,7 @@ from nospill.scene.sloshing.prism import (
     slosh_model,
     thick_damping,
 )
+from nospill.scene.sloshing.yaw_modes import yaw_modes
 
 _TORSION_TERMS = 400
 
@@ -123,9 +125,8 @@ class Box:
         All these masses are taken from one fixed mass; a mass that moves along x is carried along y like a rigid one.
         In a shallow box of two similar sides the fixed mass is therefore negative, which is right and harmless.
 
-        Validity limit: translation, pitch and roll excite only modes along one side. A turn about the vertical axis
-        also excites modes that are odd along both sides, and moves liquid even without them; neither is modelled, so
-        fast spins of a box on the spot are outside the model.
+        Translation, pitch and roll excite only modes along one side; a turn about the vertical axis excites those that
+        are odd along both (`yaw_modes`).
 
         Args:
             liquid: what is in it.
@@ -153,7 +154,18 @@ class Box:
             quasi_static_gain=np.array((self.length, self.width)) / 2,
         )
         ratio = boundary_layer_damping(liquid, self, liquid_height) if damping is None else damping
-        return slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
+        found = slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
+        slowest = min(modes, key=lambda mode: mode.wave_number)
+        yaw = yaw_modes(
+            (self.length, self.width),
+            liquid,
+            liquid_height,
+            count,
+            inertia=mass * enclosed_liquid_inertia(self.length, self.width),
+            damping_scale=ratio / slowest.laminar_damping(liquid, liquid_height),
+            most_damping=max(ratio, LARGEST_DAMPING),
+        )
+        return replace(found, yaw=yaw)
 
 
 def boundary_layer_damping(liquid: Liquid, box: Box, liquid_height: float) -> float:

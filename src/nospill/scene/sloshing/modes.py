@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,12 @@ from nospill.core.arrays import read_only
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; the value of the published computations."""
+
+YAW = "yaw"
+"""Direction of a yaw mode, whose mass slides along a circle about the container's axis."""
+
+WALL_POINTS = 9
+"""Places of a quarter of a box's wall at which the height of its yaw modes is looked at (`yaw_modes.wall_points`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +31,15 @@ class Oscillator:
         surface_gain: C_n, height of the surface at the wall towards which the mass has moved, per its displacement;
             free of g. Positive for every mode of a prism: an apparent gravity that leans moves every mass and every
             crest to the same side; negative for some higher modes of vessels that widen.
-        directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box.
+        directions: horizontal directions it moves in, ("x", "y") for a circular cup, ("x",) or ("y",) in a box;
+            ("yaw",) of a yaw mode.
         wave_number: k_n, 1/m.
         number: n, 1 for the slowest mode along its directions.
         tension: part of omega_n^2 that comes from surface tension and not from gravity, 1/s^2; 0 where it is left out.
         place: (x, y) of the axis that it swings about, m; off the middle where a carrier feels the liquids in it.
+        arm: of a yaw mode, radius of the circle along which its mass slides, m; negative where the corner (+, +) falls
+            as the mass moves with the turn. Zero of others.
+        wall_gains: of a yaw mode, height at each of the `WALL_POINTS` per displacement.
     """
 
     frequency: float
@@ -41,6 +52,13 @@ class Oscillator:
     number: int
     tension: float = 0.0
     place: tuple[float, float] = (0.0, 0.0)
+    arm: float = 0.0
+    wall_gains: tuple[float, ...] = ()
+
+    @property
+    def yaws(self) -> bool:
+        """Whether it is a yaw mode."""
+        return self.directions == (YAW,)
 
     @property
     def stiffness(self) -> float:
@@ -62,9 +80,52 @@ class Oscillator:
 
         On a paraboloid gravity along the axis is the spring, and P_1 is the stiffness. A fast mode would stand on a
         slope of 1 at a displacement of a millimetre or two, where nothing but linear potential theory supports it; its
-        spring is linear.
+        spring is linear. So is that of a yaw mode.
         """
-        return self.stiffness if self.number == 1 else 0.0
+        return self.stiffness if self.number == 1 and not self.yaws else 0.0
+
+
+def wall_gains(oscillators: Sequence[Oscillator]) -> np.ndarray:
+    """Heights per coordinate, (11, k): of modes along x and y at the wall there, of yaw modes at `WALL_POINTS`."""
+    columns = []
+    for mode in oscillators:
+        for direction in mode.directions:
+            own = np.zeros(2 + WALL_POINTS)
+            if direction == YAW:
+                own[2:] = mode.wall_gains
+            else:
+                own["xy".index(direction)] = mode.surface_gain
+            columns.append(own)
+    return np.array(columns).reshape(-1, 2 + WALL_POINTS).T
+
+
+@dataclass(frozen=True, slots=True)
+class YawModes:
+    """What a turn about the vertical moves in the liquid of a box, see `yaw_modes`.
+
+    Attributes:
+        oscillators: the yaw modes, first that of one half wave along each side; their displacement is the height in the
+            corner (+, +).
+        sides: of the box along x and y, m.
+        inertia: of the liquid about the vertical under a closed surface, kg m^2; less than that of the frozen liquid.
+        gains: (9,) m^2, height at each of the `WALL_POINTS` per -psi''/a_z with all modes.
+    """
+
+    oscillators: tuple[Oscillator, ...]
+    sides: tuple[float, float]
+    inertia: float
+    gains: np.ndarray
+
+    @property
+    def fixed_inertia(self) -> float:
+        """Of what is left beside the moving masses, kg m^2; with all of them in place it is `inertia`."""
+        return self.inertia - sum(mode.mass * mode.arm**2 for mode in self.oscillators)
+
+    @property
+    def static_correction(self) -> np.ndarray:
+        """As `SloshModes.static_correction`, of the yaw modes that are not carried: (9,) m^2 per -psi''/a_z."""
+        carried = [mode.arm * mode.compliance * np.array(mode.wall_gains) for mode in self.oscillators]
+        return read_only(self.gains - np.sum(carried, axis=0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +139,11 @@ class SloshModes:
         fixed_mass: m_0 = m_F - sum m_n, kg. Negative in a shallow box, whose modes along x and along y both leave it
             although each is carried rigidly across its own direction; m_0 plus those masses is never negative.
         fixed_height: H_0 above the bottom from sum m_i H_i = m_F H_C (h/2 in a prism), m.
-        fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); zero about the
-            vertical.
+        fixed_inertia: I_0 about the horizontal axes through H_0, shape (2,), kg m^2 (x axis, y axis); about the
+            vertical it is that of `yaw`.
         quasi_static_gain: (2,), m: height at the wall per lateral/axial apparent gravity with all modes, along x and y
             (radius of the rest surface, or half the side of a box).
+        yaw: what a turn about the vertical moves; None in a body of revolution, whose liquid stays where it is.
     """
 
     oscillators: tuple[Oscillator, ...]
@@ -91,6 +153,7 @@ class SloshModes:
     fixed_height: float
     fixed_inertia: np.ndarray
     quasi_static_gain: np.ndarray
+    yaw: YawModes | None = None
 
     @property
     def slowest(self) -> Oscillator:

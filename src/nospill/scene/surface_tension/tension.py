@@ -7,7 +7,7 @@ gravity's part grows with the apparent gravity, so it stays the stiffness and th
 
 A contact line that is pinned adds the force that keeps the surface at the wall where it is. In the modes of the free
 line, of mass m_n and height C_n at the wall, the frequencies are then the roots of sum C_n^2/(m_n (omega_n^2 -
-omega^2)) = 0, one between each two of the free line's.
+omega^2)) = 0, one between each two of the free line's. Yaw modes of a box keep the free line's.
 
 Where another contact angle is stated for a round vessel, the modes are those below its curved surface (`curved_modes`).
 """
@@ -28,6 +28,7 @@ from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
 from nospill.scene.meridian import Meridian
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
+from nospill.scene.sloshing.yaw_modes import with_tension as yaw_with_tension
 from nospill.scene.surface_tension.meniscus import capillary_length
 
 ContactLine = Literal["", "free", "pinned"]
@@ -107,7 +108,10 @@ def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
     round_section = "y" in modes.oscillators[0].directions and "x" in modes.oscillators[0].directions
     gain = [_gain(half, length, round_section=round_section) for half in modes.quasi_static_gain.tolist()]
     oscillators = tuple(_stretched(item, length) for item in modes.oscillators)
-    return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain))
+    yaw = modes.yaw and yaw_with_tension(modes.yaw, length)
+    if yaw is not None:
+        yaw = replace(yaw, oscillators=tuple(map(_bounded, yaw.oscillators)))
+    return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain), yaw=yaw)
 
 
 def _meridian(container: Container) -> Meridian | None:
