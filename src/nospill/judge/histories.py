@@ -71,7 +71,7 @@ class ContactLoad:
 
 @dataclass(frozen=True, slots=True)
 class ModalStates:
-    """Slosh modes of a liquid, in container axes, mode by mode, x before y.
+    """Slosh modes of a liquid, in container axes, mode by mode, x before y; yaw modes last.
 
     Attributes:
         t: (m,) the instants that were judged, s.
