@@ -97,7 +97,7 @@ class OscillatorNumbers:
     """One modal mass; fields as in `scene.containers.modes.Oscillator`, a curvature of zero where it is flat.
 
     The tension is (1,) where the object's structure is tense, else there is none; the place (2,) where it is spread;
-    where it yaws, the arm (1,), m, and the wall gains (9,), both zero of what is no yaw mode.
+    of a yaw mode the arm (1,), m, and the wall gains (9,), else there is none.
     """
 
     frequency: Number
@@ -372,7 +372,12 @@ def blank_numbers(structure: Structure) -> SceneNumbers:
 
 
 def _blank_object(item: ObjectStructure) -> ObjectNumbers:
-    return _zeros(ObjectNumbers, item, oscillators=(_zeros(OscillatorNumbers, item),) * len(item.oscillators))
+    yaw, plain = (
+        _zeros(OscillatorNumbers, item),
+        _zeros(OscillatorNumbers, item, arm=np.zeros(0), wall_gains=np.zeros(0)),
+    )
+    oscillators = tuple(yaw if directions == YAW_AXES else plain for directions in item.oscillators)
+    return _zeros(ObjectNumbers, item, oscillators=oscillators)
 
 
 def _zeros(record: type[Record], whole: Structure | ObjectStructure, **parts: Any) -> Record:

@@ -194,7 +194,6 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
     """
     footprint, filling, speed = cargo.container.footprint, cargo.filling, cargo.speed
     mass, first_moment, inertia, spin_inertia = _rigid_part(cargo, fidelity)
-    yaws = int(_yaws(cargo))
     return ObjectNumbers(
         position=cargo.place,
         yaw=cargo.yaw,
@@ -225,8 +224,8 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
                 surface_gain=mode.surface_gain,
                 tension=np.full(int(_tense(cargo)), mode.tension / speed**2),
                 place=np.zeros(0) if cargo.contents is None else np.array(mode.place),
-                arm=np.full(yaws, mode.arm),
-                wall_gains=np.array(mode.wall_gains or (0.0,) * (yaws * WALL_POINTS)),
+                arm=np.full(int(mode.yaws), mode.arm),
+                wall_gains=np.array(mode.wall_gains),
             )
             for mode in cargo.oscillators
         ),
