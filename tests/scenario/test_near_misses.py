@@ -49,9 +49,9 @@ def test_other_names_lead_to_keys_that_there_are() -> None:
 def test_a_misspelt_key_in_python_is_one_mistake() -> None:
     cup = {"name": "c", "at": (0.0, 0.0), "radius": 0.03, "liquid": "water", "liquid_height": 0.05}
     with pytest.raises(ScenarioError, match=r'^Cylinder "c": unknown key "hieght"; did you mean "height"\?$'):
-        ns.Cylinder(**cup, hieght=0.1)
+        ns.Cylinder(**cup, hieght=0.1)  # type: ignore[call-arg]
     with pytest.raises(ScenarioError, match=r'unknown key "hieght"; did you mean "height"\? \(and 1 more mistake\)$'):
-        ns.Cylinder(**{key: value for key, value in cup.items() if key != "radius"}, hieght=0.1)
+        ns.Cylinder(**{key: value for key, value in cup.items() if key != "radius"}, hieght=0.1)  # type: ignore[call-arg]
 
 
 def test_a_misspelt_key_in_a_changed_place_is_one_mistake() -> None:
