@@ -23,7 +23,7 @@ class Change:
     Attributes:
         what: what is in the way, for people.
         place: key in the scenario, as "tray.friction", "cargo.c2.mass" (by the object's name) or
-            "cargo.*.max_slosh_height" (every object that has the key).
+            "cargo.*.max_slosh_height" (every object that states the key, or all).
         value: its new value, SI.
         text: the change in words.
         constraint: of the certificate whose limit it widens, as a row names it; empty where it is about no limit.

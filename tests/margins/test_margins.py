@@ -22,7 +22,7 @@ from nospill.core.trees import flatten
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.laws.scene_parameters import object_numbers
-from nospill.margins import FACTORS, Ranges, laws, margins, probability, study
+from nospill.margins import FACTORS, Ranges, margins, probability
 from nospill.margins.arms import ArmRanges, drawn_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
@@ -48,13 +48,6 @@ def off(**changes: float) -> np.ndarray:
     return draw
 
 
-@pytest.fixture
-def small_batches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ten samples at a time: a batch is evaluated whole, however few are asked for."""
-    for module in (laws, study):
-        monkeypatch.setattr(module, "BATCH", 10)
-
-
 @pytest.fixture(scope="module")
 def smooth_plan(smooth_motion: Callable[..., Any]) -> Callable[..., Plan]:
     def make(name: str, **options: Any) -> Plan:
@@ -72,16 +65,15 @@ def run(*arguments: str) -> Any:
     return CliRunner().invoke(app, list(arguments), catch_exceptions=False, prog_name="nospill")
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "mixed-tray"])
 def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan(name, tilt=(0.1, 0.05) if name != "matrix-liquid" else (0.0, 0.0))
     rows = {(row.constraint, row.subject): row for row in plan.certificate.rows}
     motion = tray_motion(plan.trajectory, plan.scene)
-    for index, cargo in enumerate(plan.scene.cargo):
-        [(count, found)] = object_margins(plan.scene, index, (_numbers(cargo, plan.scene),), motion)
-        assert count == 1 and len(found.constraints) >= 4
+    every = object_margins(plan.scene, [[_numbers(cargo, plan.scene)] for cargo in plan.scene.cargo], motion)
+    for cargo, found in zip(plan.scene.cargo, every, strict=True):
+        assert len(found.margin) == 1 and len(found.constraints) >= 4
         for column, constraint in enumerate(found.constraints):
             row = rows[constraint.name, cargo.name]
             size = abs(row.limit) or 1.0
@@ -128,7 +120,6 @@ def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: 
             assert mine.damping == pytest.approx(before.damping * math.exp(damping))
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("mixed-tray", cargo=1, stretch=1.2)
@@ -138,19 +129,18 @@ def test_no_ranges_give_one_figure_for_all_samples(smooth_plan: Callable[..., Pl
     assert report.any_limit.count in (0, 7)
 
 
-@pytest.mark.usefixtures("small_batches")
 def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-rigid")
     scene, motion = plan.scene, tray_motion(plan.trajectory, plan.scene)
-    numbers = tuple(_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25))
-    [(_, found)] = object_margins(scene, 0, numbers, motion)
+    scene = replace(scene, cargo=scene.cargo[:1])
+    numbers = [_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25)]
+    (found,) = object_margins(scene, [numbers], motion)
     use = 1.0 - found.margin[:, [own.name for own in found.constraints].index("slip")]
     assert use[[0, 2]] == pytest.approx(use[1] / np.array([0.8, 1.25]), rel=1e-9)
     tip = found.margin[:, [own.name for own in found.constraints].index("tip")]
     assert tip == pytest.approx(tip[0], rel=1e-12)
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callable[..., Plan]) -> None:
     gentle = smooth_plan("matrix-liquid", cargo=1, stretch=2.0)
@@ -162,7 +152,6 @@ def test_slide_and_spill_are_counted_where_they_must_happen(smooth_plan: Callabl
     assert worse.worst_margin.max() < 0.0
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: Callable[..., Plan]) -> None:
     plan = smooth_plan("matrix-liquid", cargo=1, stretch=1.2)
@@ -224,7 +213,6 @@ def test_wrong_questions_are_refused(smooth_plan: Callable[..., Plan]) -> None:
         margins(plan, seed=-1)
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_command_writes_one_whole_folder_and_replaces_only_its_own(
     smooth_plan: Callable[..., Plan], tmp_path: Path
@@ -273,17 +261,55 @@ def test_wrong_options_are_one_line(arguments: tuple[str, ...], message: str, tm
     assert len(done.stderr.strip().splitlines()) == 1
 
 
-@pytest.mark.usefixtures("small_batches")
 @pytest.mark.slow
 def test_arms_that_are_late_cost_margin(smooth_plan: Callable[..., Plan]) -> None:
-    """Every batch of samples has an arm of its own; with certain objects nothing else moves the margins."""
+    """Every sample has an arm of its own; with certain objects nothing else moves the margins."""
     plan = smooth_plan("matrix-liquid", cargo=1)
-    certain = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
-    late = margins(plan, ranges=certain, arm=ArmRanges(delay=0.004, lag=0.01), samples=20)
-    assert late.arms == 2
-    assert len(np.unique(np.round(late.worst_margin, 9))) == 2
+    late = margins(plan, ranges=NONE, arm=ArmRanges(delay=0.004, lag=0.01), samples=8)
+    assert late.arms == 8
+    assert len(np.unique(np.round(late.worst_margin, 9))) == 8
     assert np.all(np.abs(late.worst_margin - late.nominal) > 1e-5)
-    assert late.to_dict()["arm"] == {"delay_s": 0.004, "lag_s": 0.01, "drawn": 2}
+    assert late.to_dict()["arm"] == {"delay_s": 0.004, "lag_s": 0.01, "drawn": 8}
+
+
+@pytest.mark.slow
+def test_arm_that_nothing_delays_plays_the_plan(smooth_plan: Callable[..., Plan]) -> None:
+    """The command of a plan, followed by a drawn arm that is hardly late, is the motion that was planned."""
+    plan = smooth_plan("matrix-liquid", cargo=1, stretch=1.2)
+    report = margins(plan, ranges=NONE, arm=ArmRanges(delay=1e-9), samples=2)
+    assert report.worst_margin == pytest.approx(np.full(2, report.nominal), abs=1e-5)
+
+
+@pytest.mark.slow
+def test_intervals_of_two_seeds_overlap_where_arms_are_drawn(smooth_plan: Callable[..., Plan]) -> None:
+    """Samples that shared an arm would break a limit together, and two seeds contradict each other."""
+    plan = smooth_plan("matrix-rigid", cargo=1)
+    (cargo,) = plan.scene.cargo
+    use = 1.0 - margins(plan, ranges=NONE, samples=1).nominal
+    barely = replace(cargo, friction=use * cargo.friction)  # half of the arms need more
+    plan = replace(plan, scene=replace(plan.scene, cargo=(barely,)))
+    chances = [margins(plan, ranges=NONE, arm=ArmRanges(lag=0.05), samples=60, seed=seed).slide for seed in (1, 2)]
+    assert max(chance.low for chance in chances) < min(chance.high for chance in chances)
+    assert any(0 < chance.count < 60 for chance in chances)
+
+
+def test_interval_covers_a_known_share_as_often_as_it_says() -> None:
+    """Of independent samples; of ten that share an arm it would cover far less, which is why every one has its own."""
+    rng, share, runs = np.random.default_rng(3), 0.3, 1000
+    found = [probability(rng.random(60) < share) for _ in range(runs)]
+    covered = sum(item.low <= share <= item.high for item in found)
+    assert covered > 0.95 * runs - 3.0 * math.sqrt(runs * 0.95 * 0.05)
+    shared = [probability(np.repeat(rng.random(6) < share, 10)) for _ in range(runs)]
+    assert sum(item.low <= share <= item.high for item in shared) < 0.8 * runs
+
+
+def test_arms_are_drawn_apart_from_the_objects() -> None:
+    scene = one_mode("matrix-rigid")
+    arms, _ = drawn_arms(scene, ArmRanges(delay=0.01), 200, seed=5)
+    delay = np.array([own.delay for own in arms])
+    draws = draw([Ranges(), Ranges()], 200, seed=5)[:, 0]  # as many numbers a sample as there are of an arm
+    correlation = np.corrcoef(np.hstack([delay, draws]), rowvar=False)[: delay.shape[1], delay.shape[1] :]
+    assert np.abs(correlation).max() < 0.3
 
 
 def test_drawn_arms_lie_within_their_ranges() -> None:

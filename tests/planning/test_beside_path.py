@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from nospill.core.attitudes import matrices, yaw_of
 from nospill.judge.certificate import certify
 from nospill.path_search.candidates import has_free_path
 from nospill.planning import planner as planning
+from nospill.planning.candidate import Candidate
 from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
 from nospill.plans.loading import load_plan
@@ -78,12 +80,13 @@ def test_a_plan_starts_from_an_earlier_one_with_the_same_freedom(changed_scene, 
 
 def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monkeypatch, changed_scene) -> None:
     """Every motion beside the path is spoilt."""
-    certified = planning.certified_by_refinement
+    certified, tried = planning.certified_by_refinement, list[Candidate]()
 
     def spoilt(candidate, log) -> Judged:
         judged = certified(candidate, log)
         if judged.candidate.active.scene.motion.corridor is None:
             return judged
+        tried.append(candidate)
         failed = replace(judged.judgement.certificate, ok=False)
         return replace(judged, judgement=replace(judged.judgement, certificate=failed))
 
@@ -93,6 +96,14 @@ def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monk
     given = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
     assert found.certificate.ok and "corridor" in {row.constraint for row in found.certificate.rows}
     assert found.duration == pytest.approx(given.duration, rel=1e-6)
+    (said,) = found.report.fallbacks
+    assert re.fullmatch(
+        r"no faster motion beside the path was certified: .+ of .+ at t = .+; the motion on the path itself was taken",
+        said,
+    )
+    assert len(tried) > 1, "other starts before the motion on the path"
+    assert [item.text for item in found.warnings if item.name == "fallback"] == [f"{said}."]
+    assert given.report.fallbacks == () and found.summary()["fallbacks"] == [said]
 
 
 def test_from_one_end_of_the_arc_to_the_other_on_any_way(example_plan, tmp_path) -> None:

@@ -127,3 +127,11 @@ def crossing(start: list[float], end: list[float]) -> Scene:
             planning=ns.Planning(slosh_modes=1),
         )
     )
+
+
+def test_swapped_arguments_are_refused_in_one_sentence() -> None:
+    scene = ns.load("matrix-liquid")
+    with pytest.raises(
+        ScenarioError, match=r"^with_residual_slosh\(Scene, Scene\): the scene of the next motion comes"
+    ):
+        with_residual_slosh(scene, scene)  # type: ignore[arg-type]

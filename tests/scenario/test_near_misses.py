@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+import nospill as ns
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scenario_schema
 from nospill.scenario.other_names import _ELSEWHERE, _HERE
@@ -43,3 +44,25 @@ def test_other_names_lead_to_keys_that_there_are() -> None:
     keys = {key for table in (schema, *schema["$defs"].values()) for key in table.get("properties", {})}
     assert {key for key, _ in _HERE.values()} <= keys
     assert {found[1] for text in _ELSEWHERE.values() if (found := re.match(r"write (\w+) under", text))} <= keys
+
+
+def test_a_misspelt_key_in_python_is_one_mistake() -> None:
+    cup = {"name": "c", "at": (0.0, 0.0), "radius": 0.03, "liquid": "water", "liquid_height": 0.05}
+    with pytest.raises(ScenarioError, match=r'^Cylinder "c": unknown key "hieght"; did you mean "height"\?$'):
+        ns.Cylinder(**cup, hieght=0.1)  # type: ignore[call-arg]
+    with pytest.raises(ScenarioError, match=r'unknown key "hieght"; did you mean "height"\? \(and 1 more mistake\)$'):
+        ns.Cylinder(**{key: value for key, value in cup.items() if key != "radius"}, hieght=0.1)  # type: ignore[call-arg]
+
+
+def test_a_misspelt_key_in_a_changed_place_is_one_mistake() -> None:
+    scene = ns.load("matrix-liquid")
+    with pytest.raises(ScenarioError, match=r'unknown key "liquid_hight"; did you mean "liquid_height"\?$'):
+        scene.changed({"cargo.c1.liquid_height": None, "cargo.c1.liquid_hight": 0.04})
+
+
+def test_a_key_that_no_object_states_is_given_to_all() -> None:
+    scene = ns.load("matrix-liquid")
+    changed = scene.changed({"cargo.*.friction": 0.4})
+    assert [item.friction for item in changed.cargo] == [0.4] * 4
+    with pytest.raises(ScenarioError, match=r'cargo "c1": unknown key "liquid_hight"; did you mean "liquid_height"\?'):
+        scene.changed({"cargo.*.liquid_hight": 0.04})

@@ -14,6 +14,7 @@ from nospill.cli import app
 from nospill.errors import ScenarioError
 from nospill.robots.capsules import CAPSULES, ESTIMATED
 from nospill.robots.description.catalog import load_robot
+from nospill.robots.description.limits import unlimited
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scenario_schema, scene_from_table
 from nospill.scene.scene import Scene
@@ -313,3 +314,10 @@ def test_any_value_of_any_key_is_read_or_refused_in_one_line(data: st.DataObject
         again = scene_from_table(tomllib.loads(scene.text()), name="other")
         assert again.robot.urdf == scene.robot.urdf and again.source == scene.source
         assert again.robot.joints == scene.robot.joints and again.robot.notes == scene.robot.notes
+
+
+def test_what_nobody_limits_is_told_apart_from_what_is_known() -> None:
+    scene = read_scenario("coffee-to-go")
+    assert unlimited(scene.robot) == ("acceleration", "jerk")
+    assert unlimited(scene.changed({"robot.limits.acceleration": [15.0] * 6}).robot) == ("jerk",)
+    assert unlimited(read_scenario("shelf-to-table").robot) == ()

@@ -54,7 +54,7 @@ def test_objects_go_by_their_names() -> None:
         ("motion.tlt=free", r"--set motion.tlt=free: \[motion\]: unknown key \"tlt\"; did you mean \"tilt\"\?$"),
         ("cargo.c1.fricton=1", r"cargo \"c1\": unknown key \"fricton\"; did you mean \"friction\"\?$"),
         ("cargo.c9.friction=1", r"^--set cargo.c9.friction: no object on the tray is called \"c9\"; there are c1, c2"),
-        ("cargo.*.nothing=1", r"no object on the tray has the key nothing"),
+        ("obstacle.*.nothing=1", r"there is no obstacle to have the key nothing"),
         ("cargo.friction=1", r"name the object and its key, as cargo.c1.friction$"),
         ("fidelity.full=1", r"fidelity is the value \"deliverable\", no table"),
         ("tray.friction=3", r"--set tray.friction=3: \[tray\]: friction 3 is out of range"),

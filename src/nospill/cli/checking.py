@@ -69,7 +69,7 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     print_certificate(certificate, saved.scene, everything=everything)
     certified = saved.scene.motion.speed_range if certificate.ok else None
     slower = other_speeds(uses_at(saved.trajectory, saved.scene), certified)
-    print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff), *slower])
+    print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff, saved.report.fallbacks), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():
         print_lines(f"{name} {difference or 'holds the motion of the trajectory'}")

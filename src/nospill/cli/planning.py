@@ -59,8 +59,10 @@ def plan(
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
+        from nospill.core.units import listed
         from nospill.plans.loading import load_plan, require_no_own_limits
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
+        from nospill.robots.description.limits import unlimited
         from nospill.scenario import read_scenario
 
         if report and output is None:
@@ -71,6 +73,12 @@ def plan(
         scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
+        if "urdf" in scene.source["robot"] and (kinds := unlimited(scene.robot)):
+            keys = listed([f"limits.{kind}" for kind in kinds], last="and")
+            say(
+                f"{scene.robot.name}: no limit of joint {listed(kinds, last='and')} is known, and none is kept; {keys} "
+                "under [robot] state them"
+            )
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
         before = None if after is None else load_plan(after)

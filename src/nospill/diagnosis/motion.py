@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import is_helped, least_share
-from nospill.diagnosis.not_found import no_time_to_plan, not_found
+from nospill.diagnosis.not_found import no_time_to_plan, not_found, ways_round
 from nospill.diagnosis.options import Option, smaller_turn
 from nospill.diagnosis.quasi_static import require_possible_at_rest
 from nospill.diagnosis.relaxation import Relaxation
 from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import WITHIN, Answer, Found, Searcher, Trials, first_share
+from nospill.diagnosis.singularity import at_singularity
 from nospill.errors import MOTION, NOT_CONVERGED, Change, NoSolutionError, Reason
 from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
@@ -115,6 +116,9 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
     named = _named(helped, culprits)
+    singular = (
+        at_singularity(scene.robot, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
+    )
     needed = found.duration * max(
         [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
     )
@@ -123,20 +127,19 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     helped.append((needed / limit - 1.0, Change(key, f"motion.{key}", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
     held = ""
-    if named is not None:
+    reason = Reason(MOTION, key, "motion", None, found.duration / limit - 1.0)
+    if singular is not None:
+        held = f", held back by {singular.in_words(scene.path)}"
+        reason = replace(reason, constraint="singularity", subject=scene.robot.name, at_s=singular.s)
+        changes = [*ways_round(trials, singular.s), *changes]
+    elif named is not None:
         near = place_in_words(scene.path, named.at_s)
         held = f", held back by {named.constraint} of {named.subject}, most near {near}"
+        reason = replace(reason, constraint=named.constraint, subject=named.subject, at_s=named.at_s)
     return NoSolutionError(
         f"No motion found: none within {key} {limit:.3g} s; "
         f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
-        Reason(
-            MOTION,
-            named.constraint if named else key,
-            named.subject if named else "motion",
-            named.at_s if named else None,
-            found.duration / limit - 1.0,
-            changes=tuple(changes),
-        ),
+        replace(reason, changes=tuple(changes)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -13,6 +14,7 @@ from nospill.diagnosis.quasi_static import longer_time, path_place, quasi_static
 from nospill.diagnosis.reach import helpful_changes
 from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, Answer, Trials, is_possible
+from nospill.diagnosis.singularity import Singularity, at_singularity, nearest_singularity
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.judge.verdict import Row
 from nospill.laws.constraints.clearance import Clearance
@@ -36,6 +38,10 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
         worst = judged[0].worst
         changes = [*longer_time(trials, worst.use), *_smooth_enough(trials, worst, slow)]
         at_s = path_place(judged[1], worst.at_s)
+        singular = at_singularity(scene.robot, trials.joint_path, worst.constraint, at_s)
+        if singular is not None:
+            finding = f"{without_time(worst)}, even in a smooth motion of {0.95 * slow:.3g} s"
+            return _singular(trials, singular, finding, worst.use - 1.0, changes)
         said = f"{without_time(worst)} at {place_in_words(scene.path, at_s)}"
         if worst.constraint == Clearance.name and has_found_path(scene):
             text = f"No way found: on the one with most room {said}, and random searches found no clear one. "
@@ -50,11 +56,32 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
     status = "no start was solved"
     if last is not None:
         status = f"{last.solution.status} after {last.solution.iterations} iterations"
+    if (singular := nearest_singularity(scene.robot, trials.joint_path)) is not None:
+        return _singular(trials, singular, status)
     return NoSolutionError(
         f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
         f'the end condition "{scene.motion.end}" may be out of reach{_nearest(last)}. '
         "Try another end condition, more starts or more intervals.",
         Reason(NOT_CONVERGED, "planning", "solver"),
+    )
+
+
+def ways_round(trials: Trials, at_s: float) -> tuple[Change, ...]:
+    """Single changes, each tried, with which the arm keeps away from a singularity and a motion is found."""
+    scene = trials.run.scene
+    reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
+    return helpful_changes(scene, reason, partial(is_possible, trials.run))
+
+
+def _singular(
+    trials: Trials, singular: Singularity, finding: str, excess: float | None = None, changes: Sequence[Change] = ()
+) -> NoSolutionError:
+    """The error for a singularity beside the path; `finding` says what is wrong there."""
+    scene, found = trials.run.scene, (*ways_round(trials, singular.s), *changes)
+    return NoSolutionError(
+        f"No motion found: the path passes {singular.in_words(scene.path)}; {finding}. "
+        + advice(found, "Move the path or change its yaw there."),
+        Reason(MOTION, "singularity", scene.robot.name, singular.s, excess, changes=found),
     )
 
 
@@ -67,13 +94,12 @@ def _require_regular(trials: Trials) -> None:
     if keeps_branch(values):
         return
     at_s = float(joint_path.s[int(np.argmin(np.abs(values)))])
-    reason = Reason(ROBOT, "singularity", scene.robot.name, at_s)
-    changes = helpful_changes(scene, reason, partial(is_possible, trials.run))
+    changes = ways_round(trials, at_s)
     raise NoSolutionError(
         f"No motion found: robot {scene.robot.name!r} passes a singularity near {place_in_words(scene.path, at_s)}, "
         "where it would have to stop or to turn joints in no time. "
         + advice(changes, "Move the path or change its yaw there."),
-        replace(reason, changes=changes),
+        Reason(ROBOT, "singularity", scene.robot.name, at_s, changes=changes),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import wide_enough
 from nospill.diagnosis.search import MOST_TIME, SLOW, Trials
+from nospill.diagnosis.singularity import at_singularity
 from nospill.errors import REST, Change, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
@@ -29,11 +30,18 @@ _STANDING = 1e5
 
 
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
-    """Whether even the slowest smooth motion breaks a limit several times over; of a given duration none is slow."""
+    """Whether even the slowest smooth motion breaks a limit several times over; of a given duration none is slow.
+
+    Near a singularity of the arm it says nothing of joints: a motion may slow down there alone.
+    """
     if scene.motion.duration is not None:
         return False
     judged = quasi_static_motion(scene, joint_path)
-    return judged is not None and judged[0].worst.worst_margin < -abs(judged[0].worst.limit)
+    if judged is None or judged[0].worst.worst_margin >= -abs(judged[0].worst.limit):
+        return False
+    worst, trajectory = judged[0].worst, judged[1]
+    at_s = path_place(trajectory, worst.at_s)
+    return at_singularity(scene.robot, joint_path, worst.constraint, at_s) is None
 
 
 def require_possible_at_rest(trials: Trials) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.options import Option, Task, option_groups
 from nospill.diagnosis.search import Searcher, is_possible
+from nospill.diagnosis.singularity import nearest_singularity
 from nospill.errors import ROBOT, Change, NoSolutionError, Reason, ScenarioError
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
@@ -81,13 +82,15 @@ def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Cha
     clock = _Clock()
     found: list[tuple[float, Change]] = []
     for options in option_groups(scene, reason):
-        best = _least(scene, options, clock, confirm)
+        best = _least(scene, options, clock, confirm, partial(_follows, aside=reason.constraint == "singularity"))
         if best is not None:
             found.append(best)
     return tuple(change for _, change in sorted(found, key=lambda entry: entry[0]))
 
 
-def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm) -> tuple[float, Change] | None:
+def _least(
+    scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm, follows: Callable[[Task, float], bool]
+) -> tuple[float, Change] | None:
     """The option that helps with the least amount, all growing together; with its size."""
     limit, given_up = scene.motion.max_duration, set[int]()
     for step in range(max((len(option.amounts) for option in options), default=0)):
@@ -97,13 +100,13 @@ def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm)
             if (
                 index in given_up
                 or step >= len(option.amounts)
-                or not _follows(option.moved(option.amounts[step]), limit)
+                or not follows(option.moved(option.amounts[step]), limit)
             ):
                 continue
             low, high = option.amounts[step - 1] if step else 0.0, option.amounts[step]
             for _ in range(_BISECTIONS):
                 middle = 0.5 * (low + high)
-                if clock.over or not _follows(option.moved(middle), limit):
+                if clock.over or not follows(option.moved(middle), limit):
                     low = middle
                 else:
                     high = middle
@@ -115,11 +118,14 @@ def _least(scene: Scene, options: list[Option], clock: _Clock, confirm: Confirm)
     return None
 
 
-def _follows(task: Task, limit: float) -> bool:
+def _follows(task: Task, limit: float, *, aside: bool) -> bool:
+    """Whether the arm follows the path fast enough on one branch; `aside`, and far from singularities."""
     if farthest_reached(task.robot, task.path, task.tool) < 1.0:
         return False
     tried = try_joint_paths(task.robot, task.path, tool=task.tool, samples=_SAMPLES)
     if not tried.paths or _TILTING * _least_time(tried.paths[0], task.robot) > limit:
+        return False
+    if aside and nearest_singularity(task.robot, tried.paths[0]) is not None:
         return False
     return redundant_joint(task.robot) is not None or keeps_branch(determinants(task.robot, tried.paths[0].q, None))
 

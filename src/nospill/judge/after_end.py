@@ -54,15 +54,21 @@ def residual_height(
     at_once = float(evaluate(_bound(item), [displacement[:, None], velocity[:, None]], own)[0, 0])
     if at_once <= limit:
         return at_once
-    after = _STEP * np.arange(round(_LONGEST / _STEP) + 1)
     modes = list(zip(numbers.oscillators, item.oscillators, strict=True))
     frequency, damping = (
         np.array([getattr(mode, name) for mode, axes in modes for _ in axes], dtype=float)
         for name in ("frequency", "damping")
     )
-    q, qd = free_states(frequency, damping, displacement, velocity, after)
-    bound = evaluate(_bound(item), [q[::_EVERY].T, qd[::_EVERY].T], own)[0]
-    highest = np.maximum.accumulate(free_heights(item, numbers, q))[::_EVERY]
+    often, seldom = _STEP * np.arange(_EVERY), _STEP * _EVERY * np.arange(round(_LONGEST / (_STEP * _EVERY)) + 1)
+    q, qd = free_states(frequency, damping, displacement, velocity, seldom)
+    bound = evaluate(_bound(item), [q.T, qd.T], own)[0]
+    # From instant to instant the motion is linear in the state: with two solutions no further exponential is needed.
+    one, none = np.ones_like(frequency), np.zeros_like(frequency)
+    of_displacement = free_states(frequency, damping, one, none, often)[0]
+    of_velocity = free_states(frequency, damping, none, one, often)[0]
+    between = q[:, None] * of_displacement + qd[:, None] * of_velocity
+    heights = free_heights(item, numbers, between.reshape(-1, len(frequency))).reshape(len(seldom), _EVERY)
+    highest = np.maximum.accumulate(np.concatenate([heights[:1, 0], heights[:-1].max(axis=1)]))
     return float(np.min(np.maximum(highest, bound)))
 
 

@@ -1,7 +1,8 @@
 """The same motion at other speeds, as a controller's override plays it: largest uses of the limits on objects.
 
 Slower is not safer. A tray that leans against its acceleration leans too much when it is played slowly, and a liquid
-that comes to rest at the end of a motion does not after the same motion in another time.
+that comes to rest at the end of a motion does not after the same motion in another time. To spill, slide or tip is one
+thing; to swing higher than a scenario wishes, below the rim, is another.
 """
 
 from __future__ import annotations
@@ -13,8 +14,12 @@ from operator import itemgetter
 import numpy as np
 
 from nospill.judge.replay import replay
+from nospill.judge.rims import rims_below
 from nospill.judge.traces import constraint_traces
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import OF_OBJECTS, Role
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.like_objects import hull_objects
 from nospill.motion.at_speed import SlowedMotion, at_speed
 from nospill.motion.interpolation import JointMotion
@@ -37,12 +42,33 @@ class SpeedUse:
         liquid: largest use of a limit on a liquid (height, trough, residual), as `limit_use`; 0 without liquids.
         contact: largest use of a limit on a contact (lift, slip, tip, twist).
         worst: constraint and object that use most, "slip | c1".
+        worst_contact: likewise, of contacts alone.
+        height: crest, in the motion or after it, of the liquid that comes nearest to its rim, m; 0 without liquids.
+        below_rim: how far below its rim that liquid stays, upright, m, negative over it; None without liquids.
     """
 
     speed: float
     liquid: float
     contact: float
     worst: str
+    worst_contact: str = ""
+    height: float = 0.0
+    below_rim: float | None = None
+
+    @property
+    def spills(self) -> bool:
+        """Whether a liquid comes over its rim."""
+        return self.below_rim is not None and self.below_rim < 0.0
+
+    @property
+    def safe(self) -> bool:
+        """Whether nothing spills, slides, tips or lifts off; liquids may swing higher than is wished."""
+        return self.contact <= 1.0 and not self.spills
+
+    @property
+    def rim_use(self) -> float:
+        """The crest as a part of the way to the rim; 0 without liquids."""
+        return 0.0 if self.below_rim is None else self.height / max(self.height + self.below_rim, 1e-9)
 
 
 def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:
@@ -60,9 +86,27 @@ def _use(trajectory: Trajectory, scene: Scene, motion: JointMotion, speed: float
     played = replay(slower, scene, motion=SlowedMotion(motion, speed), rate=_RATE)
     traces = constraint_traces(slower, scene, played, points=OF_OBJECTS)
     uses = [(float(np.max(trace.use)), trace) for trace in traces]
-    _, worst = max(uses, key=itemgetter(0))
 
-    def largest(role: Role) -> float:
-        return max((use for use, trace in uses if trace.known is not None and trace.known.role is role), default=0.0)
+    def largest(role: Role) -> tuple[float, Trace] | None:
+        own = [item for item in uses if item[1].known is not None and item[1].known.role is role]
+        return max(own, key=itemgetter(0), default=None)
 
-    return SpeedUse(speed, largest(Role.LIQUID), largest(Role.CONTACT), f"{worst.constraint} | {worst.subject}")
+    crests: dict[str, float] = {}
+    for trace in traces:
+        if trace.constraint in (SloshHeight.name, ResidualHeight.name):
+            crests[trace.subject] = max(float(np.max(np.abs(trace.value))), crests.get(trace.subject, 0.0))
+    nearest = next(iter(rims_below(scene, crests)), None)
+    liquid, contact = largest(Role.LIQUID), largest(Role.CONTACT)
+    return SpeedUse(
+        speed,
+        liquid=0.0 if liquid is None else liquid[0],
+        contact=0.0 if contact is None else contact[0],
+        worst=_named(max(uses, key=itemgetter(0))[1]),
+        worst_contact="" if contact is None else _named(contact[1]),
+        height=0.0 if nearest is None else crests[nearest.subject],
+        below_rim=None if nearest is None else nearest.edge.below_rim,
+    )
+
+
+def _named(trace: Trace) -> str:
+    return f"{trace.constraint} | {trace.subject}"

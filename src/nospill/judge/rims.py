@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from nospill.judge.verdict import Row
@@ -45,6 +45,11 @@ def rim_distances(scene: Scene, rows: Iterable[Row]) -> tuple[RimDistance, ...]:
     for row in rows:
         if row.constraint == SloshHeight.name and math.isfinite(row.worst_value):
             crests[row.subject] = max(row.worst_value, crests.get(row.subject, 0.0))
+    return rims_below(scene, crests)
+
+
+def rims_below(scene: Scene, crests: Mapping[str, float]) -> tuple[RimDistance, ...]:
+    """The same from crests, m, by object."""
     found = []
     for cargo in scene.cargo:
         if cargo.filling is not None and cargo.name in crests:

@@ -44,7 +44,8 @@ def drawn_arms(scene: Scene, ranges: ArmRanges, count: int, *, seed: int) -> tup
     """So many arms, and how much longer than planned the latest of them may move, s."""
     joints = len(scene.robot.joints)
     stated = scene.controller or Controller(np.zeros(joints), np.zeros(joints))
-    off = np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, 2, joints))
+    # a stream of its own: with that of the objects' numbers, arms and objects would be off together
+    off = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, size=(count, 2, joints))
     arms = tuple(
         Controller(np.maximum(stated.delay + ranges.delay * delay, 0.0), np.maximum(stated.lag + ranges.lag * lag, 0.0))
         for delay, lag in off

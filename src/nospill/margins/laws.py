@@ -1,43 +1,33 @@
-"""The margins of one object along a given motion of the tray, for many sets of its numbers at once.
+"""The margins of objects along a given motion of the tray, for many sets of their numbers, by the judge's functions.
 
 The tray moves the same way whatever stands on it, and objects do not touch each other. So each object of each sample is
-a problem of its own with few numbers: its liquid is integrated by Runge-Kutta steps, after each step every constraint
-of the object is looked at, and its worst margin kept. One CasADi function does this from the first instant to the last;
-it is mapped over the samples, with the tray's motion shared by all.
+a problem of its own: its liquid is integrated by Runge-Kutta steps, several of a kind at once, and at the end of each
+step every constraint of the object is looked at; of each the instant that uses most of its limit counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
-from nospill.core.batches import over_columns, thread_count
-from nospill.core.frames import SX, FrameMotion, body_motion, frame_at_rest
+from nospill.core.batches import evaluate
 from nospill.core.trees import flatten
 from nospill.judge.after_end import residual_height
-from nospill.judge.replay import slosh_accelerations, tray_from_joints
+from nospill.judge.replay import liquid_steps, tray_from_joints
 from nospill.judge.run import run_of
-from nospill.laws.constraints import constraints_of
-from nospill.laws.constraints.base import Constraint, EvaluationPoint, worst_figures
+from nospill.judge.traces import object_figures_function
+from nospill.judge.verdict import limit_use
+from nospill.laws.constraints import by_name
+from nospill.laws.constraints.base import Constraint, EvaluationPoint
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.parameters import (
-    ObjectNumbers,
-    SceneNumbers,
-    Structure,
-    blank_numbers,
-    object_parameter_count,
-    symbolic_object_numbers,
-)
-from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
+from nospill.laws.kinds import limited_object_kind, object_kind
+from nospill.laws.parameters import ObjectNumbers, ObjectStructure, Structure
 from nospill.laws.scene_parameters import structure_of
-from nospill.laws.slosh.integrate import runge_kutta_step
+from nospill.laws.slosh.integrate import integrate
 from nospill.motion.control import commanded, followed
-from nospill.motion.interpolation import QUINTIC_SPLINE
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
@@ -45,17 +35,13 @@ from nospill.scene.scene import Scene
 STEP = 1e-3
 """s; longest step of the integration, after each of which the margins are looked at."""
 
-BATCH = 100
-"""Samples that are computed together, and share one motion of the tray."""
-_NEVER = 1e9
-
 
 @dataclass(frozen=True, slots=True)
 class TrayMotion:
     """A motion of the tray in n steps.
 
     Attributes:
-        body: (27, n) rates and specific force (as `Replay.body`) at the start, the middle and the end of each step.
+        body: (9, 2 n + 1) rates and specific force (as `Replay.body`) at the ends and the middles of the steps.
         step: length of a step, s.
     """
 
@@ -63,32 +49,46 @@ class TrayMotion:
     step: float
 
 
-def tray_motion(
-    trajectory: Trajectory, scene: Scene, arm: Controller | None = None, *, after: float = 0.0
-) -> TrayMotion:
+def tray_motion(trajectory: Trajectory, scene: Scene, *, after: float = 0.0) -> TrayMotion:
     """The tray's motion from the first joint sample to the end of the motion, from the joint positions alone.
 
     Args:
         trajectory: the plan's.
         scene: with the controller that the command was made for.
-        arm: how the joints really follow the command; as the scenario states when left out.
-        after: s of rest that are added to the end, in which a late arm comes to rest.
+        after: s of rest that are added to the end.
     """
     run = run_of(trajectory, scene.controller)
-    motion = run.motion or trajectory.motion
-    if arm is not None:
-        samples = commanded(trajectory, scene.controller)
-        motion = followed(QUINTIC_SPLINE.motion(samples), arm, float(samples.t[0]), float(samples.t[-1]))
-    start, end = float(trajectory.t[0]), run.record.end_time + after
+    return _sampled(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
+
+
+def followed_motions(
+    trajectory: Trajectory, scene: Scene, arms: Iterable[Controller], *, after: float
+) -> Iterator[TrayMotion]:
+    """The tray's motion as each of some arms follows the command of a plan.
+
+    Args:
+        trajectory: the plan's.
+        scene: with the controller that the command was made for.
+        arms: how the joints follow.
+        after: s that are added to the end, in which a late arm comes to rest.
+    """
+    samples = commanded(trajectory, scene.controller)
+    command, span = QUINTIC_SPLINE.motion(samples), (float(samples.t[0]), float(samples.t[-1]))
+    start, end = float(trajectory.t[0]), run_of(trajectory, scene.controller).record.end_time + after
+    for arm in arms:
+        yield _sampled(followed(command, arm, *span), scene, start, end)
+
+
+def _sampled(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
     _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
-    return TrayMotion(np.vstack([body[:, 0:-1:2], body[:, 1::2], body[:, 2::2]]), (end - start) / count)
+    return TrayMotion(body, (end - start) / count)
 
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """Worst figures of one object in m samples, per constraint that applies to it.
+    """Figures of one object in m samples where most of a limit is used, per constraint that applies to it.
 
     Attributes:
         constraints: which.
@@ -101,140 +101,102 @@ class Margins:
     limit: np.ndarray
 
 
-def object_margins(
-    scene: Scene, index: int, numbers: tuple[ObjectNumbers, ...], *motions: TrayMotion
-) -> Iterator[tuple[int, Margins]]:
-    """Margins of one object for many sets of its numbers, batch by batch.
+def object_margins(scene: Scene, numbers: Sequence[Sequence[ObjectNumbers]], motion: TrayMotion) -> tuple[Margins, ...]:
+    """Margins of every object for some sets of its numbers, along one motion of the tray.
 
     Args:
-        scene: the object's scene.
-        index: of the object.
-        numbers: one per sample, of the structure the object has in the scene.
-        motions: of the tray, of so many steps each; one for each batch of `BATCH`, and again from the first.
+        scene: of the objects.
+        numbers: of each object one per sample, of the structure the object has in the scene.
+        motion: of the tray.
 
-    Yields:
-        The number of samples in the batch and their margins.
+    Returns:
+        Of each object, samples in their order.
     """
-    whole = structure_of(scene)
-    structure = replace(whole, objects=whole.objects[index : index + 1])
+    structure = structure_of(scene)
     shared = (scene.gravity, scene.motion.residual_fraction)
-    made = _function(structure, motions[0].body.shape[1], BATCH)
-    names = tuple(constraint.name for constraint in made.constraints)
-    initial = ca.DM(scene.cargo[index].initial_coordinates.ravel())
-    for first in range(0, len(numbers), BATCH):
-        batch, motion = numbers[first : first + BATCH], motions[first // BATCH % len(motions)]
-        columns = np.column_stack([np.concatenate([shared, [motion.step], flatten(item)]) for item in batch])
-        padded = np.pad(columns, ((0, 0), (0, BATCH - len(batch))), mode="edge")
-        found = np.array(made.call(ca.DM(padded), initial, ca.DM(motion.body)).full())[:, : len(batch)].T
-        figures, states = np.split(found, [2 * len(names)], axis=1)
-        margin, limit = figures[:, 0::2].copy(), figures[:, 1::2]
-        _play_on(structure, batch, names, states, margin, limit)
-        yield len(batch), Margins(made.constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
+    columns = [[np.array(flatten((*shared, item))) for item in own] for own in numbers]
+    states = _states(scene, structure, columns, motion)
+    known = by_name(scene)
+    return tuple(
+        _margins(structure, item, own, columns[index], states[index], motion, known)
+        for index, (item, own) in enumerate(zip(structure.objects, numbers, strict=True))
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class _Made:
-    call: Any
-    constraints: tuple[Constraint, ...]
+def _states(
+    scene: Scene, structure: Structure, columns: Sequence[Sequence[np.ndarray]], motion: TrayMotion
+) -> list[np.ndarray]:
+    """Of each object its liquid in every sample, (m, n + 1, 2 k); all objects of a kind at once."""
+    steps = (motion.body.shape[1] - 1) // 2
+    found = [np.empty((len(own), steps + 1, 0)) for own in columns]
+    alike: dict[Structure, list[int]] = {}
+    for index, item in enumerate(structure.objects):
+        if item.coordinates:
+            alike.setdefault(object_kind(structure, item), []).append(index)
+    for kind, indices in alike.items():
+        starts = [
+            np.tile(scene.cargo[index].initial_coordinates.ravel(), (len(columns[index]), 1)) for index in indices
+        ]
+        played = integrate(
+            liquid_steps(kind),
+            np.concatenate(starts),
+            inputs=motion.body,
+            lengths=np.full(steps, motion.step),
+            parameters=np.array([one for index in indices for one in columns[index]]),
+        ).transpose(1, 0, 2)
+        for index, own in zip(indices, np.split(played, len(indices)), strict=True):
+            found[index] = own
+    return found
 
 
-@lru_cache(maxsize=16)
-def _function(structure: Structure, steps: int, batch: int) -> _Made:
-    """(numbers of samples, initial slosh coordinates, motion) -> margin and limit of every constraint, final state."""
-    count, size = coordinate_count(structure), 3 + object_parameter_count(structure.objects[0])
-    p = SX.sym("p", size)
-    numbers = _scene_numbers(structure, p)
-    state, first, middle, last = SX.sym("state", 2 * count), SX.sym("b0", 9), SX.sym("b1", 9), SX.sym("b2", 9)
-    following = state
-    if count:
-        step = runge_kutta_step(
-            lambda x, b, q: _rate(structure, _scene_numbers(structure, q), x, b),
-            states=2 * count,
-            inputs=9,
-            parameters=size,
-        )
-        following = step(state, first, middle, last, p[2], p)
-    tray = body_motion(last)
-    q, qd = following[:count], following[count:]
-    during = _worst(EvaluationPoint.OBJECT, structure, numbers, tray, q, qd, moving=True)
-    worst = SX.sym("worst", 2 * len(during))
-    kept = []
-    for number, (_, figure) in enumerate(during):
-        closer = figure[2] < worst[2 * number]
-        kept.append(ca.if_else(closer, ca.vertcat(figure[2], figure[1]), worst[2 * number : 2 * number + 2]))
-    # The numbers ride along in the state: what is accumulated may differ from sample to sample, the motion may not.
-    before, after = ca.vertcat(p, state, worst), ca.vertcat(p, following, *kept)
-    advance = ca.Function("advance", [before, ca.vertcat(first, middle, last)], [after], {"cse": True})
-    rest = frame_at_rest(numbers.gravity)
-    at_end = _worst(EvaluationPoint.END, structure, numbers, rest, state[:count], state[count:], moving=False)
-    final = [ca.vertcat(figure[2], figure[1]) for _, figure in at_end]
-    finish = ca.Function("finish", [before], [ca.densify(ca.vertcat(worst, *final, state))], {"cse": True})
+def _margins(
+    structure: Structure,
+    item: ObjectStructure,
+    numbers: Sequence[ObjectNumbers],
+    columns: Sequence[np.ndarray],
+    states: np.ndarray,
+    motion: TrayMotion,
+    known: Mapping[str, Constraint],
+) -> Margins:
+    """Margins of one object from its liquid in every sample."""
+    kind = limited_object_kind(structure, item)
+    during, names = object_figures_function(kind, EvaluationPoint.OBJECT)
+    ending = limited_object_kind(structure, item, end=structure.end)
+    at_end, last_names = object_figures_function(ending, EvaluationPoint.END)
+    constraints = tuple(known[name] for name in (*names, *last_names))
+    body, figures = motion.body[:, ::2], np.empty((len(numbers), len(constraints), 2))
+    for index, (own, parameters, state) in enumerate(zip(numbers, columns, states, strict=True)):
+        q, qd = np.split(state.T, 2)
+        rows = _worst(evaluate(during, [body, q, qd], parameters), constraints[: len(names)]) if names else []
+        if last_names:
+            final = evaluate(at_end, [q[:, -1:], qd[:, -1:]], parameters)
+            rows = [*rows, *_worst(final, constraints[len(names) :])]
+        figures[index] = rows
+        if item.modes > 1:
+            _play_on(item, own, constraints, q[:, -1], qd[:, -1], figures[index])
+    margin, limit = figures[..., 0], figures[..., 1]
+    return Margins(constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
 
-    given, initial, motion = ca.MX.sym("p", size), ca.MX.sym("initial", 2 * count), ca.MX.sym("motion", 27, steps)
-    start = ca.vertcat(given, initial, _NEVER * ca.MX.ones(2 * len(during)))
-    one = ca.Function("one", [given, initial, motion], [finish(advance.fold(steps)(start, motion))])
-    call = over_columns(one, batch, [1, 2], threads=thread_count())
-    return _Made(call, tuple(constraint for constraint, _ in (*during, *at_end)))
+
+def _worst(figures: np.ndarray, constraints: Sequence[Constraint]) -> list[tuple[float, float]]:
+    """Margin and limit of each constraint where most of it is used, from (3 c, m) values, limits and margins."""
+    found = []
+    for constraint, (_, limit, margin) in zip(constraints, figures.reshape(len(constraints), 3, -1), strict=True):
+        place = int(np.argmax(limit_use(constraint, limit, margin)))
+        found.append((float(margin[place]), float(limit[place])))
+    return found
 
 
 def _play_on(
-    structure: Structure,
-    batch: Sequence[ObjectNumbers],
-    names: Sequence[str],
-    states: np.ndarray,
-    margin: np.ndarray,
-    limit: np.ndarray,
+    item: ObjectStructure,
+    numbers: ObjectNumbers,
+    constraints: Sequence[Constraint],
+    q: np.ndarray,
+    qd: np.ndarray,
+    figures: np.ndarray,
 ) -> None:
-    """Residual heights as the judge finds them, from the free motion where a liquid has many modes.
-
-    Args:
-        structure: of the object alone.
-        batch: its numbers, one per sample.
-        names: of the constraints.
-        states: (m, 2 k) at the end.
-        margin: (m, n), changed here.
-        limit: likewise, read.
-    """
-    (item,) = structure.objects
-    if ResidualHeight.name not in names or item.modes < 2:
-        return
-    column = names.index(ResidualHeight.name)
-    for index in range(len(batch)):
-        q, qd = np.split(states[index], 2)
-        allowed = abs(float(limit[index, column]))
-        margin[index, column] = allowed - residual_height(item, batch[index], q, qd, allowed)
-
-
-def _scene_numbers(structure: Structure, p: SX) -> SceneNumbers:
-    """The numbers with gravity, residual fraction and the object's own from `p`; no more is read of them here."""
-    (item,) = structure.objects
-    blank = blank_numbers(structure)
-    return replace(blank, gravity=p[0], residual_fraction=p[1], objects=(symbolic_object_numbers(item, p[3:]),))
-
-
-def _rate(structure: Structure, numbers: SceneNumbers, state: SX, body: SX) -> SX:
-    count = coordinate_count(structure)
-    q, qd = state[:count], state[count:]
-    return ca.vertcat(qd, slosh_accelerations(structure, numbers, body_motion(body), q, qd))
-
-
-def _worst(
-    point: EvaluationPoint,
-    structure: Structure,
-    numbers: SceneNumbers,
-    tray: FrameMotion,
-    q: SX,
-    qd: SX,
-    *,
-    moving: bool,
-) -> list[tuple[Constraint, SX]]:
-    """Value, limit and margin (3, 1) of every constraint of one evaluation point that applies to the object."""
-    count = coordinate_count(structure)
-    qdd = slosh_accelerations(structure, numbers, tray, q, qd) if moving and count else SX.zeros(count)
-    objects = sample_objects(structure, numbers, tray, split_states(structure, q, qd, qdd))
-    sample = Sample(structure, numbers, objects=objects)
-    found = []
-    for constraint in constraints_of(structure):
-        if constraint.evaluated_at is point:
-            found += [(constraint, worst_figures(constraint, budgets)) for budgets in constraint.budgets(sample)]
-    return found
+    """Put the residual height as the judge finds it, from the free motion of many modes, in the place of its bound."""
+    for figure, constraint in zip(figures, constraints, strict=True):
+        if constraint.name == ResidualHeight.name:
+            allowed = abs(float(figure[1]))
+            figure[0] = allowed - residual_height(item, numbers, q, qd, allowed)

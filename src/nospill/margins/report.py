@@ -98,7 +98,7 @@ class MarginsReport:
         samples: number of samples drawn.
         seed: of the generator.
         arm: how far delay and lag of the joints may be off.
-        arms: how many arms were drawn; each plays a hundred samples.
+        arms: how many arms were drawn: as many as samples, or none.
         nominal: worst margin with the scenario's numbers.
         worst_margin: (m,) of every sample.
         draws: (m, objects, 6), columns as in `Ranges.bounds`.
@@ -142,7 +142,7 @@ class MarginsReport:
             "samples": self.samples,
             "seed": self.seed,
             "ranges": {name: asdict(item) for name, item in self.ranges.items()},
-            "arm": {"delay_s": self.arm.delay, "lag_s": self.arm.lag, "drawn": 0 if self.arm.certain else self.arms},
+            "arm": {"delay_s": self.arm.delay, "lag_s": self.arm.lag, "drawn": self.arms},
             "nominal_worst_margin": self.nominal,
             "worst_margin_percentiles": {f"{key:g}": value for key, value in self.percentiles.items()},
             "confidence": CONFIDENCE,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator
-from contextlib import nullcontext, suppress
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 
 from nospill import diagnosis
@@ -12,23 +12,26 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.errors import NoSolutionError
 from nospill.judge.limiting import longest_held
 from nospill.judge.tracks import with_recorded_modes
+from nospill.judge.wording import finding
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
-from nospill.path_search.branches import free_paths
+from nospill.path_search.branches import free_paths, require_free_ends
 from nospill.path_search.candidates import has_free_path
+from nospill.path_search.ends import require_clear_arm_at_ends
 from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.planning.candidate import Candidate
+from nospill.planning.fallbacks import fallbacks, on_path_instead
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
-from nospill.planning.search import PassageSearch, found_motion, passage_searches, searcher
+from nospill.planning.search import PassageSearch, Search, found_motion, passage_searches, searcher
 from nospill.planning.task import Task
 from nospill.planning.warm_start import restarted, restarted_on, started_beside
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
-from nospill.robots.joint_paths.search import branch_in_words, preferred_path
+from nospill.robots.joint_paths.search import JointPath, branch_in_words, preferred_path
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
@@ -79,17 +82,22 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
+    if scene.obstacles:
+        with log.phase("kinematics"):
+            require_free_ends(scene)
+            require_clear_arm_at_ends(scene)
     if has_free_path(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = fastest_clear_path(scene)
     task = Task.of(scene, ignore)
-    judged = _first_certified(_candidates(task, warm, last, log), log)
+    judged, instead = _first_certified(_offers(task, warm, last, log), log)
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
         jerk_weight_factor=judged.candidate.active.jerk_weight_factor,
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
+        fallbacks=fallbacks(judged.candidate, log, instead),
     )
     found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
     answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
@@ -100,46 +108,91 @@ def _planned(
     return replace(found, report=report), judged.candidate
 
 
-def _candidates(task: Task, warm: Plan | None, last: Candidate | None, log: Log) -> Iterator[Candidate]:
-    """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does."""
+def _offers(
+    task: Task, warm: Plan | None, last: Candidate | None, log: Log
+) -> Iterator[Candidate | Judged | NoSolutionError]:
+    """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does.
+
+    Where the tray may leave its path, errors of searches are among them, and last is the motion on the path itself,
+    which is judged already.
+    """
     scene = task.scene
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
     if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
         yield found
+        if log.out_of_time:
+            return
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
         yield found
+        if log.out_of_time:
+            return
     searches = passage_searches(task, joint_path)
-    with suppress(NoSolutionError) if scene.motion.leaves_path else nullcontext():
-        yield found_motion(searches, log)
-    if scene.motion.leaves_path:  # the motion on the path is a start, and what is left where no other is certified
-        on_path = passage_searches(task.on_path, joint_path)
-        given = certified_by_refinement(found_motion(on_path, log), log)
-        again = started_beside(task, given, log)
-        yield from (found for found in (again, given.candidate) if found is not None)
-    yield found_motion(searches, log, PassageSearch.further)
+    if scene.motion.leaves_path:
+        yield from _beside_path(task, joint_path, searches, log)
+        return
+    yield found_motion(searches, log)
+    if not log.out_of_time:
+        yield found_motion(searches, log, PassageSearch.further)
 
 
-def _first_certified(candidates: Iterator[Candidate], log: Log) -> Judged:
-    """The first motion that is certified after refinement, the first of all where none is; raises what `plan` does."""
+def _beside_path(
+    task: Task, joint_path: JointPath, searches: Sequence[PassageSearch], log: Log
+) -> Iterator[Candidate | Judged | NoSolutionError]:
+    """`_offers` where the tray may leave its path: the motion on the path is a start, and taken where all else fails.
+
+    Raises:
+        NoSolutionError: there is no motion on the path either.
+    """
+    yield _found_or_why(searches, log, PassageSearch.first)
+    if log.out_of_time:
+        return
+    given = certified_by_refinement(found_motion(passage_searches(task.on_path, joint_path), log), log)
+    if (again := started_beside(task, given, log)) is not None:
+        yield again
+    if not log.out_of_time:
+        yield _found_or_why(searches, log, PassageSearch.further)
+    yield given
+
+
+def _found_or_why(searches: Sequence[PassageSearch], log: Log, search: Search) -> Candidate | NoSolutionError:
+    try:
+        return found_motion(searches, log, search)
+    except NoSolutionError as error:
+        return error
+
+
+def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log: Log) -> tuple[Judged, str]:
+    """The first motion that is certified after refinement, the first of all where none is; raises what `plan` does.
+
+    With it, where it is the motion on the path in the place of a faster one, the sentence that says so.
+    """
     judged: list[Judged] = []
     failures: list[NoSolutionError] = []
+    why = ""
     try:
-        for candidate in candidates:
+        for offer in offers:
             try:
-                judged.append(certified_by_refinement(candidate, log))
+                if isinstance(offer, NoSolutionError):
+                    raise offer
+                one = offer if isinstance(offer, Judged) else certified_by_refinement(offer, log)
             except NoSolutionError as error:  # it cannot be played: the next one may be
                 failures.append(error)
-            certified = any(one.judgement.certificate.ok for one in judged)
-            if certified or candidate.active.task.ignored or log.out_of_time:
+                why = why or str(error)
+                continue
+            if one.judgement.certificate.ok:
+                return one, on_path_instead(why) if one is offer else ""
+            judged.append(one)
+            why = why or finding(one.judgement.certificate)
+            if one.candidate.active.task.ignored:
                 break
     except NoSolutionError as error:
         failures.append(error)
     if not judged:
         raise failures[0]
-    return judged[-1] if judged[-1].judgement.certificate.ok else judged[0]
+    return judged[0], ""
 
 
 class Planner:

@@ -247,7 +247,7 @@ def judged_plan(scene: Scene, trajectory: Trajectory, judgement: Judgement, repo
         maxima=motion_maxima(judgement, scene),
         report=report,
         judgement=judgement,
-        warnings=plan_warnings(scene, judgement, report.backoff),
+        warnings=plan_warnings(scene, judgement, report.backoff, report.fallbacks),
     )
 
 
@@ -324,6 +324,11 @@ def _largest_uses(plan: Plan) -> dict[str, float] | None:
     return None if not uses else {name: max(getattr(item, name) for item in uses) for name in ("liquid", "contact")}
 
 
+def _safe_at_lower_speeds(plan: Plan) -> bool | None:
+    uses = plan.maxima.other_speeds
+    return None if not uses else all(item.safe for item in uses)
+
+
 def _certificate_summary(plan: Plan) -> dict[str, Any]:
     worst = plan.certificate.worst
     return {
@@ -370,6 +375,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "time_at_limit": _Kept("maxima", "time_at_limit"),
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
     "largest_use_at_lower_speeds": _Computed(_largest_uses),
+    "safe_at_lower_speeds": _Computed(_safe_at_lower_speeds),
     "settling_s": _Computed(_settling),
     "would_save": _Computed(lambda plan: plan.savings_text),
     "savings_s": _Kept("report", "savings", from_json=_fractions),
@@ -381,6 +387,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "phases_s": _Kept("report", "phases"),
     "solver_status": _Kept("report", "solver_status"),
     "ran_out": _Kept("report", "ran_out"),
+    "fallbacks": _Kept("report", "fallbacks", list, tuple),
     "linear_solvers": _Kept("report", "linear_solvers", Counter, _solvers_read),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),

@@ -89,6 +89,7 @@ class PlanningReport:
         compared: s, by name: duration of the fastest certified motion of another kind, where that was asked for.
         jerk_weight_factor: factor on the weights of the jerks, above 1 where fast modes of a liquid had to be damped.
         ran_out: whether planning ended because the time planning.max_plan_time was up.
+        fallbacks: what was taken in the place of what was asked for, a sentence each.
     """
 
     plan_time: float
@@ -106,6 +107,7 @@ class PlanningReport:
     compared: dict[str, float] = field(default_factory=dict)
     jerk_weight_factor: float = 1.0
     ran_out: bool = False
+    fallbacks: tuple[str, ...] = ()
 
     @classmethod
     def empty(cls, solver_status: str = "none") -> PlanningReport:

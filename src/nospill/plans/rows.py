@@ -64,6 +64,11 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
             above its limit when the motion begins, or something else comes before the motion (a hold, an approach).
         ModelError: the liquids cannot be integrated.
     """
+    if not isinstance(scene, Scene) or not isinstance(plan, Plan):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ScenarioError(
+            f"with_residual_slosh({type(scene).__name__}, {type(plan).__name__}): the scene of the next motion comes "
+            "first, the plan before it second"
+        )
     _require_same_place(scene, plan)
     left, known = swing_after(plan, wait), {cargo.name: cargo for cargo in plan.scene.cargo}
     swings = {item.name: left[item.name] for item in scene.cargo if item.name in left}

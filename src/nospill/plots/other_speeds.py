@@ -6,17 +6,20 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nospill.plots.evidence import Evidence
-from nospill.plots.style import BLUE, DARK_RED, DASHES, ORANGE, RED, SMALL, WIDTH, headline
+from nospill.plots.style import BLUE, DARK_RED, DASHES, GREEN, ORANGE, RED, SMALL, WIDTH, headline
 
 _HEIGHT = 2.6
 
 
 def other_speeds_figure(evidence: Evidence) -> Figure | None:
-    """Largest use of a limit on liquids and on contacts from a tenth of the speed to all of it."""
+    """Largest use of contacts, of the way to the rim and of stated heights from a tenth of the speed to all of it."""
     uses = evidence.other_speeds
     speeds = 100 * np.array([item.speed for item in uses])
-    lines = [("liquids", BLUE, DASHES[0], [item.liquid for item in uses])]
-    lines.append(("contacts", ORANGE, DASHES[1], [item.contact for item in uses]))
+    lines = [
+        ("contacts (slide, tip)", ORANGE, DASHES[1], [item.contact for item in uses]),
+        ("crest of the way to the rim (spill)", GREEN, DASHES[2], [item.rim_use for item in uses]),
+        ("stated heights of liquids", BLUE, DASHES[0], [item.liquid for item in uses]),
+    ]
     figure = Figure(figsize=(WIDTH, _HEIGHT))
     axes = figure.add_axes((0.13, 0.2, 0.84, 0.58))
     headline(figure, evidence, "Played more slowly", left=0.02, y=0.98)
@@ -32,5 +35,5 @@ def other_speeds_figure(evidence: Evidence) -> Figure | None:
     axes.set_ylim(0.0, 100 * top)
     axes.set_xlabel("speed [% of the planned one]")
     axes.set_ylabel("largest use of a limit [%]")
-    axes.legend(loc="upper left", ncols=2, frameon=False)
+    axes.legend(loc="upper left", ncols=3, frameon=False)
     return figure

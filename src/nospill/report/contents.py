@@ -157,7 +157,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
 
 def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
-    found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff)
+    found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff, plan.report.fallbacks)
     found = (*found, *other_speeds(evidence.other_speeds[:-1], evidence.plan.certified_speeds))
     rows = tuple(warning_rows(found))
     return TextTable(

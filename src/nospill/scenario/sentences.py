@@ -56,8 +56,15 @@ def refusal(error: ValidationError, label: str, model: type[BaseModel]) -> Scena
 
 
 def details_of(error: ValidationError) -> list[ErrorDetails]:
-    """Every error, unknown keys first: a misspelt key is also missing under its right name."""
-    return sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    """Every error, unknown keys first; that a misspelt key is missing under its right name is no error of its own."""
+    found = error.errors(include_url=False)
+    missing = {detail["loc"] for detail in found if detail["type"] == "missing"}
+    unknown = [detail["loc"] for detail in found if detail["type"] == "extra_forbidden"]
+    for place in unknown:
+        beside = [str(other[-1]) for other in missing if other[:-1] == place[:-1]]
+        missing.discard((*place[:-1], nearest(str(place[-1]), beside, likeness=0.7) or ""))
+    kept = [detail for detail in found if detail["type"] != "missing" or detail["loc"] in missing]
+    return sorted(kept, key=lambda detail: detail["type"] != "extra_forbidden")
 
 
 def sentence(

@@ -32,7 +32,8 @@ def changed_table(table: Mapping[str, Any], changes: Mapping[Any, object]) -> di
         table: keys and values as in the file.
         changes: place (`Place`) -> value as in the file, or None: the key takes its default, the entry of a list is
             removed. An entry of a list goes by its name, else by its number from 0: "cargo.c2.mass", "cargo.1.mass";
-            "cargo.*.max_slosh_height" is every object that has the key. A table under a new name is a new entry.
+            "cargo.*.max_slosh_height" is every object that states the key, or every object where
+            none does. A table under a new name is a new entry.
 
     Raises:
         ScenarioError: a place names an entry that is not there, or something inside a value.
@@ -108,7 +109,9 @@ def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object,
     first, *rest = keys
     named = {str(entry["name"]): index for index, entry in enumerate(entries) if _is_named(entry)}
     if first == EVERY and rest:
-        meant = [entry for entry in entries if isinstance(entry, dict) and rest[0] in entry]
+        tables = [entry for entry in entries if isinstance(entry, dict)]
+        # where nobody states it, everybody is meant, and the reader names those that have no such key
+        meant = [entry for entry in tables if rest[0] in entry] or tables
         if not meant:
             raise ScenarioError(f"{place}: {_nobody(EVERY, str(rest[0]), list(named), above)}")
         for entry in meant:
@@ -164,7 +167,7 @@ def _index(entries: Sequence[Any], named: Mapping[str, int], key: str | int) -> 
 def _nobody(name: str, key: str, names: list[str], above: str) -> str:
     where = {"cargo": "object on the tray", "obstacle": "obstacle"}.get(above, f"entry of {above}")
     if name == EVERY:
-        return f"no {where} has the key {key}; name one ({', '.join(names)})"
+        return f"there is no {where} to have the key {key}"
     near = nearest(name, names)
     hint = f'; did you mean "{near}"?' if near else f"; there are {listed(names, last='and')}" if names else ""
     return f'no {where} is called "{name}"{hint}'

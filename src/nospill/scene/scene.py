@@ -254,7 +254,8 @@ class Scene:
             changes: dotted key -> value as in the file (with a unit, or in SI units), a table of keys or one of the
                 classes of `ns.Scenario`; None for the default, or to remove an object. Objects go by their name or by
                 their number from 0: "motion.tilt", "cargo.c1.friction", "obstacle.0.clearance"; "cargo.*.friction"
-                is every object that has the key. A table under a new name is a new object: "cargo.c5". Files are
+                is every object that states the key, or all where none does. A table under a new name is a new object:
+                "cargo.c5". Files are
                 looked up in the working folder.
 
         Raises:

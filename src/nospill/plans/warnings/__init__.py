@@ -5,11 +5,12 @@ A warning leaves the verdict as it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit, no_mass
 from nospill.plans.warnings.controller import behind_the_command
+from nospill.plans.warnings.fallbacks import fallback
 from nospill.plans.warnings.liquids import (
     contact_angle,
     contact_line,
@@ -29,6 +30,7 @@ from nospill.plans.warnings.smoothness import smoothness
 from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
+    fallback,
     crest,
     sloping_wall,
     distance_to_the_rim,
@@ -51,13 +53,16 @@ WARNINGS: tuple[Warn, ...] = (
 """Every warning, in the order in which they are shown."""
 
 
-def plan_warnings(scene: Scene, judgement: Judgement, backoff: Mapping[str, float]) -> tuple[PlanWarning, ...]:
+def plan_warnings(
+    scene: Scene, judgement: Judgement, backoff: Mapping[str, float], fallbacks: Sequence[str] = ()
+) -> tuple[PlanWarning, ...]:
     """All warnings about a judged motion.
 
     Args:
         scene: the task.
         judgement: of the motion, with its replay.
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject".
+        fallbacks: what planning took in the place of what was asked for, a sentence each.
     """
-    facts = Facts(scene, judgement, backoff)
+    facts = Facts(scene, judgement, backoff, fallbacks)
     return tuple(warning for warn in WARNINGS for warning in warn(facts))

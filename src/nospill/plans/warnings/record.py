@@ -36,11 +36,13 @@ class Facts:
         scene: the task.
         judgement: of the motion, with its replay.
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject".
+        fallbacks: what planning took in the place of what was asked for, a sentence each.
     """
 
     scene: Scene
     judgement: Judgement
     backoff: Mapping[str, float]
+    fallbacks: Sequence[str] = ()
 
 
 _NAMED = 6

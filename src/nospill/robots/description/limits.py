@@ -157,6 +157,12 @@ def changed_limits(limits: JointLimits, changes: LimitChanges, arm: LimitedArm) 
     return JointLimits(**changed, sources=sources, not_known=tuple(not_known))
 
 
+def unlimited(robot: Robot) -> tuple[str, ...]:
+    """What of its joints has no limit because nobody states one: "acceleration", "jerk", "torque"."""
+    of_joints = {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": robot.max_torque}
+    return tuple(kind for kind, own in of_joints.items() if own is None and f"joint {kind}" in robot.not_known)
+
+
 def position_and_speed_only(limits: JointLimits) -> JointLimits:
     """Return limits without those of acceleration, jerk and torque, as published for some experiments."""
     return replace(limits, max_acceleration=None, max_jerk=None, max_torque=None)

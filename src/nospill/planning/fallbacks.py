@@ -1,0 +1,46 @@
+"""What planning took in the place of what was asked for: one sentence for each, so that no fallback is silent."""
+
+from __future__ import annotations
+
+from nospill.planning.candidate import Candidate
+from nospill.planning.log import Log
+from nospill.transcription.resampling import fine_intervals
+
+_COARSER = 0.75
+"""Part of the intervals of the fine grid; the coarse grid and the one halfway have less, and rounding takes few."""
+
+
+def on_path_instead(why: str) -> str:
+    """That the tray keeps to its path though it may leave it; `why` the first other motion was not certified."""
+    reason = why.removesuffix(".")
+    return f"no faster motion beside the path was certified: {reason}; the motion on the path itself was taken"
+
+
+def fallbacks(taken: Candidate, log: Log, *sentences: str) -> tuple[str, ...]:
+    """All that is to be said of a motion.
+
+    Args:
+        taken: the motion.
+        log: of the call.
+        sentences: known already; empty ones are left out.
+    """
+    scene, stages, planning = taken.active.task.scene, taken.stages, taken.active.task.scene.planning
+    found = [sentence for sentence in sentences if sentence]
+    wanted = fine_intervals(taken.active.scene, stages.duration)
+    if stages.intervals < _COARSER * wanted:
+        found.append(
+            f"no solve on {wanted} intervals converged: the motion on {stages.intervals} was taken, which may be slower"
+        )
+    if taken.active.task.passage.level and scene.motion.without_freedom() != scene.motion:
+        found.append("no motion past the singularity was found but with a level tray on its path: that one was taken")
+    if not taken.has_converged:
+        found.append(
+            f"the last solve ended before it converged ({taken.solution.status}): its motion was taken, and a faster "
+            "one may exist"
+        )
+    if log.out_of_time:
+        found.append(
+            f"planning ended at planning.max_plan_time = {planning.max_plan_time:g} s: the best motion until then was "
+            "taken; allow more"
+        )
+    return tuple(found)
