@@ -87,6 +87,18 @@ def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
         with pytest.raises(ScenarioError, match=re.escape(words)) as caught:
             with_residual_slosh(after.changed(changes), before)
         assert before.scene.name in str(caught.value) and len(str(caught.value).splitlines()) == 1
+    with_residual_slosh(after.changed({"controller": {"lag": 0.02}}), before)
+    with pytest.raises(ScenarioError, match=r"controller.compensate = false in matrix-liquid-soft-end: its joints"):
+        with_residual_slosh(after.changed({"controller": {"lag": 0.02, "compensate": False}}), before)
+    free = {
+        "type": "free",
+        "start": {"position": path["start"], "yaw": path["yaw"][0]},
+        "goal": {"position": path["end"]},
+    }
+    begun = with_residual_slosh(after.changed({"path": free}), before).path.ends[0]
+    np.testing.assert_allclose(begun, before.trajectory.joint_position[-1], atol=1e-6)  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match="speed_range and initial_swing are stated together"):
+        with_residual_slosh(after.changed({"motion.speed_range": [0.5, 1.0]}), before)
     with_residual_slosh(
         after.changed({"robot.limits.speed_scale": 0.4, "tray.friction": 0.9, "cargo.c1.label": "x"}), before
     )

@@ -38,10 +38,12 @@ def require_in_a_row(scene: Scene, plan: Plan) -> None:
         plan: of the one before it.
 
     Raises:
-        ScenarioError: arm, base, tray, an object or the place between the motions is another one; with the key and
-            both values.
+        ScenarioError: arm, base, tray, an object or the place between the motions is another one, with the key and
+            both values; or a controller's delays are not compensated.
     """
     before = plan.scene
+    for one in (before, scene):
+        _require_compensation(one)
     _require_same_arm(scene, before)
     _require_same_tray(scene, before)
     known = {cargo.name: cargo for cargo in before.cargo}
@@ -69,6 +71,15 @@ def joint_fault(before: Plan, joints: np.ndarray, name: str) -> str:
         f"the arm stands otherwise where {name} begins than where {before.scene.name} ends: "
         f"{before.trajectory.joints[worst]} at {begins}, and it was left at {stands}"
     )
+
+
+def _require_compensation(scene: Scene) -> None:
+    """Refuse joints that lag behind their command: between the motions they stand for another time than the wait."""
+    if scene.controller is not None and not scene.controller.compensate:
+        raise ScenarioError(
+            f"controller.compensate = false in {scene.name}: its joints come to rest later than its command, and how "
+            "long they stand before the next motion is not known; leave compensate out, or [controller]"
+        )
 
 
 def _require_same_arm(scene: Scene, before: Scene) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 
 from nospill.core.units import format_quantity
@@ -14,21 +15,27 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.row_checks import joint_fault, require_in_a_row
+from nospill.scene.cargo import Cargo
+from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
-from nospill.scene.swing import Swing, swing_of
+from nospill.scene.swing import LiquidOffset, Swing, swing_of
+from nospill.scene.variants import liquid_offsets
 
 _WAY = ("way", "way_yaw", "way_joints")
 
 
-def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
+def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dict[str, Swing]:
     """How the liquids of a plan swing some time after its motion, all modes of the full model, by object.
 
     Args:
         plan: with the motion, and the swing that it begins with.
         wait: s, after the motion and its hold; rounded up to whole samples.
+        following: the objects of the next motion: where the numbers of one may be off, its liquid is carried through
+            the plan's motion with every one of these numbers, from the swing that it began that motion with.
 
     Raises:
-        ScenarioError: the wait is negative or no number.
+        ScenarioError: the wait is negative or no number, or the plan's motion begins with a swing that is not known of
+            a liquid whose numbers are off.
         ModelError: the liquids cannot be integrated.
     """
     if not 0.0 <= wait < math.inf:
@@ -36,12 +43,44 @@ def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
     scene = full_scene(plan.scene)
     held = held_trajectory(plan.trajectory, replace(scene.motion, hold_after=scene.motion.hold_after + wait))
     run = run_of(held, scene.controller)
-    played = replay(run.record, scene, motion=run.motion)
-    return {
-        cargo.name: swing_of(cargo.oscillators, played.slosh_displacement[-1, own], played.slosh_velocity[-1, own])
-        for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
-        if cargo.filling is not None
-    }
+
+    def left(cargo: Sequence[Cargo]) -> list[Swing]:
+        """Of liquids."""
+        carried = replace(scene, cargo=tuple(cargo))
+        played, slices = replay(run.record, carried, motion=run.motion), structure_of(carried).slosh_slices
+        return [
+            swing_of(item.oscillators, played.slosh_displacement[-1, own], played.slosh_velocity[-1, own])
+            for item, own in zip(cargo, slices, strict=True)
+        ]
+
+    liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
+    found = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
+    offsets = {cargo.name: liquid_offsets(cargo) for cargo in following if cargo.name in liquids}
+    variants: dict[str, list[tuple[LiquidOffset, Swing]]] = {name: [] for name in offsets}
+    for number in range(max(map(len, offsets.values()), default=0)):
+        some = {name: own[number] for name, own in offsets.items() if number < len(own)}
+        changed = [_offset(liquids[name], offset, scene) for name, offset in some.items()]
+        for (name, offset), swing in zip(some.items(), left(changed), strict=True):
+            variants[name].append((offset, swing))
+    return {name: replace(swing, variants=tuple(variants.get(name, ()))) for name, swing in found.items()}
+
+
+def _offset(cargo: Cargo, offset: LiquidOffset, scene: Scene) -> Cargo:
+    """An object of a motion whose liquid is off as one of the next motion is."""
+    by = Perturbation(
+        liquid_height=offset.liquid_height,
+        damping=offset.damping,
+        position=offset.position,
+        pinned=offset.pinned,
+        contact_angle=offset.contact_angle,
+    )
+    swing = cargo.filling.initial_swing if cargo.filling else None
+    if swing is not None and swing.of(offset) is None:
+        raise ScenarioError(
+            f'cargo "{cargo.name}": {scene.name}, the motion before, begins with a swing that is not known with '
+            f"{by.text(cargo)}; give both motions, and those before them, the same tolerance"
+        )
+    return perturbed(cargo, by, fidelity=scene.fidelity)
 
 
 def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
@@ -92,9 +131,24 @@ def seam_fault(before: Plan, after: Plan) -> str:
 
 
 def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
-    left = swing_after(plan, wait)
-    swings = {item.name: left[item.name] for item in scene.cargo if item.name in left}
-    return scene.changed({f"cargo.{name}.initial_swing": asdict(swing) for name, swing in swings.items()})
+    left = swing_after(plan, wait, scene.cargo)
+    return scene.changed(
+        {f"cargo.{item.name}.initial_swing": _table(left[item.name]) for item in scene.cargo if item.name in left}
+    )
+
+
+def _table(swing: Swing) -> dict[str, object]:
+    """A swing as a scenario states it."""
+    own = {"displacement": [*map(list, swing.displacement)], "velocity": [*map(list, swing.velocity)]}
+    return own | (
+        {"variant": [_given(offset) | _table(item) for offset, item in swing.variants]} if swing.variants else {}
+    )
+
+
+def _given(offset: LiquidOffset) -> dict[str, object]:
+    values = asdict(offset) | {"position": list(offset.position)}
+    usual = asdict(LiquidOffset()) | {"position": [0.0, 0.0]}
+    return {key: value for key, value in values.items() if value != usual[key]}
 
 
 def _beginning_where(scene: Scene, plan: Plan) -> Scene:

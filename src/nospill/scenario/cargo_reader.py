@@ -11,8 +11,9 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
-from nospill.scenario.cargo_entries import CargoTable, LiquidTable, SwingTable
+from nospill.scenario.cargo_entries import CargoTable, LiquidTable
 from nospill.scenario.rest_reasons import fill_reason
+from nospill.scenario.swing_entry import require_swing
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
@@ -22,7 +23,6 @@ from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 from nospill.scene.surface_tension.meniscus import meniscus_in
 from nospill.scene.surface_tension.tension import liquid_modes
-from nospill.scene.swing import Swing, coordinates
 
 FREEBOARD_RESERVE = 0.1
 """Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
@@ -87,7 +87,9 @@ def read_cargo(
         label=entry.label,
     )
     allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
-    return dataclasses.replace(cargo, tolerance=allowed)
+    cargo = dataclasses.replace(cargo, tolerance=allowed)
+    require_swing(cargo, fidelity)
+    return cargo
 
 
 def _check_keys(entry: CargoTable) -> None:
@@ -206,30 +208,11 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         contact_line=line,
         contact_angle=angle,
     )
-    return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing)
-
-
-def _swinging(filling: Filling, container: Container, table: SwingTable) -> Filling:
-    """The liquid with its initial swing, which must be inside its limit."""
-    if len(table.displacement) != len(table.velocity):
-        raise ScenarioError(
-            f"initial_swing: displacement has {len(table.displacement)} modes and velocity {len(table.velocity)}; "
-            "give both of the same modes"
-        )
-    displacement, velocity = ([(x, y) for x, y in rows] for rows in (table.displacement, table.velocity))
-    swing = Swing(tuple(displacement), tuple(velocity))
-    modes = filling.modes.oscillators
-    gains = [mode.surface_gain for mode in modes for _ in mode.directions]
-    axes = [axis for mode in modes for axis in mode.directions]
-    raised = np.array(gains) * coordinates(swing, modes)[0]
-    height = np.array([sum(part for part, axis in zip(raised, axes, strict=True) if axis == own) for own in ("x", "y")])
-    crest = max(float(np.linalg.norm(vector)) for vector in container.footprint.crest_vectors(height))
-    if crest > filling.max_slosh_height:
-        raise ScenarioError(
-            f"initial_swing: the surface stands {_mm(crest)} high when the motion begins, above max_slosh_height "
-            f"{_mm(filling.max_slosh_height)}; wait longer before the motion or raise the limit"
-        )
-    return dataclasses.replace(filling, initial_swing=swing)
+    return (
+        filling
+        if entry.initial_swing is None
+        else dataclasses.replace(filling, initial_swing=entry.initial_swing.whole)
+    )
 
 
 def _check_angle(entry: CargoTable, container: Container) -> None:
