@@ -139,7 +139,10 @@ def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
 
 def _table(swing: Swing) -> dict[str, object]:
     """A swing as a scenario states it."""
-    own = {"displacement": [*map(list, swing.displacement)], "velocity": [*map(list, swing.velocity)]}
+    own: dict[str, object] = {
+        "displacement": [*map(list, swing.displacement)],
+        "velocity": [*map(list, swing.velocity)],
+    }
     return own | (
         {"variant": [_given(offset) | _table(item) for offset, item in swing.variants]} if swing.variants else {}
     )
