@@ -35,6 +35,7 @@ from nospill.scenario import free_path_entry as _free
 from nospill.scenario import model as _model
 from nospill.scenario import place_entry as _places
 from nospill.scenario import robot_entry as _robot
+from nospill.scenario import swing_entry as _swing
 from nospill.scenario import tolerance_entry as _tolerance
 from nospill.scenario.free_path_entry import FreePath as FreePath
 from nospill.scenario.loading import load as load
@@ -64,7 +65,8 @@ Cylinder = _cargo.CylinderTable
 Liquid = _cargo.LiquidTable
 Profile = _cargo.ProfileTable
 RoundFlask = _cargo.RoundFlaskTable
-Swing = _cargo.SwingTable
+Swing = _swing.SwingTable
+VariantSwing = _swing.VariantSwingTable
 Tapered = _cargo.TaperedTable
 TestTube = _cargo.TestTubeTable
 WineGlass = _cargo.WineGlassTable

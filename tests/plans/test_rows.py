@@ -55,6 +55,22 @@ def test_what_is_left_is_the_state_at_the_end_and_dies_down(gentle_plan) -> None
     assert size[1] / size[0] == pytest.approx(math.exp(-slowest.damping * slowest.frequency * 4.0), rel=0.05)
 
 
+ANOTHER: list[tuple[dict[str, object], str]] = [
+    ({"cargo.c1.yaw": 0.3}, "cargo.c1.yaw is 17.1887 deg here and 0 deg in"),
+    ({"cargo.c1.at": [0.0, 0.004]}, "cargo.c1.at is (0, 4, 0) mm here and ("),
+    ({"cargo.c1.liquid_height": 0.048}, "cargo.c1.liquid_height is 48 mm here and 49 mm in"),
+    ({"cargo.c1.liquid": {"density": 1000, "kinematic_viscosity": 2e-6}}, "cargo.c1.liquid is custom ("),
+    ({"cargo.c1.damping": 0.03}, "cargo.c1.damping is 0.03 here and"),
+    ({"tray.size": [0.33, 0.25]}, "tray.size is (330, 250) mm here and ("),
+    ({"tray.offset": 0.05}, "tray.offset is (0, 0, 50) mm here and ("),
+    ({"tray.yaw_on_flange": 0.1}, "tray.yaw_on_flange is 5.72958 deg here and 0 deg in"),
+    ({"robot.base_position": [0.0, 0.0, 0.01]}, "robot.base_position is (0, 0, 10) mm here and (0, 0, 0) mm in"),
+    ({"robot.base_yaw": 0.01}, "robot is base_yaw = 0.01"),
+    ({"robot.base_yaw": "free"}, "robot.base_yaw is free, and the arm stands where"),
+    ({"robot.model": "comau-racer-5-080"}, "robot is comau-racer-5-080 here and"),
+]
+
+
 def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
     before: Plan = gentle_plan("matrix-liquid-soft-end", 1)
     end = before.scene.path.at([1.0])[0]
@@ -67,8 +83,25 @@ def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
     for wait in (-0.1, math.nan, math.inf):
         with pytest.raises(ScenarioError, match="at least 0 s"):
             swing_after(before, wait)
-    with pytest.raises(ScenarioError, match='cargo "c1" has another shape, liquid, fill or yaw'):
-        with_residual_slosh(after.changed({"cargo.c1.yaw": 0.3}), before)
+    for changes, words in ANOTHER:
+        with pytest.raises(ScenarioError, match=re.escape(words)) as caught:
+            with_residual_slosh(after.changed(changes), before)
+        assert before.scene.name in str(caught.value) and len(str(caught.value).splitlines()) == 1
+    with_residual_slosh(after.changed({"controller": {"lag": 0.02}}), before)
+    with pytest.raises(ScenarioError, match=r"controller.compensate = false in matrix-liquid-soft-end: its joints"):
+        with_residual_slosh(after.changed({"controller": {"lag": 0.02, "compensate": False}}), before)
+    free = {
+        "type": "free",
+        "start": {"position": path["start"], "yaw": path["yaw"][0]},
+        "goal": {"position": path["end"]},
+    }
+    begun = with_residual_slosh(after.changed({"path": free}), before).path.ends[0]
+    np.testing.assert_allclose(begun, before.trajectory.joint_position[-1], atol=1e-6)  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match="speed_range and initial_swing are stated together"):
+        with_residual_slosh(after.changed({"motion.speed_range": [0.5, 1.0]}), before)
+    with_residual_slosh(
+        after.changed({"robot.limits.speed_scale": 0.4, "tray.friction": 0.9, "cargo.c1.label": "x"}), before
+    )
     other = with_residual_slosh(after.changed({"cargo.c1.name": "other"}), before)
     assert other.cargo[0].filling is not None and other.cargo[0].filling.initial_swing is None
 
@@ -95,15 +128,21 @@ def test_a_second_motion_in_another_configuration_is_refused_and_the_advice_cure
     first = ns.plan(crossing([0.6, -0.4, 0.5], [0.6, 0.4, 0.5]))
     first.save(tmp_path / "first")
     onwards = crossing([0.6, 0.4, 0.5], [0.6, 0.1, 0.8])
-    second = plan(with_residual_slosh(onwards, first, 0.1))
+    second = plan(onwards)
     fault = seam_fault(first, second)
-    assert re.search(r"is \d+ deg off; plan it with robot.home = \[", fault)
+    assert re.search(r"joint at -?\d.* deg, and it was left at -?\d.* deg; plan it with --after", fault)
     second.save(tmp_path / "second")
     result = CliRunner().invoke(app, ["check", *map(str, (tmp_path / "first", tmp_path / "second")), "--wait", "0.1 s"])
     assert result.exit_code == 1 and "Not certified in a row" in result.stderr
-    home = [float(part) for part in re.findall(r"home = \[(.*?)\]", fault)[0].split(",")]
-    again = plan(with_residual_slosh(onwards.changed({"robot.home": home}), first, 0.1))
+    again = plan(with_residual_slosh(onwards, first, 0.1))
     assert again.certificate.ok and seam_fault(first, again) == ""
+    np.testing.assert_allclose(again.trajectory.joint_position[0], first.trajectory.joint_position[-1], atol=1e-6)
+    again.save(tmp_path / "again")
+    command = ["check", *map(str, (tmp_path / "first", tmp_path / "again")), "--wait", "0.1 s"]
+    assert CliRunner().invoke(app, command).exit_code == 0
+    elsewhere = onwards.changed({"path.start_joints": second.trajectory.joint_position[0].tolist()})
+    with pytest.raises(ScenarioError, match=r"path.start_joints: the arm stands otherwise .* leave the key out"):
+        with_residual_slosh(elsewhere, first, 0.1)
     assert seam_fault(first, first) != ""
 
 

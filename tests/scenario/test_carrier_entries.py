@@ -35,6 +35,19 @@ def test_places_count_from_the_carrier() -> None:
     assert [item.name for item in scene.standing] == ["rack"]
 
 
+def test_what_stands_on_top_is_refused() -> None:
+    rack = read_scenario("vial-rack").cargo[0].container.height
+    peg: dict[str, Any] = {"name": "peg", "carrier": "rack", "at": [0, 0], "shape": "cylinder", "radius": 0.01}
+    peg |= {"height": 0.08, "mass": 0.1}
+    for seat in (rack, rack - 0.5e-3):
+        with pytest.raises(ScenarioError, match=r"puts it on top of its carrier .* lower seat_height to at most"):
+            rack_with({}, peg | {"seat_height": seat})
+    allowed = rack_with({}, peg | {"seat_height": rack - 1e-3}).cargo[1]
+    assert allowed.wall == pytest.approx(1e-3) and allowed.held_at == pytest.approx(1e-3)
+    low = rack_with({}, peg | {"height": 0.02, "seat_height": 0.0}).cargo[1]
+    assert low.held_at == pytest.approx(0.01)  # its centre, below the walls' top
+
+
 def test_every_mass_counts_once() -> None:
     scene = rack_with({})
     rack = scene.cargo[0].total.mass
@@ -44,10 +57,11 @@ def test_every_mass_counts_once() -> None:
         rack_with({"cargo.0.mass": "9.69 kg"})
 
 
-def test_contact_is_the_carriers_alone() -> None:
+def test_walls_keep_what_is_carried_from_sliding_alone() -> None:
     scene = rack_with({})
-    for name in ("slip", "lift", "tip", "twist"):
-        assert BY_NAME[name].subjects(scene) == ("rack",)
+    every = tuple(item.name for item in scene.cargo)
+    for name, subjects in (("slip", ("rack",)), ("twist", ("rack",)), ("lift", every), ("tip", every)):
+        assert BY_NAME[name].subjects(scene) == subjects
     assert len(BY_NAME["slosh height"].subjects(scene)) == 24
     kinds = structure_of(scene).objects
     assert kinds[0].spread and not kinds[0].liquid and kinds[1].in_carrier and kinds[1].liquid

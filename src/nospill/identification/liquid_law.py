@@ -18,7 +18,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.integrate import integrate
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.cargo import Cargo
-from nospill.scene.perturbation import Perturbation, perturbed
+from nospill.scene.perturbation import Perturbation, perturbed, without_swing
 from nospill.scene.scene import Scene
 
 NUMBERS = ("clock", "fill", "damping", "gauge")
@@ -68,7 +68,7 @@ class LiquidLaw:
 
     def _cup(self, rise: float, damping: float) -> Cargo:
         by = Perturbation(liquid_height=rise, damping=float(np.exp(damping)))
-        return perturbed(self._scene.cargo[0], by, fidelity=self._scene.fidelity)
+        return perturbed(without_swing(self._scene.cargo[0]), by, fidelity=self._scene.fidelity)
 
     def _integrated(self, rise: float, damping: float) -> np.ndarray:
         scene = replace(self._scene, cargo=(self._cup(rise, damping),))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nospill.judge.between_instants import peaks_between, with_peaks
+from nospill.judge.carriers import with_liquids_apart
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
 from nospill.judge.record_checks import (
@@ -217,7 +218,8 @@ def _judged(
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
     peaks = peaks_between(held, scene, played, traces, motion)
-    worst = fullest(with_peaks(traces, peaks))
+    at_peaks = with_liquids_apart(with_peaks(traces, peaks), held, scene, motion=motion, rate=rate)
+    worst = fullest(at_peaks)
     corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
     for trace in corner_traces(held, scene, motion=motion, rate=rate, played=played):

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from nospill.judge.between_instants import peaks_between, with_peaks
+from nospill.judge.carriers import with_liquids_apart
 from nospill.judge.load_extremes import worst_load_traces
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
 from nospill.judge.traces import constraint_traces
@@ -84,10 +85,13 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
         own = replay(trajectory, scene, motion=motion, rate=rate)
         traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
         traces = with_peaks(traces, peaks_between(trajectory, scene, own, traces, motion))
+        traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
     else:
         scene = replace(scene, cargo=hull_objects(scene))
         slow, own = _slowed(trajectory, scene, speed, motion, rate)
         traces = constraint_traces(slow, scene, own, points=OF_OBJECTS)
+        joints = None if motion is None else SlowedMotion(motion, speed)
+        traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
         traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
     for trace in traces:
         if trace.subject in corner.texts:

@@ -19,7 +19,7 @@ from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.scene_parameters import flange_load, object_load
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, dynamics
 from nospill.scene.cargo import Cargo
-from nospill.scene.perturbation import Perturbation, perturbed
+from nospill.scene.perturbation import Perturbation, perturbed, without_swing
 from nospill.scene.scene import Scene
 
 WORST_LOAD = "the worst masses and places"
@@ -79,7 +79,7 @@ def extremes(cargo: Cargo, scene: Scene) -> list[Cargo]:
     places = [(side * x, side * y) for x, y in product(signs, signs)] if side else [(0.0, 0.0)]
     return [
         perturbed(
-            cargo,
+            without_swing(cargo),
             Perturbation(mass=mass, liquid_height=level, position=place),
             fidelity=scene.fidelity,
         )

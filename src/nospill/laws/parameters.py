@@ -130,6 +130,7 @@ class ObjectNumbers:
         footprint_reserve: part of them that the plan keeps from tipping.
         twist_radius: of the footprint, m, see `Footprint`.
         grip_radius: likewise.
+        held_at: height at which the walls of a carrier hold it, m, see `Tip`; zero on the tray.
         liquid_height: of the surface at rest above the bottom, m, zero for a solid.
         liquid_depth: m, zero for a solid.
         max_slosh_height: m, zero for a solid; of a carrier the least of the liquids in it.
@@ -151,6 +152,7 @@ class ObjectNumbers:
     footprint_reserve: Number
     twist_radius: Number
     grip_radius: Number
+    held_at: Number
     liquid_height: Number
     liquid_depth: Number
     max_slosh_height: Number
@@ -232,7 +234,7 @@ class ObjectStructure:
         shallow: whether its surface may rise by more than its liquid is deep.
         tense: whether surface tension pulls at its surface.
         spread: whether its oscillators are those of liquids that it carries, off its middle.
-        in_carrier: whether it stands in a carrier, and no law of contact is its own.
+        in_carrier: whether it stands in a carrier, which keeps it from sliding.
         slowed: whether it is moved at another speed than the others.
         constraints: given from Python, that are about it.
     """

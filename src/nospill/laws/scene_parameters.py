@@ -207,6 +207,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         footprint_reserve=cargo.footprint_reserve,
         twist_radius=footprint.twist_radius,
         grip_radius=footprint.grip_radius,
+        held_at=cargo.held_at,
         liquid_height=filling.liquid_height if filling else 0.0,
         liquid_depth=filling.depth if filling else 0.0,
         max_slosh_height=_slosh_height(cargo),

@@ -110,6 +110,7 @@ def margins(
     used = _for_each(scene, ranges)
     for cargo, own in zip(scene.cargo, used, strict=True):
         require_valid_fill(cargo, own.fill, key="range of fill")
+        _require_known_swing(cargo, own)
     draws = draw(used, samples, seed=seed)
     swept, labels = _sweeps(used)
     changed, numbers = [], []
@@ -148,6 +149,16 @@ def margins(
         constraints=_risks(found, drawn),
         influences=_influences(found, labels, samples),
     )
+
+
+def _require_known_swing(cargo: Cargo, ranges: Ranges) -> None:
+    """Refuse draws of a liquid that begins with a swing: that of one with other numbers is not in the plan."""
+    swings = cargo.filling is not None and cargo.filling.initial_swing is not None
+    if swings and (ranges.fill or ranges.position or ranges.damping != (1.0, 1.0)):
+        raise ScenarioError(
+            f'cargo "{cargo.name}" begins with the swing that a motion before has left, which is another one where its '
+            "fill, damping or place is off; draw the other numbers alone: --fill 0 --damping 1..1 --position 0"
+        )
 
 
 def _motions(plan: Plan, ranges: ArmRanges, samples: int, total: int, seed: int) -> Iterator[tuple[TrayMotion, slice]]:

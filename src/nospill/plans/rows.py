@@ -1,12 +1,12 @@
-"""Motions in a row: each begins with the swing that the one before it and the wait between them have left."""
+"""Motions in a row: each begins in the joints in which the one before it ended, and with the swing that is left."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 
-import numpy as np
-
+from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.judge.full_model import full_scene
 from nospill.judge.replay import replay
@@ -14,25 +14,28 @@ from nospill.judge.run import run_of
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.plans.plan import Plan
+from nospill.plans.row_checks import joint_fault, require_in_a_row
 from nospill.scene.cargo import Cargo
+from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
-from nospill.scene.swing import Swing, swing_of
+from nospill.scene.swing import LiquidOffset, Swing, swing_of
+from nospill.scene.variants import liquid_offsets
 
-_SAME_PLACE, _SAME_YAW = 1e-3, math.radians(0.5)
-"""m and rad: how far a motion may begin from where the one before it ends."""
-_SAME_JOINTS = 1e-3
-"""rad; likewise, each joint."""
+_WAY = ("way", "way_yaw", "way_joints")
 
 
-def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
+def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dict[str, Swing]:
     """How the liquids of a plan swing some time after its motion, all modes of the full model, by object.
 
     Args:
         plan: with the motion, and the swing that it begins with.
         wait: s, after the motion and its hold; rounded up to whole samples.
+        following: the objects of the next motion: where the numbers of one may be off, its liquid is carried through
+            the plan's motion with every one of these numbers, from the swing that it began that motion with.
 
     Raises:
-        ScenarioError: the wait is negative or no number.
+        ScenarioError: the wait is negative or no number, or the plan's motion begins with a swing that is not known of
+            a liquid whose numbers are off.
         ModelError: the liquids cannot be integrated.
     """
     if not 0.0 <= wait < math.inf:
@@ -40,19 +43,48 @@ def swing_after(plan: Plan, wait: float) -> dict[str, Swing]:
     scene = full_scene(plan.scene)
     held = held_trajectory(plan.trajectory, replace(scene.motion, hold_after=scene.motion.hold_after + wait))
     run = run_of(held, scene.controller)
-    played = replay(run.record, scene, motion=run.motion)
-    return {
-        cargo.name: swing_of(cargo.oscillators, played.slosh_displacement[-1, own], played.slosh_velocity[-1, own])
-        for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
-        if cargo.filling is not None
-    }
+
+    def left(cargo: Sequence[Cargo]) -> list[Swing]:
+        """Of liquids."""
+        carried = replace(scene, cargo=tuple(cargo))
+        played, slices = replay(run.record, carried, motion=run.motion), structure_of(carried).slosh_slices
+        return [
+            swing_of(item.oscillators, played.slosh_displacement[-1, own], played.slosh_velocity[-1, own])
+            for item, own in zip(cargo, slices, strict=True)
+        ]
+
+    liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
+    found = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
+    offsets = {cargo.name: liquid_offsets(cargo) for cargo in following if cargo.name in liquids}
+    variants: dict[str, list[tuple[LiquidOffset, Swing]]] = {name: [] for name in offsets}
+    for number in range(max(map(len, offsets.values()), default=0)):
+        some = {name: own[number] for name, own in offsets.items() if number < len(own)}
+        changed = [_offset(liquids[name], offset, scene) for name, offset in some.items()]
+        for (name, offset), swing in zip(some.items(), left(changed), strict=True):
+            variants[name].append((offset, swing))
+    return {name: replace(swing, variants=tuple(variants.get(name, ()))) for name, swing in found.items()}
+
+
+def _offset(cargo: Cargo, offset: LiquidOffset, scene: Scene) -> Cargo:
+    """An object of a motion whose liquid is off as one of the next motion is."""
+    by = Perturbation(
+        liquid_height=offset.liquid_height,
+        damping=offset.damping,
+        position=offset.position,
+        pinned=offset.pinned,
+        contact_angle=offset.contact_angle,
+    )
+    swing = cargo.filling.initial_swing if cargo.filling else None
+    if swing is not None and swing.of(offset) is None:
+        raise ScenarioError(
+            f'cargo "{cargo.name}": {scene.name}, the motion before, begins with a swing that is not known with '
+            f"{by.text(cargo)}; give both motions, and those before them, the same tolerance"
+        )
+    return perturbed(cargo, by, fidelity=scene.fidelity)
 
 
 def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
-    """The scene with its liquids swinging as a plan's motion and a wait have left them.
-
-    In which configuration the arm begins is for the plan of the scene to choose: `seam_fault` compares it with the end
-    of the plan before, as do `nospill plan --after` and `nospill check`.
+    """The scene as it goes on from a plan: in the joints in which the arm stands, with the swing that is left.
 
     Args:
         scene: of the next motion, which begins where the plan's ends. Liquids that the plan does not have are at rest.
@@ -60,8 +92,9 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
         wait: s between the end of its motion, hold included, and the beginning of the next.
 
     Raises:
-        ScenarioError: the motion begins somewhere else, an object is another one than in the plan, a liquid stands
-            above its limit when the motion begins, or something else comes before the motion (a hold, an approach).
+        ScenarioError: arm, base, tray or an object is another one than in the plan; the motion begins somewhere else,
+            or states other joints for its start; a liquid stands above its limit when the motion begins, or something
+            else comes before the motion (a hold, an approach).
         ModelError: the liquids cannot be integrated.
     """
     if not isinstance(scene, Scene) or not isinstance(plan, Plan):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -69,54 +102,84 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
             f"with_residual_slosh({type(scene).__name__}, {type(plan).__name__}): the scene of the next motion comes "
             "first, the plan before it second"
         )
-    _require_same_place(scene, plan)
-    left, known = swing_after(plan, wait), {cargo.name: cargo for cargo in plan.scene.cargo}
-    swings = {item.name: left[item.name] for item in scene.cargo if item.name in left}
-    for item in scene.cargo:
-        if item.name in swings:
-            _require_same_liquid(item, known[item.name])
-    return scene.changed({f"cargo.{name}.initial_swing": asdict(swing) for name, swing in swings.items()})
+    require_in_a_row(scene, plan)
+    return _beginning_where(_swinging_after(scene, plan, wait), plan)
+
+
+def judged_after(after: Plan, before: Plan, wait: float) -> tuple[Plan, str]:
+    """A plan with the swing that the one before it leaves, and why the arm cannot go on with it.
+
+    Args:
+        after: as it was planned.
+        before: the plan of the motion before it.
+        wait: s, as in `with_residual_slosh`.
+
+    Returns:
+        The plan, whose scene says what its motion begins with; and `seam_fault`.
+
+    Raises:
+        ScenarioError: as `with_residual_slosh`, but for the joints.
+        ModelError: the liquids cannot be integrated.
+    """
+    require_in_a_row(after.scene, before)
+    return replace(after, scene=_swinging_after(after.scene, before, wait)), seam_fault(before, after)
 
 
 def seam_fault(before: Plan, after: Plan) -> str:
     """Why the arm cannot go on from one plan with another, in one sentence without a full stop; empty where it can.
 
-    One pose of the tray is held in several configurations of the arm, and the branch of the second motion may begin in
+    One pose of the tray is held in several configurations of the arm, and the second motion may have been planned from
     another one than the first ends in.
     """
-    if before.trajectory.joints != after.trajectory.joints:
-        return f"{after.scene.name} moves other joints than {before.scene.name}"
-    ends, starts = before.trajectory.joint_position[-1], after.trajectory.joint_position[0]
-    jump = starts - ends
-    worst = int(np.argmax(np.abs(jump)))
-    if abs(jump[worst]) <= _SAME_JOINTS:
-        return ""
-    stated = ", ".join(f"{angle:.6g}" for angle in ends)
-    return (
-        f"the arm stands otherwise where {after.scene.name} begins than where {before.scene.name} ends: "
-        f"{after.trajectory.joints[worst]} is {math.degrees(abs(jump[worst])):.3g} deg off; plan it with robot.home = "
-        f"[{stated}] (rad), or on a free path with these joints as its start"
+    fault = joint_fault(before, after.trajectory.joint_position[0], after.scene.name)
+    return fault and f"{fault}; plan it with --after, or with_residual_slosh"
+
+
+def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
+    left = swing_after(plan, wait, scene.cargo)
+    return scene.changed(
+        {f"cargo.{item.name}.initial_swing": _table(left[item.name]) for item in scene.cargo if item.name in left}
     )
 
 
-def _require_same_liquid(cargo: Cargo, before: Cargo) -> None:
-    ours, theirs = cargo.filling, before.filling
-    if ours is None or theirs is None:
-        raise ScenarioError(f'cargo "{cargo.name}" is solid here and held a liquid before; give it another name')
-    same = cargo.container == before.container and ours.liquid == theirs.liquid
-    if not same or ours.liquid_height != theirs.liquid_height or cargo.yaw != before.yaw:
-        raise ScenarioError(
-            f'cargo "{cargo.name}" has another shape, liquid, fill or yaw than in the plan before, whose swing it '
-            "would go on with; use the same object or another name"
-        )
+def _table(swing: Swing) -> dict[str, object]:
+    """A swing as a scenario states it."""
+    own: dict[str, object] = {
+        "displacement": [*map(list, swing.displacement)],
+        "velocity": [*map(list, swing.velocity)],
+    }
+    if swing.yaw_displacement:
+        own |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
+    if swing.variants:
+        own["variant"] = [_given(offset) | _table(item) for offset, item in swing.variants]
+    return own
 
 
-def _require_same_place(scene: Scene, plan: Plan) -> None:
-    ours, theirs = scene.path.at([0.0])[0], plan.scene.path.at([1.0])[0]
-    distance = float(np.linalg.norm(ours[:3] - theirs[:3]))
-    turn = abs(math.remainder(float(ours[3] - theirs[3]), 2.0 * math.pi))
-    if distance > _SAME_PLACE or turn > _SAME_YAW:
-        raise ScenarioError(
-            f"{scene.name}: the motion begins {1e3 * distance:.3g} mm and {math.degrees(turn):.3g} deg from where "
-            f"{plan.scene.name} ends; motions in a row share that place"
-        )
+def _given(offset: LiquidOffset) -> dict[str, object]:
+    values = asdict(offset) | {"position": list(offset.position)}
+    usual = asdict(LiquidOffset()) | {"position": [0.0, 0.0]}
+    return {key: value for key, value in values.items() if value != usual[key]}
+
+
+def _beginning_where(scene: Scene, plan: Plan) -> Scene:
+    """The scene with the joints at its start in which a plan ends; the way of a free path is looked for from there."""
+    stated, ends = scene.path.ends[0], plan.trajectory.joint_position[-1]
+    key = "start.joints" if scene.source["path"]["type"] == "free" else "start_joints"
+    if stated is not None:
+        fault = joint_fault(plan, stated, scene.name)
+        if fault:
+            raise ScenarioError(f"path.{key}: {fault}; leave the key out")
+        return scene
+    if key == "start.joints":
+        free = {"path.start": {"joints": ends.tolist()}, **{f"path.{own}": None for own in _WAY}}
+        return scene.changed(free)
+    begun = scene.changed({"path.start_joints": ends.tolist()})
+    there = begun.path.ends[0]
+    assert there is not None  # as was just stated
+    fault = joint_fault(plan, there, scene.name)
+    if fault:
+        x, y, z, yaw = plan.scene.path.at([1.0])[0].tolist()
+        place = ", ".join(format_quantity(value, "length") for value in (x, y, z))
+        turned = format_quantity(math.remainder(yaw, math.tau), "angle")
+        raise ScenarioError(f"{fault}; start the path at {place}, with yaw {turned}")
+    return begun

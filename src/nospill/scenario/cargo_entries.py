@@ -29,28 +29,16 @@ from nospill.scenario.fields import (
     Vector,
 )
 from nospill.scenario.profile_files import MOST_POINTS, read_profile
-from nospill.scenario.tables import (
-    Given,
-    OptionalQuantities,
-    OptionalQuantity,
-    Points,
-    Quantity,
-    Table,
-    Values,
-    default,
-    tag,
-)
+from nospill.scenario.swing_entry import SwingTable
+from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Points, Quantity, Table, default, tag
 from nospill.scenario.tolerance_entry import ToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.liquids import LIQUIDS
-from nospill.scene.scene import FULL_MODES
 from nospill.scene.sloshing.prism import MOST_DAMPING
 
 _PLACE = Measured(dimension="length", at_least=-10.0, at_most=10.0)
-_SWING = Measured(dimension="length", at_least=-1.0, at_most=1.0)
-_SWING_RATE = Measured(dimension="speed", at_least=-100.0, at_most=100.0)
 
 
 class LiquidTable(Table):
@@ -73,36 +61,6 @@ class LiquidTable(Table):
 
 def _liquid_kind(value: object) -> str:
     return "table" if isinstance(value, dict | LiquidTable) else "name"
-
-
-class SwingTable(Table):
-    """`[cargo.initial_swing]`: how the liquid swings when the motion begins; without it, it is at rest."""
-
-    displacement: Annotated[
-        Given[list[Annotated[tuple[float, ...], Vector(entry=_SWING, axes=("x", "y"))]], Points],
-        Field(
-            description="of the modal masses along x and y of the object, [x, y] mode by mode from the slowest; "
-            "modes that are not given are at rest",
-            min_length=1,
-            max_length=FULL_MODES,
-        ),
-    ]
-    velocity: Annotated[
-        Given[list[Annotated[tuple[float, ...], Vector(entry=_SWING_RATE, axes=("x", "y"))]], Points],
-        Field(description="their velocities, of the same modes", min_length=1, max_length=FULL_MODES),
-    ]
-    yaw_displacement: Annotated[
-        Given[list[Annotated[float, _SWING]] | None, Values | None],
-        Field(
-            description="of the yaw modes of a box, the height of each in the corner towards x and y; at rest when not "
-            "given",
-            max_length=2 * FULL_MODES - 1,
-        ),
-    ] = default(None)
-    yaw_velocity: Annotated[
-        Given[list[Annotated[float, _SWING_RATE]] | None, Values | None],
-        Field(description="their velocities, of the same modes", max_length=2 * FULL_MODES - 1),
-    ] = default(None)
 
 
 LiquidValue = Annotated[

@@ -11,8 +11,9 @@ from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
-from nospill.scenario.cargo_entries import CargoTable, LiquidTable, SwingTable
+from nospill.scenario.cargo_entries import CargoTable, LiquidTable
 from nospill.scenario.rest_reasons import fill_reason
+from nospill.scenario.swing_entry import require_swing
 from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
@@ -20,10 +21,9 @@ from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
-from nospill.scene.sloshing.modes import wall_gains
 from nospill.scene.surface_tension.meniscus import meniscus_in
 from nospill.scene.surface_tension.tension import liquid_modes
-from nospill.scene.swing import Swing, coordinates
+from nospill.scene.swing import Swing
 
 FREEBOARD_RESERVE = 0.1
 """Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
@@ -88,7 +88,9 @@ def read_cargo(
         label=entry.label,
     )
     allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
-    return dataclasses.replace(cargo, tolerance=allowed)
+    cargo = dataclasses.replace(cargo, tolerance=allowed)
+    require_swing(cargo, fidelity)
+    return cargo
 
 
 def _check_keys(entry: CargoTable) -> None:
@@ -207,35 +209,16 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         contact_line=line,
         contact_angle=angle,
     )
-    return filling if entry.initial_swing is None else _swinging(filling, container, entry.initial_swing, fidelity)
+    return filling if entry.initial_swing is None else _swinging(filling, entry.initial_swing.whole, fidelity)
 
 
-def _swinging(filling: Filling, container: Container, table: SwingTable, fidelity: Fidelity) -> Filling:
-    """The liquid with its initial swing, which must be inside its limit."""
-    if len(table.displacement) != len(table.velocity):
+def _swinging(filling: Filling, swing: Swing, fidelity: Fidelity) -> Filling:
+    """The liquid with its initial swing, in yaw modes too where it states any."""
+    if swing.yaws and filling.modes.yaw is None:
         raise ScenarioError(
-            f"initial_swing: displacement has {len(table.displacement)} modes and velocity {len(table.velocity)}; "
-            "give both of the same modes"
+            "initial_swing: yaw_displacement and yaw_velocity are of the yaw modes of a box; leave them out"
         )
-    displacement, velocity = ([(x, y) for x, y in rows] for rows in (table.displacement, table.velocity))
-    yaw = [tuple(part or ()) for part in (table.yaw_displacement, table.yaw_velocity)]
-    swing = Swing(tuple(displacement), tuple(velocity), *yaw)
-    if len(yaw[0]) != len(yaw[1]) or (swing.yaws and filling.modes.yaw is None):
-        raise ScenarioError(
-            f"initial_swing: yaw_displacement has {len(yaw[0])} modes and yaw_velocity {len(yaw[1])}; give both of the "
-            "same modes, and only of a box"
-        )
-    filling = dataclasses.replace(filling, initial_swing=swing, turns=swing.yaws and fidelity == "full")
-    modes = filling.oscillators
-    height = wall_gains(modes) @ coordinates(swing, modes)[0]
-    crest = max(float(np.linalg.norm(vector)) for vector in container.footprint.crest_vectors(height[:2]))
-    crest += float(np.max(np.abs(height[2:])))
-    if crest > filling.max_slosh_height:
-        raise ScenarioError(
-            f"initial_swing: the surface stands {_mm(crest)} high when the motion begins, above max_slosh_height "
-            f"{_mm(filling.max_slosh_height)}; wait longer before the motion or raise the limit"
-        )
-    return filling
+    return dataclasses.replace(filling, initial_swing=swing, turns=swing.yaws and fidelity == "full")
 
 
 def _check_angle(entry: CargoTable, container: Container) -> None:

@@ -17,6 +17,8 @@ from nospill.scene.carriers import carrying
 
 _OF_CARRIER = ("friction", "friction_reserve", "footprint_reserve")
 _ROUNDING = 1e-9
+LEAST_WALL = 1e-3
+"""m; lower walls are an edge over which an object slides as it stands."""
 
 
 def check_carrier(entry: CargoTable, entries: Mapping[str, CargoTable]) -> None:
@@ -63,7 +65,7 @@ def seated(item: Cargo, entry: CargoTable, carrier: Cargo) -> Cargo:
         carrier: in which it stands, on the tray.
 
     Raises:
-        ScenarioError: it stands higher than the carrier's top, or over its edge; starts with the key.
+        ScenarioError: it stands higher than the carrier's top, on it, or over its edge; starts with the key.
     """
     seat = entry.seat_height or 0.0
     if seat > carrier.container.height * (1.0 + _ROUNDING):
@@ -79,6 +81,13 @@ def seated(item: Cargo, entry: CargoTable, carrier: Cargo) -> Cargo:
             f"at ({at}) stands {_mm(out)} over the edge of its carrier {as_written(carrier.name)} (size {sides}); "
             "move it in or use a larger one"
         )
+    wall = carrier.container.height - seat
+    if wall < LEAST_WALL - _ROUNDING:
+        raise ScenarioError(
+            f"seat_height {_mm(seat)} puts it on top of its carrier {as_written(carrier.name)} (height "
+            f"{_mm(carrier.container.height)}), where no wall keeps it from sliding; lower seat_height to at most "
+            f"{_mm(carrier.container.height - LEAST_WALL)}, or make both one solid"
+        )
     cosine, sine = math.cos(carrier.yaw), math.sin(carrier.yaw)
     turned = np.array([[cosine, -sine], [sine, cosine]]) @ item.position
     tolerance, moved = item.tolerance or Tolerance(), carrier.tolerance or Tolerance()
@@ -93,6 +102,7 @@ def seated(item: Cargo, entry: CargoTable, carrier: Cargo) -> Cargo:
         footprint_reserve=carrier.footprint_reserve,
         carrier=carrier.name,
         seat=seat,
+        wall=wall,
         tolerance=None if tolerance == Tolerance() else tolerance,
     )
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
+from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.paths.path import (
@@ -19,10 +21,13 @@ from nospill.paths.path import (
 )
 from nospill.paths.waypoint_files import read_waypoints
 from nospill.paths.waypoint_paths import SMOOTHING, path_through_waypoints
-from nospill.scenario.fields import ANGLE, FREE, POINT, Measured, Point
+from nospill.robots.robot import Robot
+from nospill.robots.tool import Tool
+from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, POINT, Measured, Point
 from nospill.scenario.free_path_entry import FreePath
 from nospill.scenario.freedom_entries import Yaw
 from nospill.scenario.path_table import PathTable
+from nospill.scenario.place_entry import joints_at
 from nospill.scenario.tables import Given, Points, Values, default, tag
 
 
@@ -30,6 +35,13 @@ class GivenPath(PathTable):
     """The keys of every path that is given as a curve."""
 
     yaw: Yaw = default((0.0, 0.0))
+    start_joints: Annotated[
+        Given[list[Annotated[float, JOINT_ANGLE]] | None, Values | None],
+        Field(
+            description="of the arm where the path starts, one angle for each moving joint: which branch the motion "
+            "begins in; the fastest when not given"
+        ),
+    ] = default(None)
 
     @property
     def angles(self) -> list[float]:
@@ -41,6 +53,26 @@ class GivenPath(PathTable):
         """See `PathTable`."""
         return FREE in self.yaw
 
+    def placed(self, robot: Robot, tool: Tool, *, base_is_free: bool) -> Self:
+        """See `PathTable`: with the very joints that hold the tray where the path starts."""
+        if self.start_joints is None:
+            return self
+        if base_is_free:
+            raise ScenarioError("start_joints: where the tray is then depends on base_yaw, which is free; state it")
+        pose = self.curve().at(0.0)[0]
+        return self.model_copy(update={"start_joints": joints_at(self.start_joints, "start_joints", pose, robot, tool)})
+
+    def build(self) -> Path:
+        """See `PathTable`."""
+        curve = self.curve()
+        if self.start_joints is None:
+            return curve
+        return replace(curve, ends=(read_only(np.array(self.start_joints)), None))
+
+    def curve(self) -> Path:
+        """The path whatever the joints at its start; raises as `build`."""
+        raise NotImplementedError
+
 
 class PresetPath(GivenPath):
     """`type = "preset"`: a published path."""
@@ -49,8 +81,8 @@ class PresetPath(GivenPath):
     name: Annotated[str, Field(strict=True, description="name of a published path (arc, ark, pp, sl or sl3d)")]
     offset: Annotated[Point, Field(description="shift of the whole path")] = default((0.0, 0.0, 0.0))
 
-    def build(self) -> Path:
-        """See `PathTable`."""
+    def curve(self) -> Path:
+        """See `GivenPath`."""
         return preset_path(self.name, yaw=self.angles, offset=self.offset)
 
 
@@ -68,8 +100,8 @@ class BsplinePath(GivenPath):
         Field(description="knot vector, not decreasing; clamped and uniform when not given"),
     ] = default(None)
 
-    def build(self) -> Path:
-        """See `PathTable`."""
+    def curve(self) -> Path:
+        """See `GivenPath`."""
         return path_from_bspline(self.control_points, self.degree, knots=self.knots, yaw=self.angles)
 
 
@@ -80,8 +112,8 @@ class LinePath(GivenPath):
     start: Annotated[Point, Field(description="first point")]
     end: Annotated[Point, Field(description="last point")]
 
-    def build(self) -> Path:
-        """See `PathTable`."""
+    def curve(self) -> Path:
+        """See `GivenPath`."""
         return straight_line(self.start, self.end, yaw=self.angles)
 
 
@@ -93,8 +125,8 @@ class ArcPath(GivenPath):
     through: Annotated[Point, Field(description="a point on the way")]
     end: Annotated[Point, Field(description="last point")]
 
-    def build(self) -> Path:
-        """See `PathTable`."""
+    def curve(self) -> Path:
+        """See `GivenPath`."""
         return circular_arc(self.start, self.through, self.end, yaw=self.angles)
 
 
@@ -151,8 +183,8 @@ class WaypointsPath(GivenPath):
         """Whether `yaw` says more than that it is free, which goes with the yaw of points."""
         return "yaw" in self.model_fields_set and not (self.yaw_free and not any(self.angles))
 
-    def build(self) -> Path:
-        """See `PathTable`; the points are at hand, `standalone` comes first."""
+    def curve(self) -> Path:
+        """See `GivenPath`; the points are at hand, `standalone` comes first."""
         least = min(self.corridor) if isinstance(self.corridor, tuple) else self.corridor
         if least is not None and self.smoothing is not None and least <= self.smoothing:
             corridor, smoothing = (format_quantity(size, "length") for size in (least, self.smoothing))

@@ -1,14 +1,17 @@
-"""A place at an end of a free path: position and yaw of the tray, or the joints of the arm there."""
+"""Joints of the arm at an end of a path; the place at an end of a free one, by position and yaw or by joints."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from nospill.core.arrays import read_only
+from nospill.core.attitudes import angles_between
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError, ScenarioError
 from nospill.robots.description.urdf_tree import about_axis
@@ -19,6 +22,8 @@ from nospill.scenario.tables import Given, OptionalQuantities, Table, Values, de
 
 MOST_LEAN = math.radians(0.5)
 """How far the tray may lean in stated joints; angles read off a screen are rounded."""
+MOST_MOVED = math.radians(0.5)
+"""How far each joint may be from where it holds the tray at the start of a given path, likewise."""
 _SHOWN_LEAN = 1e-4
 """rad; from which on a note tells of it."""
 
@@ -105,7 +110,41 @@ def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Plac
     return Placed(position=(x, y, z), yaw=yaw, joints=level.tolist(), lean=lean, moved=moved)
 
 
-def _within_limits(joints: list[float], key: str, robot: Robot) -> np.ndarray:
+def joints_at(joints: Sequence[float], key: str, pose: np.ndarray, robot: Robot, tool: Tool) -> list[float]:
+    """The joints next to stated ones in which the arm holds the level tray at a pose, rad.
+
+    Args:
+        joints: as stated, rad.
+        key: its name in the scenario.
+        pose: (4,) position (m) and yaw (rad) of the tray.
+        robot: the arm.
+        tool: frame of the tray on its flange.
+
+    Raises:
+        ScenarioError: they are too many, too few or outside their limits, or the arm holds the tray elsewhere in them.
+            The message starts with the key.
+    """
+    # imported here: slow to import, and needed for stated joints only
+    from nospill.robots.kinematics.forward import kinematics
+    from nospill.robots.kinematics.newton import solve_joints
+
+    q, level = _within_limits(joints, key, robot), about_axis((0.0, 0.0, 1.0), float(pose[3]))
+    positions, rotations = kinematics(robot).poses(q[None], tool=tool)
+    gap, turn = float(np.linalg.norm(positions[0] - pose[:3])), float(angles_between(level[None], rotations)[0])
+    with suppress(ModelError):
+        found = solve_joints(robot, pose[None, :3], level[None], q[None], tool=tool)[0]
+        if np.abs(found - q).max() <= MOST_MOVED and np.all((robot.lower <= found) & (found <= robot.upper)):
+            return found.tolist()
+    far, turned, most = (
+        format_quantity(*value, digits=3) for value in ((gap, "length"), (turn, "angle"), (MOST_MOVED, "angle"))
+    )
+    raise ScenarioError(
+        f"{key}: the tray is {far} and {turned} from where the path starts in them; joints within {most} of those that "
+        "hold it there are allowed, or leave the key out"
+    )
+
+
+def _within_limits(joints: Sequence[float], key: str, robot: Robot) -> np.ndarray:
     if len(joints) != len(robot.joints):
         names = ", ".join(robot.joints)
         raise ScenarioError(f"{key} has {len(joints)} angles where {len(robot.joints)} are needed: {names}")

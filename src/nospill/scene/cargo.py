@@ -133,6 +133,7 @@ class Cargo:
         label: what people call it, of any letters; empty where that is the name.
         carrier: name of the object in which it stands, whose friction it has; empty where it stands on the tray.
         seat: height of its bottom above the tray, m.
+        wall: height of the carrier's top above its bottom, m; 0 where it stands on the tray.
         contents: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
         speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
         constraints: those of `Scene.constraints` that are about it.
@@ -153,6 +154,7 @@ class Cargo:
     label: str = ""
     carrier: str = ""
     seat: float = 0.0
+    wall: float = 0.0
     contents: CarrierContents | None = None
     speed: float = 1.0
     constraints: tuple[Limit, ...] = ()
@@ -166,6 +168,11 @@ class Cargo:
     def place(self) -> np.ndarray:
         """Bottom centre in the tray frame, (3,), m."""
         return np.append(self.position, self.seat)
+
+    @property
+    def held_at(self) -> float:
+        """Height above its bottom, m, at which walls about it push at most, so as not to tip it the other way."""
+        return min(self.wall, max(float(self.total.centre[2]), 0.0))
 
     @property
     def title(self) -> str:

@@ -6,6 +6,8 @@ the motion of the tray at a place is linear in the place and a liquid responds t
 degree, its moment of the second. So the sum over any number of equal liquids is that of four at c +- s_1 e_1 +- s_2 e_2
 with a quarter of all the masses each, where c is the mean of their places and s_i^2, e_i their variances and the axes
 of those. That is exact to the second degree, and to the third where the places are symmetric, as in an array.
+Linear is what swings low: the first mode slides on a paraboloid, and at crests above half the radius the judge takes
+every liquid by itself (`judge/carriers.py`); the optimiser keeps the four.
 """
 
 from __future__ import annotations
@@ -108,6 +110,16 @@ def single_oscillators(cargo: Cargo) -> tuple[Oscillator, ...]:
         return cargo.oscillators
     filled = [(item, item.filling) for item in cargo.contents.content if item.filling is not None]
     return tuple(mode for own in filled for mode in _pushing([own], cargo))
+
+
+def with_single_liquids(cargo: Cargo) -> Cargo:
+    """A carrier that feels every liquid in it by itself; itself where it does already, like any other object."""
+    if cargo.contents is None:
+        return cargo
+    single = single_oscillators(cargo)
+    if len(single) == len(cargo.oscillators):
+        return cargo
+    return replace(cargo, contents=replace(cargo.contents, oscillators=single))
 
 
 def _pushing(filled: Sequence[tuple[Cargo, Filling]], carrier: Cargo) -> Iterable[Oscillator]:

@@ -16,6 +16,7 @@ from nospill.scene.freeboard import default_slosh_height
 from nospill.scene.scene import Fidelity
 from nospill.scene.sloshing.prism import MOST_DAMPING
 from nospill.scene.surface_tension.tension import liquid_modes
+from nospill.scene.swing import LiquidOffset, Swing
 
 _ROUNDING = 1e-9
 
@@ -41,6 +42,11 @@ class Perturbation:
     mass: float = 0.0
     pinned: bool = False
     contact_angle: float = 0.0
+
+    @property
+    def of_liquid(self) -> LiquidOffset:
+        """What of it a swing depends on."""
+        return LiquidOffset(self.liquid_height, self.damping, self.position, self.pinned, self.contact_angle)
 
     def text(self, cargo: Cargo) -> str:
         """In words, for messages: "friction -10 %, fill +2 mm"; empty where nothing differs."""
@@ -74,7 +80,8 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         fidelity: of the scene.
 
     Raises:
-        ModelError: the slosh model does not cover the filling.
+        ModelError: the slosh model does not cover the filling, or its initial swing is stated and not that of the
+            liquid with these numbers.
     """
     empty = _heavier(cargo.empty, by.mass, cargo.container)
     changed = replace(
@@ -143,10 +150,37 @@ def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
         )
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
-    highest = _highest(cargo, filling, level, angle)
     return replace(
-        filling, liquid_height=level, max_slosh_height=highest, modes=modes, contact_line=line, contact_angle=angle
+        filling,
+        liquid_height=level,
+        max_slosh_height=_highest(cargo, filling, level, angle),
+        modes=modes,
+        contact_line=line,
+        contact_angle=angle,
+        initial_swing=_swing(cargo, filling, by),
     )
+
+
+def _swing(cargo: Cargo, filling: Filling, by: Perturbation) -> Swing | None:
+    """With which the liquid begins: a motion before leaves another one where the numbers are off."""
+    stated = filling.initial_swing
+    if stated is None:
+        return None
+    found = stated.of(by.of_liquid)
+    if found is None:
+        raise ModelError(
+            f"initial_swing is not known of {cargo.name} with {by.text(cargo)}: give it in initial_swing.variant, as "
+            "`nospill plan --after` does, or leave that tolerance out"
+        )
+    return found
+
+
+def without_swing(cargo: Cargo) -> Cargo:
+    """The object with its liquid at rest when the motion begins."""
+    filling = cargo.filling
+    if filling is None or filling.initial_swing is None:
+        return cargo
+    return replace(cargo, filling=replace(filling, initial_swing=None))
 
 
 def _highest(cargo: Cargo, filling: Filling, level: float, contact_angle: float | None) -> float:

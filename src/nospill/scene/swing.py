@@ -3,13 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.scene.sloshing.modes import YAW, Oscillator
 
 _AXES = {"x": 0, "y": 1}
+
+
+@dataclass(frozen=True, slots=True)
+class LiquidOffset:
+    """Difference of a liquid from what is stated, in what its swing depends on; as in `Perturbation`.
+
+    Attributes:
+        liquid_height: m.
+        damping: factor.
+        position: of its container, (x, y), m.
+        pinned: whether its contact line is.
+        contact_angle: rad.
+    """
+
+    liquid_height: float = 0.0
+    damping: float = 1.0
+    position: tuple[float, float] = (0.0, 0.0)
+    pinned: bool = False
+    contact_angle: float = 0.0
+
+    def is_near(self, other: LiquidOffset) -> bool:
+        """Whether it is the same but for rounding."""
+        ours, theirs = ((own.liquid_height, own.damping, *own.position, own.contact_angle) for own in (self, other))
+        return self.pinned == other.pinned and bool(np.allclose(ours, theirs, rtol=1e-9, atol=1e-9))
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,17 +46,26 @@ class Swing:
         velocity: likewise, m/s; the same modes.
         yaw_displacement: of the yaw modes of a box, m, the height of each in the corner towards x and y.
         yaw_velocity: likewise, m/s; the same modes.
+        variants: the swing of the same liquid where its numbers are off, which the motion before left otherwise.
     """
 
     displacement: tuple[tuple[float, float], ...]
     velocity: tuple[tuple[float, float], ...]
     yaw_displacement: tuple[float, ...] = ()
     yaw_velocity: tuple[float, ...] = ()
+    variants: tuple[tuple[LiquidOffset, Swing], ...] = ()
 
     @property
     def yaws(self) -> bool:
-        """Whether a yaw mode swings."""
-        return any(self.yaw_displacement) or any(self.yaw_velocity)
+        """Whether a yaw mode swings, in a variant perhaps."""
+        own = any(self.yaw_displacement) or any(self.yaw_velocity)
+        return own or any(swing.yaws for _, swing in self.variants)
+
+    def of(self, offset: LiquidOffset) -> Swing | None:
+        """The swing of the liquid whose numbers are off by this; None where nobody knows it."""
+        if offset.is_near(LiquidOffset()):
+            return replace(self, variants=())
+        return next((swing for own, swing in self.variants if own.is_near(offset)), None)
 
 
 def swing_of(oscillators: Iterable[Oscillator], displacement: np.ndarray, velocity: np.ndarray) -> Swing:

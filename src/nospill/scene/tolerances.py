@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from nospill.errors import ScenarioError
 from nospill.scene.cargo import Cargo, Tolerance
-from nospill.scene.perturbation import Perturbation, perturbed
+from nospill.scene.perturbation import Perturbation, perturbed, without_swing
 from nospill.scene.scene import Fidelity, Scene
 from nospill.scene.variants import variants_by_object
 
@@ -86,7 +86,7 @@ def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
         return cargo
     rise = sign * tolerance.liquid_height if cargo.oscillators else 0.0
     by = Perturbation(liquid_height=rise, mass=sign * tolerance.mass * cargo.empty.mass)
-    return perturbed(cargo, by, fidelity=fidelity)
+    return perturbed(without_swing(cargo), by, fidelity=fidelity)
 
 
 def require_valid_fill(cargo: Cargo, rise: float, *, key: str) -> None:

@@ -31,6 +31,7 @@ from nospill.scene.cargo import Cargo, Filling, Tolerance
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Fidelity, Scene
 from nospill.scene.surface_tension.tension import liquid_modes
+from nospill.scene.swing import LiquidOffset
 
 FREQUENCY_STEP = 0.01
 """Largest part by which the frequency may differ from one level that is tried to the next: over a motion of 2 s a mode
@@ -112,6 +113,12 @@ def _variants(cargo: Cargo, fidelity: Fidelity) -> tuple[Variant, ...]:
     stated = Perturbation(friction=-tolerance.friction)
     perturbations = dict.fromkeys([stated, *_corners(cargo, tolerance)])
     return tuple(Variant(cargo.name, by.text(cargo), perturbed(cargo, by, fidelity=fidelity)) for by in perturbations)
+
+
+def liquid_offsets(cargo: Cargo) -> tuple[LiquidOffset, ...]:
+    """How the liquid of an object differs in its variants, the stated one left out."""
+    corners = () if cargo.tolerance is None or cargo.filling is None else _corners(cargo, cargo.tolerance)
+    return tuple(own for own in dict.fromkeys(by.of_liquid for by in corners) if own != LiquidOffset())
 
 
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:

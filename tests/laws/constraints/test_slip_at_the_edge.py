@@ -181,6 +181,7 @@ def slip_function(footprint: Footprint) -> ca.Function:
         planned_friction=1.0,
         half_lengths=footprint.half_lengths,
         grip_radius=footprint.grip_radius,
+        held_at=0.0,
     )
     shape = replace(structure.objects[0], footprint=type(footprint))
     nothing, force, moment = ca.SX(0, 1), ca.SX.sym("force", 3), ca.SX.sym("moment", 3)

@@ -45,6 +45,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         footprint_reserve=0.0,
         twist_radius=0.0,
         grip_radius=0.0,
+        held_at=0.0,
         liquid_height=DEPTH,
         liquid_depth=DEPTH,
         max_slosh_height=0.02,

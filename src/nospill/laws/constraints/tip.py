@@ -11,8 +11,6 @@ from nospill.laws.constraints.base import (
     EvaluationPoint,
     ObjectKey,
     Role,
-    standing,
-    standing_names,
 )
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
@@ -20,6 +18,9 @@ from nospill.scene.scene import Scene
 
 class Tip(Constraint):
     """Centre of pressure (-M_y, M_x)/N inside the footprint, each length of it less `footprint_reserve`.
+
+    The walls of a carrier take the horizontal force of what stands in it, at any height up to their own, but no moment:
+    they may be loose. So the moment counts about the height `held_at` [statics]: M - held_at e_z x f.
 
     With the deliverable wrench M = h_G e_z x f, so this is |f_T| <= (R/h_G) N for a disc [D3].
     """
@@ -39,17 +40,18 @@ class Tip(Constraint):
     limit_key = ObjectKey("centre_of_mass")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object that stands on the tray itself."""
-        return standing_names(scene)
+        """Every object."""
+        return tuple(cargo.name for cargo in scene.cargo)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone for a disc, one band per side for a rectangle."""
-        return tuple(_budgets(item) for item in standing(sample))
+        return tuple(_budgets(item) for item in sample.objects)
 
 
 def _budgets(item: ObjectSample) -> tuple[Budget, ...]:
-    pressing, moment = item.wrench.force[2], item.wrench.moment
+    force, moment, held_at = item.wrench.force, item.wrench.moment, item.numbers.held_at
+    pressing = force[2]
     weight, half = item.numbers.weight, (1.0 - item.numbers.footprint_reserve) * item.numbers.half_lengths
-    offset = ca.vertcat(-moment[1], moment[0])
+    offset = ca.vertcat(held_at * force[0] - moment[1], held_at * force[1] + moment[0])
     bounds = item.structure.footprint.bounds(offset, half)
     return tuple(Cone(vector, bound * pressing, bound * weight) for vector, bound in bounds)

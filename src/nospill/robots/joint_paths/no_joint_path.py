@@ -45,9 +45,11 @@ def explain(robot: Robot, path: Path, followed: Followed, *, searched: str = "",
     farthest = int(followed.last[best])
     joints = ", ".join(f"{value:.0f}" for value in np.degrees(followed.q[best, farthest]))
     lost = float(s[min(farthest + 1, len(s) - 1)])
+    count = len(followed.last)
+    end = f"all {count} branches end in a singularity, the last" if count > 1 else "its branch ends in a singularity"
     return ScenarioError(
-        f"path: robot {robot.name!r} cannot follow it in one go: all {len(followed.last)} branches end in a "
-        f"singularity, the last near {place_in_words(path, lost)} at joints ({joints}) deg; "
+        f"path: robot {robot.name!r} cannot follow it in one go: {end} near {place_in_words(path, lost)} at joints "
+        f"({joints}) deg; "
         f"move the path or change its yaw there{searched}",
         Reason(ROBOT, "singularity", robot.name, lost),
     )
@@ -66,12 +68,20 @@ def arrives_elsewhere(robot: Robot, path: Path, q: np.ndarray) -> ScenarioError:
         for key, stated, own in zip(("start", "goal"), path.ends, q[[0, -1]], strict=True)
         if stated is not None and not np.allclose(stated, own, rtol=0.0, atol=_SAME_BRANCH)
     )
+    joint = int(np.argmax(np.abs(there - stated)))
+    if key == "start":  # it begins in them but for whole turns
+        wanted, found = (f"{np.degrees(own[joint]):.0f} deg" for own in (stated, there))
+        return ScenarioError(
+            f"path: robot {robot.name!r} cannot follow it from the joints stated at its start: "
+            f"{robot.joints[joint]} at {wanted} would pass its limits on the way, at {found} it would not; turn it "
+            "before the motion begins, or move the path",
+            Reason(ROBOT, "branch", robot.name, 0.0),
+        )
     wanted, found = (", ".join(f"{value:.0f}" for value in np.degrees(own) + 0.0) for own in (stated, there))
-    verb = "begins" if key == "start" else "arrives"
     return ScenarioError(
-        f"path: robot {robot.name!r} {verb} in joints ({found}) deg along it, on another branch than {key}.joints "
-        f"({wanted}) deg; give {key}.position and yaw in their place, or joints of that branch",
-        Reason(ROBOT, "branch", robot.name, 0.0 if key == "start" else 1.0),
+        f"path: robot {robot.name!r} arrives in joints ({found}) deg along it, on another branch than goal.joints "
+        f"({wanted}) deg; give goal.position and yaw in their place, or joints of that branch",
+        Reason(ROBOT, "branch", robot.name, 1.0),
     )
 
 

@@ -149,6 +149,8 @@ def try_joint_paths(
         held, motions = np.eye(len(robot.joints))[joint], paths_on_grid(robot, path, joint, s, tool=tool)
         found = _within_limits(robot, path, s, motions, held, tool=tool)
         searched = f"; searched: {POSITIONS} positions of {robot.joints[joint]} at {PLACES} places of the path"
+    if path.ends[0] is not None:
+        searched = "; it begins in the joints stated at its start, and in others the arm may follow it"
     why = partial(explain, robot, path, followed, searched=searched, tool=tool)
     if elsewhere:
         why = partial(arrives_elsewhere, robot, path, elsewhere[0].q)
