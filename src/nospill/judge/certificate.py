@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from nospill.judge.between_instants import peaks_between, with_peaks
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
+from nospill.judge.plausibility import require_rate
 from nospill.judge.record_checks import (
     joint_record,
     record_traces,
@@ -99,9 +100,10 @@ def certify(
     Raises:
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
-        ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails.
+        ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails; a rate
+            that is none.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
-            is not finite, time that does not run forward).
+            is not finite, time that does not run forward, times in ms or joints in degrees).
     """
     return judge(trajectory, scene, constraints=constraints, motion=motion, rate=rate).certificate
 
@@ -128,7 +130,8 @@ def judge_motion(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
-    require_motion(trajectory)
+    require_rate(rate)
+    require_motion(trajectory, scene.robot)
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
@@ -179,10 +182,12 @@ def certify_joints(
         rate: Hz, the least rate of the grid.
 
     Raises:
-        ScenarioError: no scene, a constraint that is none, or arrays that are no samples of a motion of its joints.
+        ScenarioError: no scene, a constraint or a rate that is none, or arrays that are no samples of a motion of its
+            joints (times in ms and joints in degrees are refused as such).
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
     """
+    require_rate(rate)
     record = joint_record(t, q, scene)
     return judge_joints(record, constrained(scene, constraints), rate=rate).certificate
 

@@ -8,11 +8,13 @@ from numpy.typing import ArrayLike
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.beside_path import between_samples
+from nospill.judge.plausibility import unlikely_units
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace, limit_trace
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
 from nospill.motion.trajectory import Trajectory
+from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
@@ -91,6 +93,9 @@ def joint_record(t: ArrayLike, q: ArrayLike, scene: object) -> Trajectory:
     if len(backwards):
         row = int(backwards[0])
         raise ScenarioError(f"t does not increase from {times[row]:g} s at row {row}")
+    reason = unlikely_units(times, positions, scene.robot)
+    if reason is not None:
+        raise ScenarioError(f"t and q: {reason}")
     motion = Trajectory.of_joints(times, names, positions).motion
     return Trajectory.of_joints(times, names, positions, motion(times, 1), motion(times, 2))
 
@@ -116,11 +121,11 @@ def recorded_coordinates(cargo: Cargo, scene: Scene) -> int:
     return object_structure(with_modes(cargo, scene.slosh_modes)).coordinates
 
 
-def require_motion(trajectory: Trajectory) -> None:
+def require_motion(trajectory: Trajectory, robot: Robot) -> None:
     """Raise PlanFolderError if the record is no motion.
 
-    That is: columns of different lengths, a value that is no number, time that does not run forward, a quaternion of
-    another length than 1.
+    That is: columns of different lengths, a value that is no number, time that does not run forward, times or positions
+    that are hardly in s and rad, a quaternion of another length than 1.
     """
     for name in _COLUMNS:
         values = getattr(trajectory, name)
@@ -135,6 +140,9 @@ def require_motion(trajectory: Trajectory) -> None:
     if len(backwards):
         row = int(backwards[0])
         raise PlanFolderError(f"trajectory: t does not increase from {trajectory.t[row]:g} s at row {row}")
+    reason = unlikely_units(trajectory.t, trajectory.joint_position, robot)
+    if reason is not None:
+        raise PlanFolderError(f"trajectory: {reason}")
     lengths = np.linalg.norm(trajectory.tray_quaternion, axis=1)
     wrong = np.flatnonzero(np.abs(lengths - 1.0) > _QUATERNION_TOLERANCE)
     if len(wrong):
