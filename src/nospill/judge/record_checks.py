@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
@@ -161,7 +162,7 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
     per_sample = round(played.rate / trajectory.rate)
     planned = between_samples(trajectory, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
-    acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
+    acceleration = columns_apart(trajectory.joint_acceleration, played.joint_acceleration, per_sample)
     recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
     jump = max(SPEED_TOLERANCE, REST_SHARE * float(np.min(scene.robot.max_speed)))
     progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
@@ -186,6 +187,26 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
         limit_trace("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
         limit_trace("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
     ]
+
+
+def columns_apart(recorded: np.ndarray, played: np.ndarray, per_sample: int) -> np.ndarray:
+    """How far each of two accelerations is from all that the other does within a period, at the samples (m,), rad/s^2.
+
+    Within a period of a sample no record says when an acceleration changes, and the spline changes it at a time of its
+    own: of a motion that starts with a step it has a part before the first sample, where the record has rest.
+
+    Args:
+        recorded: (m, n) at the samples, rad/s^2.
+        played: (per_sample (m - 1) + 1, n) likewise, on the grid of the replay.
+        per_sample: instants of the replay in a period.
+    """
+
+    def outside(values: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
+        around = sliding_window_view(np.pad(other, ((reach, reach), (0, 0))), 2 * reach + 1, axis=0)[::reach]
+        return np.maximum(around.min(axis=-1) - values, values - around.max(axis=-1))
+
+    both = np.maximum(outside(recorded, played, per_sample), outside(played[::per_sample], recorded, 1))
+    return np.maximum(np.max(both, axis=1), 0.0)
 
 
 def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trace]:
