@@ -18,9 +18,10 @@ from nospill.judge.record_checks import (
     require_motion,
     require_record,
     require_same_joints_and_liquids,
+    tilt_traces,
 )
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
-from nospill.judge.run import command_traces, run_of
+from nospill.judge.run import COMMAND, command_traces, of_joints_alone, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.laws.constraints import constrained
@@ -137,14 +138,13 @@ def judge_motion(
     alone = run.record is held
     found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
     controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
-    # without its liquids where the record is not about what the joints did
-    recorded = (
-        found.replay
-        if run.described is run.motion
-        else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
-    )
     of_command = [] if run.command is None else command_traces(scene, run.command)
-    of_record = record_traces(trajectory, held, scene, recorded)
+    if run.compensated:
+        of_record = record_traces(trajectory, held, scene, found.replay)
+    else:  # without its liquids, since the record is not about what the joints did
+        asked = replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
+        of_record = [replace(trace, variant=COMMAND) for trace in record_traces(trajectory, held, scene, asked)]
+        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, found.replay))
     rows = (
         *condensed([*found.certificate.rows, *map(worst_row, (*controls, *of_command))]),
         *map(worst_row, of_record),
@@ -205,8 +205,7 @@ def judge_joints(
         motion: what they do between and beside the samples.
         rate: Hz, the least rate of the grid.
     """
-    bare = replace(scene, motion=replace(scene.motion, corridor=None, corridor_shares=()))
-    return _judged(trajectory, bare, motion=motion, rate=rate, points=_OF_JOINTS)
+    return _judged(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
 
 
 def _judged(

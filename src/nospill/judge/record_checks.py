@@ -247,18 +247,33 @@ def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
 
 
 def _level_traces(planned: np.ndarray, played: Replay) -> list[Trace]:
-    """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
+    """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record."""
+    made, (_, *recorded) = _made_tilt(played), planned
+    return [
+        limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
+        for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
+    ]
+
+
+def tilt_traces(scene: Scene, played: Replay) -> list[Trace]:
+    """Traces of both tilt angles that the joints make, where the tilt is free: of a tray that follows its command."""
+    if not scene.motion.tilt_free:
+        return []
+    made, limit = _made_tilt(played), scene.motion.max_tilt
+    return [
+        limit_trace(Tilt.name, name, "rad", limit, played.t, np.abs(own))
+        for name, own in zip(TILT_ANGLES, made, strict=True)
+    ]
+
+
+def _made_tilt(played: Replay) -> tuple[np.ndarray, np.ndarray]:
+    """Both tilt angles (m,) that the joints make, rad.
 
     With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
     cos theta_y cos theta_x.
     """
     last = played.tray.rotation[:, 2]
-    made = (np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0)))
-    _, *recorded = planned
-    return [
-        limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
-        for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
-    ]
+    return np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0))
 
 
 def _pose_error(
