@@ -77,9 +77,8 @@ def test_a_program_of_another_maker_is_refused(gentle_plan, folder):
 def test_a_rate_that_no_control_box_has(gentle_plan):
     scene = gentle_plan("matrix-rigid").scene
     named = replace(scene, robot=replace(scene.robot, name="ur5e"))
-    assert "runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500" in EXPORTERS["urscript"].reason_against(
-        named, 250.0
-    )
+    reason = EXPORTERS["urscript"].reason_against(named, 250.0)
+    assert reason is not None and "runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500" in reason
 
 
 def test_only_an_arm_of_unknown_generation_is_cautioned(gentle_plan):
