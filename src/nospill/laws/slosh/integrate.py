@@ -19,7 +19,7 @@ STEPS = 500
 SHARED = (1, 2, 3, 4)
 """Places of the arguments of a `runge_kutta_step` that are the same for all liquids."""
 _NESTED = 23
-_TOLERANCE, _ROUGH_TOLERANCE = 1e-7, 1e-6
+_TOLERANCE, _ROUGH_TOLERANCE = 1e-7, 1e-5
 """m; of displacements on two grids, and of the last two along a motion that is rough."""
 _LARGEST_REFINEMENT = 64
 
@@ -117,9 +117,9 @@ def integrate(
 
 
 def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integral:
-    """Halve the steps until the displacements of two grids agree within 1e-7 m, or within 1e-6 m on the finest one.
+    """Halve the steps until the displacements of two grids agree within 1e-7 m, or within 1e-5 m on the finest one.
 
-    Along a motion that noise has made rough the first is not reached, and the second is a thousandth of a millimetre.
+    Along a motion that noise has made rough the first is not reached, and the second is a hundredth of a millimetre.
 
     Args:
         solve: states (m, n) for a refinement of 1, 2, 4, ...; each grid has every row of the one before and one
