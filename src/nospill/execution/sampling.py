@@ -112,7 +112,10 @@ def _ticks(steps: np.ndarray, usual: float, new: np.ndarray) -> np.ndarray:
     """
     advance = new.astype(int)
     late = np.concatenate([[0.0], np.cumsum(steps - usual * advance)])
-    for row in np.flatnonzero(steps > 1.5 * usual) + 1:
+    long = np.flatnonzero(steps > 1.5 * usual) + 1
+    for row in long[
+        np.argsort(-steps[long - 1], kind="stable")
+    ]:  # wide gaps first, which would pass for narrow ones beside them
         behind = np.median(late[row : row + _BESIDE]) - np.median(late[max(0, row - _BESIDE) : row])
         missing = int(np.round(behind / usual))
         if missing > 0:
