@@ -62,3 +62,9 @@ def with_few_speeds(plan: Plan) -> Plan:
     """The plan with its second looks, at half its speed alone instead of a dozen speeds."""
     uses = uses_at(plan.trajectory, plan.scene, (0.5,))
     return replace(plan, maxima=replace(plan.maxima, other_speeds=uses)).with_second_looks()
+
+
+def plan_for(plan: Plan, name: str) -> Plan:
+    """The plan for a format of this name: its arm has a name that URScript is for."""
+    robot = plan.scene.robot
+    return replace(plan, scene=replace(plan.scene, robot=replace(robot, name="ur10e"))) if name == "urscript" else plan

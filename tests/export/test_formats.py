@@ -41,10 +41,11 @@ def arm(joints: int) -> Any:
 
 @pytest.fixture(scope="module")
 def planned(gentle_plan) -> tuple[Any, JointSamples]:
-    """A real scene and the samples of a motion in it, which inverse kinematics can follow."""
+    """A real scene, whose arm has the name of one that reads URScript, and a motion that inverse kinematics follow."""
     plan = gentle_plan("matrix-rigid", 1)
     whole = resampled(plan.trajectory, 500.0)
-    return plan.scene, JointSamples(*(getattr(whole, field.name)[:200] for field in fields(whole)))
+    scene = replace(plan.scene, robot=replace(plan.scene.robot, name="ur10e"))
+    return scene, JointSamples(*(getattr(whole, field.name)[:200] for field in fields(whole)))
 
 
 @pytest.fixture

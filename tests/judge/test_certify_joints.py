@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from nospill.errors import ScenarioError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import certify, certify_joints
 from nospill.judge.verdict import Certificate
 from nospill.laws.constraints import BY_NAME, END_NAMES
@@ -55,6 +56,37 @@ def test_a_motion_played_too_fast_is_not_certified(plan: Plan) -> None:
     found = certify_joints(plan.trajectory.t / 4, plan.trajectory.joint_position, plan.scene)
     assert not found.ok
     assert "slip" in {row.constraint for row in found.rows if not row.ok}
+
+
+@pytest.mark.parametrize("rate", [np.nan, np.inf, 0.0, -1.0, True, "fast", None, 1e7])
+def test_a_rate_that_is_none_is_refused_before_anything_is_played(plan: Plan, rate, monkeypatch) -> None:
+    monkeypatch.setattr("nospill.judge.certificate.replay", None)
+    for judged in (
+        lambda: certify(plan.trajectory, plan.scene, rate=rate),
+        lambda: certify_joints(plan.trajectory.t, plan.trajectory.joint_position, plan.scene, rate=rate),
+    ):
+        with pytest.raises(ScenarioError, match="hertz above 0 and at most 100000 are needed, for example 8000"):
+            judged()
+
+
+def test_other_units_are_told_before_anything_is_played(plan: Plan, monkeypatch) -> None:
+    """Milliseconds would be played for minutes, degrees are no place of any arm."""
+    monkeypatch.setattr("nospill.judge.certificate.replay", None)
+    monkeypatch.setattr("nospill.judge.record_checks.Trajectory.of_joints", None)
+    t, q = plan.trajectory.t, plan.trajectory.joint_position
+    with pytest.raises(ScenarioError, match="times look like milliseconds; give them in s"):
+        certify_joints(1e3 * t, q, plan.scene)
+    with pytest.raises(ScenarioError, match="times look like milliseconds"):  # of a quick motion at 5 kHz
+        certify_joints(np.linspace(0.0, 700.0, 3501), q[:1] + np.zeros((3501, 1)), plan.scene)
+    with pytest.raises(
+        ScenarioError, match=r"joint_\d stands at .* rad .*: positions look like degrees; give them in rad"
+    ):
+        certify_joints(t, np.degrees(q), plan.scene)
+    monkeypatch.undo()
+    with pytest.raises(PlanFolderError, match=r"trajectory: a motion of .*: times look like milliseconds"):
+        certify(replace(plan.trajectory, t=1e3 * t), plan.scene)
+    with pytest.raises(PlanFolderError, match=r"trajectory: joint_\d stands at .*: positions look like degrees"):
+        certify(replace(plan.trajectory, joint_position=np.degrees(q)), plan.scene)
 
 
 T, Q = np.arange(50) / 100, np.zeros((50, 6))

@@ -12,6 +12,8 @@ from nospill.judge.certificate import certify, judge
 from nospill.judge.run import COMMAND
 from nospill.judge.verdict import Certificate
 from nospill.plans.plan import Plan
+from nospill.plans.warnings import plan_warnings
+from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
@@ -65,3 +67,66 @@ def test_what_is_not_compensated_is_judged_as_the_joints_do_it(plan: Plan) -> No
     assert ours.keys() == theirs.keys()
     assert ours["slosh height", "c1"] != pytest.approx(theirs["slosh height", "c1"], rel=1e-3)
     assert ours["path jerk", "path"] == pytest.approx(theirs["path jerk", "path"])
+
+
+# --- the tray that follows ----------------------------------------------------------------------------------------
+
+
+UNLIKE = Controller(np.array([0.0, 0.02, 0.0, 0.02, 0.0, 0.0]), np.array([0.06, 0.02, 0.05, 0.02, 0.02, 0.02]), False)
+
+
+def follower(plan: Plan, controller: Controller) -> np.ndarray:
+    """Joints behind the command by delay and lag, by small steps: lag q' + q = command(t - delay)."""
+    step = 2e-4
+    t = np.arange(0.0, plan.duration + 0.6, step)
+    q = np.repeat(plan.trajectory.joint_position[:1], len(t), axis=0)
+    asked = np.column_stack(
+        [plan.trajectory.motion(t + 0.5 * step - own)[:, joint] for joint, own in enumerate(controller.delay)]
+    )
+    for index in range(1, len(t)):
+        q[index] = asked[index - 1] + (q[index - 1] - asked[index - 1]) * np.exp(-step / controller.lag)
+    return q
+
+
+def test_rows_about_the_path_are_of_the_command_and_say_so(plan: Plan) -> None:
+    late = replace(plan.scene, controller=UNLIKE)
+    certificate = certify(plan.trajectory, late)
+    of_command = {row.constraint for row in certificate.rows if row.variant == COMMAND}
+    assert {"path position", "path attitude", "tilt", "path jerk"} <= of_command
+    assert not of_command & {"slip", "slosh height", "lift", "tip", "twist"}
+    straight = certify(plan.trajectory, plan.scene)
+    assert all(row.variant != COMMAND for row in straight.rows)
+
+
+def test_the_tray_that_follows_is_said_to_leave_its_path_and_to_lean(plan: Plan) -> None:
+    """Against joints integrated step by step, and distances from a fine row of points on the path."""
+    late = replace(plan.scene, controller=UNLIKE)
+    said = {item.name: item for item in plan_warnings(late, judge(plan.trajectory, late), {})}
+    q = follower(plan, UNLIKE)[::10]
+    tray = kinematics(late.robot).motions(q, 0.0 * q, 0.0 * q, tool=late.tray.tool)
+    path = late.path.at(np.linspace(0.0, 1.0, 20001))[:, :3]
+    off = max(float(np.min(np.linalg.norm(path - place, axis=1))) for place in tray.position)
+    lean = float(np.max(np.arccos(np.clip(tray.rotation[:, 2, 2], -1.0, 1.0))))
+    assert off > 1e-3 and lean > 1e-3
+    assert said["off the path"].value == pytest.approx(off, rel=2e-2)
+    assert said["not level"].value == pytest.approx(lean, rel=2e-2)
+    for controller in (None, replace(UNLIKE, compensate=True)):
+        kept = replace(plan.scene, controller=controller)
+        names = {item.name for item in plan_warnings(kept, judge(plan.trajectory, kept), {})}
+        assert not names & {"off the path", "not level"}
+
+
+def test_a_tray_that_follows_keeps_to_its_tilt_and_its_corridor(smooth_motion) -> None:
+    """Limits that are stated bind the tray itself: joints that lag differently lean it farther than they should."""
+    tilting = smooth_motion("matrix-liquid-tilt")
+    late = replace(tilting.scene, controller=UNLIKE)
+    rows = {row.subject: row for row in certify(tilting.trajectory, late).rows if row.constraint == "tilt"}
+    asked = {row.subject: row for row in certify(tilting.trajectory, tilting.scene).rows if row.constraint == "tilt"}
+    assert any(rows[name].variant != COMMAND and rows[name].use > asked[name].use for name in rows)
+    beside = smooth_motion("matrix-liquid-corridor")
+    whole = judge(beside.trajectory, replace(beside.scene, controller=UNLIKE))
+    corridor = next(row for row in whole.certificate.rows if row.constraint == "corridor")
+    path = beside.scene.path.at(np.linspace(0.0, 1.0, 20001))[:, :3]
+    places = whole.replay.tray.position[::20]
+    off = max(float(np.min(np.linalg.norm(path - place, axis=1))) for place in places)
+    assert corridor.worst_value == pytest.approx(off, abs=1e-4), "from the path, not from its start"

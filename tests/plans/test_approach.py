@@ -31,6 +31,7 @@ from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import AFTER_APPROACH, settling_time
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.obstacles import Obstacle
+from tests.builders import plan_for
 
 EXAMPLE = "matrix-liquid-soft-end"
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
@@ -165,7 +166,7 @@ def test_the_liquid_needs_time_after_a_loaded_approach(whole, loaded):
 
 @FORMATS
 def test_it_is_handed_over_as_a_file_of_its_own(whole, tmp_path, name):
-    exporter = EXPORTERS[name]
+    exporter, whole = EXPORTERS[name], plan_for(whole, name)
     done = hand_over_approach(whole, exporter, tmp_path / f"a{exporter.suffixes[0]}")
     assert done.certificate.ok, [row for row in done.certificate.rows if not row.ok]
     assert done.joint_deviation < 1e-6

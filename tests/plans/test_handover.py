@@ -18,6 +18,7 @@ from nospill.motion.resampling import resampled
 from nospill.plans.handover import certified, exporter_named, hand_over, judge_file, rate_that_would_do
 from nospill.plans.plan import Plan
 from nospill.robots.description.catalog import load_robot
+from tests.builders import plan_for
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 RATES = (100.0, 125.0, 250.0, 500.0, 1000.0)
@@ -29,7 +30,7 @@ def file_of(exporter: Exporter, folder: Path) -> Path:
 
 def rewritten(plan: Plan, name: str, folder: Path, **changes: Any) -> tuple[Exporter, Path]:
     """A file that holds other samples than the plan's."""
-    exporter = EXPORTERS[name]
+    exporter, plan = EXPORTERS[name], plan_for(plan, name)
     path = file_of(exporter, folder)
     exporter.write(replace(resampled(plan.trajectory, 500.0), **changes), plan.scene, path)
     return exporter, path
@@ -43,7 +44,7 @@ def rewritten(plan: Plan, name: str, folder: Path, **changes: Any) -> tuple[Expo
     [*(("matrix-liquid-soft-end", rate) for rate in RATES), ("mixed-tray", RATES[0]), ("mixed-tray", RATES[-1])],
 )
 def test_every_format_at_every_rate_it_takes_is_certified(gentle_plan, tmp_path, name, rate, example):
-    plan, exporter = gentle_plan(example, 1), EXPORTERS[name]
+    plan, exporter = plan_for(gentle_plan(example, 1), name), EXPORTERS[name]
     if exporter.reason_against(plan.scene, rate):
         with pytest.raises(ScenarioError, match=f"^{name}: rate is {rate:g} Hz"):
             hand_over(plan, exporter, file_of(exporter, tmp_path), rate=rate)
@@ -62,7 +63,7 @@ def test_every_format_at_every_rate_it_takes_is_certified(gentle_plan, tmp_path,
 @FORMATS
 @pytest.mark.parametrize("example", ["matrix-rigid", "matrix-liquid-tilt"])
 def test_optimal_plans_are_certified_in_every_format_at_their_own_rate(example_plan, tmp_path, name, example):
-    plan, exporter = example_plan(example), EXPORTERS[name]
+    plan, exporter = plan_for(example_plan(example), name), EXPORTERS[name]
     done = hand_over(plan, exporter, file_of(exporter, tmp_path))
     assert done.rate == pytest.approx(plan.scene.output_rate)
     assert done.certificate.ok, [row for row in done.certificate.rows if not row.ok]

@@ -17,7 +17,7 @@ _PLAN = "nospill plan two-cups.toml -o out/two-cups"
 SESSIONS: dict[str, tuple[str, ...]] = {
     "two-cups": (_PLAN,),
     "executed": (
-        "nospill executed out/two-cups/robot.csv --plan out/two-cups --bandwidth 250",
+        "nospill executed out/two-cups/robot.csv --plan out/two-cups",
         "nospill identify out/two-cups/robot.csv --plan out/two-cups --stayed tea",
     ),
     "misspelt": ("nospill plan misspelt.toml",),

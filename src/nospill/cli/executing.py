@@ -38,8 +38,12 @@ def executed(
     everything: Annotated[bool, typer.Option("--all", help="Print every row.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the record as JSON and nothing else.")] = False,
 ) -> int:
-    """Judge a joint log as a plan is judged, with the band that its noise leaves; exit code 1 if a row fails."""
+    """Judge a joint log as a plan is judged, with the band that its noise leaves.
+
+    Exit code 1 if a row fails beyond what noise and smoothing leave open.
+    """
     from nospill.core.files import atomic_folder, require_replaceable
+    from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.executed import executed as judged
     from nospill.execution.record import executed_table
     from nospill.simulation.motion_file import read_heights
@@ -65,12 +69,19 @@ def executed(
         _print(found, everything=everything)
         if output is not None:
             print(f"written to {output}")
-        print_verdict(f"executed: {found.judgement.certificate.word}", found.ok)
-    if not found.ok:
-        from nospill.judge.wording import finding
+        print_verdict(f"executed: {found.word}", found.outcome != NOT_CERTIFIED)
+    if found.outcome == NOT_CERTIFIED:
+        say(f"Not certified as executed: {_finding(found)}.")
+    return 1 if found.outcome == NOT_CERTIFIED else 0
 
-        say(f"Not certified as executed: {finding(found.judgement.certificate)}.")
-    return 0 if found.ok else 1
+
+def _finding(found: Executed) -> str:
+    """The row that fails most, or a limit that nobody could judge."""
+    from nospill.execution.record import failing
+    from nospill.judge.wording import describe, finding
+
+    rows = failing(found)
+    return describe(max(rows, key=lambda row: row.use)) if rows else finding(found.judgement.certificate)
 
 
 def _text(table: dict[str, Any]) -> str:
@@ -82,21 +93,20 @@ def _only_ours(names: set[str]) -> bool:
 
 
 def _print(found: Executed, *, everything: bool) -> None:
-    from nospill.execution.record import log_lines, tracking_lines, undecided
+    from nospill.execution.bands import NOT_CERTIFIED
+    from nospill.execution.record import log_lines, open_line, tracking_lines, verdict
     from nospill.judge.wording import verdict_line
 
-    certificate = found.judgement.certificate
-    print_verdict(f"executed: {verdict_line(certificate)}", found.ok)
+    print_verdict(f"executed: {verdict(found)}", found.outcome != NOT_CERTIFIED)
     if found.planned is not None:
         print_verdict(f"planned: {verdict_line(found.planned.certificate)}", found.planned.certificate.ok)
     print()
     _print_rows(found, everything=everything)
     print()
     print_lines(*log_lines(found), *tracking_lines(found))
-    left_open = undecided(found)
+    left_open = open_line(found)
     if left_open:
-        names = ", ".join(f"{row.constraint} of {row.subject}" for row in left_open)
-        print_lines(f"the noise of the log leaves open: {names}")
+        print_lines(left_open)
     print()
     if found.heights:
         _print_heights(found)
@@ -105,7 +115,8 @@ def _print(found: Executed, *, everything: bool) -> None:
 
 def _print_rows(found: Executed, *, everything: bool) -> None:
     """The fullest row of every constraint, or every row, as executed and as planned."""
-    from nospill.execution.record import use_band
+    from nospill.execution.bands import NOT_CERTIFIED
+    from nospill.execution.record import band_text, mark
     from nospill.judge.wording import percent, row_text
 
     certificate = found.judgement.certificate
@@ -113,7 +124,7 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
     planned = {} if found.planned is None else {row.id: row for row in found.planned.certificate.rows}
     cells = []
     for row in rows:
-        text, band = row_text(row), use_band(found, row)
+        text = row_text(row)
         before = planned.get(row.id)
         cells.append(
             [
@@ -121,15 +132,15 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
                 row.subject,
                 *([] if found.planned is None else ["-" if before is None else percent(before.use, before.ok)]),
                 text.use,
-                "-" if band is None else f"± {100 * band:.2g} %",
-                "" if row.ok else "FAILS",
+                band_text(found, row),
+                mark(found, row),
                 text.value,
                 text.limit_and_unit,
                 f"{row.at_s:.3f} s",
             ]
         )
     columns = ["constraint", "of", *(["planned"] if found.planned else []), "executed", "noise", "", "value", "limit"]
-    failing = {index for index, row in enumerate(rows) if not row.ok}
+    failing = {index for index, row in enumerate(rows) if found.outcomes[row.id] == NOT_CERTIFIED}
     right = ("planned", "executed", "noise", "value", "limit", "at")
     print_table([*columns, "at"], cells, right=right, drop=("at", "limit", "value"), failing=failing)
 

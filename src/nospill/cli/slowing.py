@@ -1,17 +1,21 @@
-"""slow: from a plan to a slower one, planned anew, since the same motion at a lower speed is another motion."""
+"""slow: from a plan to a slower one on the same way, or, where that cannot be, to another motion that takes as long."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from nospill.cli.planning import print_plan
 from nospill.cli.progress import LOADING, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line
-from nospill.cli.tables import say
+from nospill.cli.tables import print_lines, say
 from nospill.errors import NoSolutionError, ScenarioError
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.plans.plan import Plan
 
 
 def slow(
@@ -21,11 +25,15 @@ def slow(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write here, not beside the plan.", show_default=False),
     ] = None,
+    another_way: Annotated[
+        bool, typer.Option("--another-way", help="Plan the gentlest motion of that duration, on a way of its own.")
+    ] = False,
 ) -> int:
-    """Plan the gentlest motion that takes as long as a plan at a lower speed, and certify it.
+    """Make a slower motion of a plan on the same way, and certify it.
 
-    A controller's speed override plays the same joint path in another time: liquids then swing on after the end, and a
-    tray leans against an acceleration that is not there. Exit code 0 only if certified.
+    Tray and joints pass the poses of the plan, at other times. A controller's speed override plays them at one rate:
+    liquids then swing on after the end, and a tray leans against an acceleration that is not there. Exit code 0 only if
+    certified.
     """
     with ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
@@ -39,16 +47,42 @@ def slow(
         target = output or folder.with_name(f"{folder.resolve().name}-{100 * speed:.3g}-percent")
         require_replaceable(target, replaceable=is_plan_folder)
         planned = load_plan(folder)
-        scene = planned.scene.changed({"motion.duration": planned.duration / speed})
         progress.say(LOADING)
-        from nospill.planning.planner import plan
-
         try:
-            found = plan(scene, progress=progress.show).with_second_looks()
+            found = _replanned(planned, speed, progress) if another_way else _on_its_way(planned, speed)
         except NoSolutionError as error:
             raise NoSolutionError(f"{folder}: {error}", error.reason) from error
+        found = found.with_second_looks()
         found.save(target)
     print_plan(found, target)
+    print_lines(_compared(planned, found))
     if not found.certificate.ok:
         say(one_line(found.message))
     return 0 if found.certificate.ok else 1
+
+
+def _on_its_way(planned: Plan, speed: float) -> Plan:
+    from nospill.planning.slower import slower
+
+    try:
+        return slower(planned, speed).plan
+    except NoSolutionError as error:
+        raise NoSolutionError(
+            f"{error}; --another-way plans the gentlest motion that takes as long, whose poses are others"
+        ) from error
+
+
+def _replanned(planned: Plan, speed: float, progress: ProgressLine) -> Plan:
+    from nospill.planning.planner import plan
+
+    return plan(planned.scene.changed({"motion.duration": planned.duration / speed}), progress=progress.show)
+
+
+def _compared(planned: Plan, found: Plan) -> str:
+    """At which speed it is, and how far its poses are from the planned ones, in one line."""
+    from nospill.planning.slower import apart
+
+    gaps, speed = apart(planned, found), 100 * planned.duration / found.duration
+    angles = f"{math.degrees(gaps.angle):.2f} deg, of a joint {math.degrees(gaps.joints):.2f} deg"
+    text = f"{speed:.3g} % of the speed; from the way of the plan at most {1e3 * gaps.distance:.2f} mm and {angles}"
+    return text if gaps.is_same else f"{text}: this is another motion than the plan"

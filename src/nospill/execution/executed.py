@@ -4,18 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from nospill.errors import ScenarioError
+from nospill.errors import ModelError, ScenarioError
+from nospill.execution.bands import (
+    CERTIFIED,
+    DRAWS,
+    NOT_CERTIFIED,
+    OPEN,
+    height_bands,
+    outcome,
+    row_bands,
+    smoothing_errors,
+)
 from nospill.execution.log import JointLog
-from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples
+from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples, stopping_time
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
 from nospill.execution.tracking import Tracking, followed_command, tracking
 from nospill.judge.certificate import Judgement, judge, judge_joints
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Trace, worst_row
+from nospill.judge.verdict import Trace
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -24,11 +35,6 @@ from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.simulation.compare import Comparison, compare
 from nospill.simulation.motion_file import Heights
-
-DRAWS = 6
-"""Motions drawn from the band of the splines; each is judged."""
-WIDE = 1.96
-"""Standard deviations to either side of a band of 95 %."""
 
 _RATE = 500.0
 """Hz, of the samples of the motion, and of the grid on which the drawn motions are judged."""
@@ -56,7 +62,7 @@ class Peak:
     by_joint: Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # without slots: outcomes are worked out once
 class Executed:
     """What was executed, judged. Times are those of the plan, or s from the begin of the motion where there is none.
 
@@ -65,7 +71,8 @@ class Executed:
         recorded: the motion on the clock of the log.
         clock: time of the log at time zero here, s.
         judgement: of what was executed.
-        bands: half width of the 95 % band of the margin of a row, in its unit.
+        bands: half width of the 95 % band of the margin of a row, in its unit; zero for a log without noise.
+        smoothing: likewise, what smoothing may have changed the margin by.
         heights: heights of the liquids (m,) m over `judgement.replay.t`, by object.
         height_bands: half width of their 95 % bands, likewise.
         tracking: against the plan; against the command in the log where there is no plan; None where there is neither.
@@ -79,6 +86,7 @@ class Executed:
     clock: float
     judgement: Judgement
     bands: Mapping[RowId, float]
+    smoothing: Mapping[RowId, float]
     heights: Mapping[str, np.ndarray]
     height_bands: Mapping[str, np.ndarray]
     tracking: Tracking | None
@@ -88,8 +96,29 @@ class Executed:
 
     @property
     def ok(self) -> bool:
-        """Whether every row of what was executed holds."""
-        return self.judgement.certificate.ok
+        """Whether every row of what was executed holds, beyond what the noise leaves open."""
+        return self.outcome == CERTIFIED
+
+    @property
+    def outcome(self) -> str:
+        """Of all rows: `CERTIFIED`, `NOT_CERTIFIED` or `OPEN`."""
+        found = set(self.outcomes.values())
+        if NOT_CERTIFIED in found or self.judgement.certificate.unjudged:
+            return NOT_CERTIFIED
+        return OPEN if OPEN in found else CERTIFIED
+
+    @cached_property
+    def outcomes(self) -> Mapping[RowId, str]:
+        """Of every row: whether it holds, fails or cannot be told."""
+        rows = self.judgement.certificate.rows
+        return {row.id: outcome(row, self.bands, self.smoothing, len(rows)) for row in rows}
+
+    @property
+    def word(self) -> str:
+        """The verdict in a few words."""
+        if self.outcome == OPEN:
+            return f"{OPEN} at this {'rate' if self.recorded.is_exact else 'noise'}"
+        return replace(self.judgement.certificate, ok=self.ok).word
 
 
 def executed(
@@ -121,6 +150,10 @@ def executed(
     followed = _tracking(recorded, scene, plan)
     clock = followed.clock if plan is not None and followed is not None else recorded.begin
     begin, end = recorded.begin - clock, recorded.end - clock
+    if plan is not None:  # which says when a motion begins and ends that fades in and out
+        begin, end = min(begin, 0.0), max(end, plan.duration)
+    else:
+        end += stopping_time(recorded)
     after = max([_AFTER, *(_longer(heights, recorded) for heights in given.values())])
     span = Span(begin - _BEFORE, begin, end, end + after)
 
@@ -131,16 +164,23 @@ def executed(
     record = samples(motion, scene.robot.joints, span, _RATE)
     judgement = judge_joints(record, scene, motion=motion)
     rough = _traces(motion, scene, span)
-    drawn = [_traces(played(own), scene, span) for own in _draws(recorded.smooth)]
+    drawn = [_followed(played(own), scene, span) for own in _draws(recorded)]
+    smoothing = smoothing_errors(rough, _followed(played(recorded.coarser), scene, span))
+    if plan is not None:
+        asked = HeldMotion(plan.trajectory.motion, span.start, span.stop)
+        read = played(recorded.reading(asked(recorded.sampling.t - clock)))
+        of_plan = smoothing_errors(_traces(asked, scene, span), _followed(read, scene, span))
+        smoothing = {key: max(value, of_plan[key]) for key, value in smoothing.items()}
     heights = _heights(judgement.traces)
     return Executed(
         scene=scene,
         recorded=recorded,
         clock=clock,
         judgement=judgement,
-        bands=_row_bands(rough, drawn),
+        bands=row_bands(rough, drawn),
+        smoothing=smoothing,
         heights=heights,
-        height_bands=_height_bands(rough, drawn, judgement.replay.t),
+        height_bands=height_bands(rough, drawn, judgement.replay.t),
         tracking=followed,
         planned=None if plan is None else judge(plan.trajectory, plan.scene),
         peaks=() if plan is None else _peaks(motion, rough, plan.trajectory.motion, scene, span),
@@ -181,31 +221,22 @@ def _traces(motion: HeldMotion, scene: Scene, span: Span) -> tuple[Trace, ...]:
     return constraint_traces(record, scene, replay(record, scene, motion=motion, rate=_RATE), points=_JOINT_POINTS)
 
 
-def _draws(smooth: SmoothJoints) -> list[SmoothJoints]:
+def _followed(motion: HeldMotion, scene: Scene, span: Span) -> tuple[Trace, ...] | None:
+    """`_traces`; None where the liquids cannot be integrated, as along motions that noise has made rough."""
+    try:
+        return _traces(motion, scene, span)
+    except ModelError:
+        return None
+
+
+def _draws(recorded: RecordedMotion) -> list[SmoothJoints]:
+    """Motions that the log could as well be of; none where it has no noise."""
     generator = np.random.default_rng(0)
-    return [smooth.drawn(generator) for _ in range(DRAWS)]
-
-
-def _row_bands(rough: tuple[Trace, ...], drawn: list[tuple[Trace, ...]]) -> dict[RowId, float]:
-    bands = {}
-    for index, trace in enumerate(rough):
-        margin = worst_row(trace).worst_margin
-        off = [worst_row(own[index]).worst_margin - margin for own in drawn]
-        bands[trace.id] = WIDE * float(np.sqrt(np.mean(np.square(off))))
-    return bands
+    return [recorded.smooth.drawn(generator) for _ in range(0 if recorded.is_exact else DRAWS)]
 
 
 def _heights(traces: tuple[Trace, ...]) -> dict[str, np.ndarray]:
     return {trace.subject: trace.value for trace in traces if trace.constraint == SloshHeight.name}
-
-
-def _height_bands(rough: tuple[Trace, ...], drawn: list[tuple[Trace, ...]], t: np.ndarray) -> dict[str, np.ndarray]:
-    bands = {}
-    for index, trace in enumerate(rough):
-        if trace.constraint == SloshHeight.name:
-            off = np.array([own[index].value - trace.value for own in drawn])
-            bands[trace.subject] = np.interp(t, trace.t, WIDE * np.sqrt(np.mean(off**2, axis=0)))
-    return bands
 
 
 def _peaks(

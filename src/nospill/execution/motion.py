@@ -20,6 +20,10 @@ REST = 1e-3
 
 _TOLD_FROM_NOISE, _LOOKS = 5.0, 100
 """Standard deviations of the speed that noise alone hardly reaches, and instants at which they are looked at."""
+_LONGEST_STOP = 0.02
+"""s; likewise, until it stands."""
+_NO_SENSOR = 1e-8
+"""rad; of noise: encoders of the logs at hand have 1e-7 and more, commands and computed joints 1e-9 and less."""
 _RESTING = 0.05
 """s; before and after the samples, in which the arm comes to rest whatever it does in them."""
 _MIDWAY = 0.05
@@ -50,6 +54,9 @@ class RecordedMotion:
         log: as it was read.
         sampling: when its samples were taken.
         smooth: the splines through them.
+        coarser: likewise, with knots twice as far apart.
+        is_exact: whether the log has no noise, as no sensor writes it: it is taken as it is.
+        bandwidth: of the splines, Hz.
         begin: when the first joint starts to move, s.
         end: when the last one has stopped, s.
     """
@@ -57,8 +64,15 @@ class RecordedMotion:
     log: JointLog
     sampling: Sampling
     smooth: SmoothJoints
+    coarser: SmoothJoints
+    is_exact: bool
+    bandwidth: float
     begin: float
     end: float
+
+    def reading(self, position: np.ndarray) -> SmoothJoints:
+        """The splines through other positions (k, n), rad, that were taken when the samples were."""
+        return smooth_joints(self.sampling.t, position, self.sampling.period, bandwidth=self.bandwidth, rest=_RESTING)
 
     def held(self, smooth: SmoothJoints | None = None) -> HeldMotion:
         """All that was recorded, with the arm at rest before and after; of other splines where such are given."""
@@ -79,8 +93,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    position = log.position[sampling.kept]
-    smooth = smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
+    smooth, coarser, followed = _smoothed(log.position[sampling.kept], sampling, bandwidth)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
@@ -95,9 +108,42 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
                 f"{log.origin}: the log {word} midway: {log.joints[fastest]} moves at {speed[index, fastest]:.3g} "
                 f"rad/s at t = {t[index]:.3f} s; record from rest to rest, since the liquids are known at rest only"
             )
-    found = RecordedMotion(log, sampling, smooth, float(t[moving[0]]), float(t[moving[-1]]))
+    found = RecordedMotion(
+        log,
+        sampling,
+        smooth,
+        coarser,
+        is_exact=bool(np.max(smooth.noise) <= _NO_SENSOR),
+        bandwidth=followed,
+        begin=float(t[moving[0]]),
+        end=float(t[moving[-1]]),
+    )
     _check_level(found, scene)
     return found
+
+
+def _smoothed(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
+    """The splines, those with knots twice as far apart, and the bandwidth, Hz: all of it where there is no noise."""
+    highest = 0.5 / sampling.period
+
+    def fitted(bandwidth: float) -> SmoothJoints:
+        return smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
+
+    found = fitted(highest)
+    if np.max(found.noise) <= _NO_SENSOR:
+        return found, fitted(0.5 * highest), highest
+    bandwidth = min(bandwidth, highest)
+    return fitted(bandwidth), fitted(0.5 * bandwidth), bandwidth
+
+
+def stopping_time(recorded: RecordedMotion) -> float:
+    """From when the last joint is told to move until it stands, s: its speed fades as it does under a constant jerk.
+
+    With the jerk J it is J tau^2/2 and slows down by J tau, a time tau before the end.
+    """
+    speed, slowing = (np.abs(recorded.smooth(np.array([recorded.end]), order)[0]) for order in (1, 2))
+    joint = int(np.argmax(speed))
+    return float(min(2.0 * speed[joint] / slowing[joint], _LONGEST_STOP)) if slowing[joint] > 0.0 else 0.0
 
 
 def samples(motion: HeldMotion, joints: tuple[str, ...], span: Span, rate: float) -> Trajectory:

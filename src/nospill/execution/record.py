@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.execution.bands import NOT_CERTIFIED, OPEN
 from nospill.execution.executed import Executed
 from nospill.execution.tracking import Tracking
 from nospill.judge.verdict import Row, limit_use
@@ -14,22 +15,57 @@ _SMALL = 0.01
 """mm; narrower bands are not told apart."""
 
 
+def band_text(found: Executed, row: Row) -> str:
+    """Half width of the band of a row's use, "± 0.3 %"; "-" where there is none or nothing is known of it."""
+    band = use_band(found, row)
+    return f"± {100 * band:.2g} %" if band else "-"
+
+
 def use_band(found: Executed, row: Row) -> float | None:
     """Half width of the 95 % band of a row's use of its limit; None where nothing is known of it."""
     band = found.bands.get(row.id)
-    if band is None:
+    if band is None or not np.isfinite(band):
         return None
     return float(limit_use(row.known, row.limit, row.worst_margin - band)) - row.use
 
 
 def undecided(found: Executed) -> list[Row]:
-    """Rows that the noise of the log leaves open: their limit is within the band."""
-    rows = found.judgement.certificate.rows
-    return [row for row in rows if abs(row.worst_margin) < found.bands.get(row.id, 0.0)]
+    """Rows that cannot be told: their limit is within what noise and smoothing leave open."""
+    return [row for row in found.judgement.certificate.rows if found.outcomes[row.id] == OPEN]
+
+
+def open_line(found: Executed) -> str:
+    """The rows that cannot be told, in one line; empty where all can."""
+    names = ", ".join(f"{row.constraint} of {row.subject}" for row in undecided(found))
+    what = "rate" if found.recorded.is_exact else "noise"
+    return f"the {what} of the log leaves open: {names}" if names else ""
+
+
+def failing(found: Executed) -> list[Row]:
+    """Rows that fail beyond what noise and smoothing leave open."""
+    return [row for row in found.judgement.certificate.rows if found.outcomes[row.id] == NOT_CERTIFIED]
+
+
+def mark(found: Executed, row: Row) -> str:
+    """What a table says beside a row that does not hold: "FAILS" or "open"."""
+    return {NOT_CERTIFIED: "FAILS", OPEN: "open"}.get(found.outcomes[row.id], "")
+
+
+def verdict(found: Executed) -> str:
+    """The verdict with how many rows fail and how many cannot be told, on one line."""
+    rows, states = found.judgement.certificate.rows, list(found.outcomes.values())
+    failed, left = states.count(NOT_CERTIFIED), states.count(OPEN)
+    counted = f"all {len(rows)} rows hold"
+    if failed or left:
+        parts = [f"{failed} fail" if failed else "", f"{left} cannot be told" if left else ""]
+        counted = f"of {len(rows)} rows {' and '.join(part for part in parts if part)}"
+    return f"{found.word}: {counted} on a grid of {found.judgement.certificate.grid_hz:g} Hz"
 
 
 def height_text(height: float, band: float) -> str:
     """A height and the half width of its band, m, in mm: "15.01 ± 0.02"."""
+    if band == 0.0:
+        return f"{1e3 * height:.2f}"
     wide = f"± {1e3 * band:.2f}" if 1e3 * band >= _SMALL else f"± < {_SMALL:g}"
     return f"{1e3 * height:.2f} {wide}"
 
@@ -56,7 +92,10 @@ def log_lines(found: Executed) -> list[str]:
     lines.append(f"clock: {clock}")
     noise = ", ".join(f"{value:.1e}" for value in recorded.smooth.noise)
     grid = float(np.max(sampling.resolution))
-    lines.append(f"noise: {noise} rad by joint" + (f"; resolution {grid:.1e} rad" if grid > 0.0 else ""))
+    if recorded.is_exact:
+        lines.append("noise: none, as of a file of commands; the samples are taken as they are")
+    else:
+        lines.append(f"noise: {noise} rad by joint" + (f"; resolution {grid:.1e} rad" if grid > 0.0 else ""))
     return lines
 
 
@@ -86,12 +125,15 @@ def executed_table(found: Executed) -> dict[str, Any]:
     recorded, sampling = found.recorded, found.recorded.sampling
     rows = []
     for row, plain in zip(found.judgement.certificate.rows, found.judgement.certificate.to_dict()["rows"], strict=True):
-        rows.append(plain | {"band": found.bands.get(row.id)})
+        widths = {"band": found.bands.get(row.id), "smoothing": found.smoothing.get(row.id)}
+        finite = {name: value if value is None or np.isfinite(value) else None for name, value in widths.items()}
+        rows.append(plain | finite | {"outcome": found.outcomes[row.id]})
     joints = found.scene.robot.joints
     return {
         "scenario": found.scene.name,
         "log": recorded.log.origin,
         "ok": found.ok,
+        "outcome": found.outcome,
         "begin_s": recorded.begin,
         "end_s": recorded.end,
         "clock_s": found.clock,
@@ -105,7 +147,11 @@ def executed_table(found: Executed) -> dict[str, Any]:
         },
         "noise_rad": dict(zip(joints, map(float, recorded.smooth.noise), strict=True)),
         "resolution_rad": dict(zip(joints, map(float, sampling.resolution), strict=True)),
-        "executed": {"ok": found.ok, "grid_hz": found.judgement.certificate.grid_hz, "rows": rows},
+        "executed": {
+            "ok": found.judgement.certificate.ok,
+            "grid_hz": found.judgement.certificate.grid_hz,
+            "rows": rows,
+        },
         "planned": None if found.planned is None else found.planned.certificate.to_dict(),
         "tracking": None if found.tracking is None else _tracking_table(found.tracking, joints),
         "peak_height_m": {name: float(np.max(values)) for name, values in found.heights.items()},

@@ -9,8 +9,8 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 
-_UNEVEN = 0.3
-"""Part of a period: where the stamps are off an even clock by more (rms), there is no even clock."""
+_UNEVEN = 1.0
+"""Of a period: where the stamps are off an even clock by more (rms), there is no even clock."""
 _STEPS_OF_RESOLUTION = 4.0
 """A row that repeats the one before is one sample recorded twice where the arm moves by more than this before and after
 it; at rest rows repeat each other anyway."""
@@ -20,6 +20,9 @@ _ROUNDING = 1e-13
 _ON_GRID, _ON_ONE_GRID = 0.02, 0.98
 """Multiples of the least difference count as whole within the first; of a resolution, so many of them are."""
 _PARTS = 4
+_APART, _BESIDE = 20, 21
+"""Rows between the stamps from which the usual step is taken, and rows on either side of a gap from which it is told:
+their median is right to a tenth of a period where the stamps are off by a third of it."""
 _GAP = 0.1
 """s; longest time without samples that a spline may bridge: a liquid swings on in it, the arm may turn round."""
 
@@ -64,19 +67,22 @@ def sampling_of(log: JointLog) -> Sampling:
         ScenarioError: the clock stands still, or no sample was taken for too long.
     """
     steps = np.diff(log.t)
-    usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0
+    apart = min(_APART, len(steps) // 2)
+    usual = float(np.median(log.t[apart:] - log.t[:-apart])) / apart
     if not usual > 0.0:
         raise ScenarioError(f"{log.origin}: its time never advances; a column of times in s is needed")
     resolution = np.array([_resolution(column) for column in log.position.T])
-    doubled = _doubled(log.position, float(np.max(resolution))) | np.concatenate([[False], steps == 0.0])
-    # At least one tick a row: of two stamps in one period one is late.
-    ticks = np.concatenate([[0], np.cumsum(np.maximum(np.round(steps / usual), steps > 0.0))]).astype(int)
+    again = (steps == 0.0) & np.all(np.diff(log.position, axis=0) == 0.0, axis=1)
+    doubled = _doubled(log.position, float(np.max(resolution))) | np.concatenate([[False], again])
+    ticks = _ticks(steps, usual, ~again)
     period, first = np.polyfit(ticks, log.t, 1)
     off = log.t - (first + period * ticks)
     jitter = float(np.sqrt(np.mean(off**2)))
     kept = np.flatnonzero(~doubled & np.concatenate([[True], np.diff(ticks) > 0]))
     uneven = jitter > _UNEVEN * period
     share = 1.0 if uneven else _followed(log.position, ticks, off, kept, float(period))
+    if share >= 0.5:
+        kept = kept[np.concatenate([[True], np.diff(log.t[kept]) > 0.0])]
     t = log.t[kept] if share >= 0.5 else first + period * ticks[kept]
     gaps = np.diff(t)
     longest = int(np.argmax(gaps))
@@ -96,6 +102,26 @@ def sampling_of(log: JointLog) -> Sampling:
         share=share,
         resolution=resolution,
     )
+
+
+def _ticks(steps: np.ndarray, usual: float, new: np.ndarray) -> np.ndarray:
+    """Numbers of the samples on an even clock, (m,), from the steps of their stamps (m - 1,) and the usual one, s.
+
+    A row is the next sample, and the one after where the stamps stay late by a period from there on: one late stamp is
+    followed by one that is not. `new` (m - 1,) leaves out rows that are the one before once more.
+    """
+    advance = new.astype(int)
+    late = np.concatenate([[0.0], np.cumsum(steps - usual * advance)])
+    long = np.flatnonzero(steps > 1.5 * usual) + 1
+    for row in long[
+        np.argsort(-steps[long - 1], kind="stable")
+    ]:  # wide gaps first, which would pass for narrow ones beside them
+        behind = np.median(late[row : row + _BESIDE]) - np.median(late[max(0, row - _BESIDE) : row])
+        missing = int(np.round(behind / usual))
+        if missing > 0:
+            advance[row - 1] += missing
+            late[row:] -= missing * usual
+    return np.concatenate([[0], np.cumsum(advance)])
 
 
 def _resolution(values: np.ndarray) -> float:

@@ -138,7 +138,7 @@ def _fit(
     values: np.ndarray, basis: Any, gram: np.ndarray, rough: np.ndarray
 ) -> tuple[np.ndarray, float, np.ndarray, float]:
     """Coefficients, noise, Cholesky factor and rms residual of one joint."""
-    from scipy.linalg import cho_solve_banded, cholesky_banded
+    from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
     from scipy.optimize import minimize_scalar
 
     mean = float(np.mean(values))
@@ -151,12 +151,19 @@ def _fit(
         found = cho_solve_banded((factor, True), wanted)
         left = values - basis @ found
         # wanted @ found is the rest of the sum of squares, but not exactly where little is left of it
-        variance = float(left @ left + weight * found @ _times(rough, found)) / freedom
+        # rounding makes the square of the jerk negative where the penalty outweighs the samples by far
+        variance = (float(left @ left) + max(weight * float(found @ _times(rough, found)), 0.0)) / freedom
         variance = max(variance, _LEAST_NOISE**2)
         unlikely = freedom * np.log(variance) + 2.0 * float(np.sum(np.log(factor[0])))
         return unlikely - (count - _ORDER) * np.log(weight), found, variance, factor, left
 
-    best: Any = minimize_scalar(lambda own: solved(own)[0], bounds=_WEIGHTS, method="bounded", options={"xatol": 0.05})
+    def unlikely_or_none(exponent: float) -> float:
+        try:
+            return solved(exponent)[0]
+        except LinAlgError:  # knots without a sample, or a penalty beside which the samples are rounding
+            return np.inf
+
+    best: Any = minimize_scalar(unlikely_or_none, bounds=_WEIGHTS, method="bounded", options={"xatol": 0.05})
     _, found, variance, factor, left = solved(float(best.x))
     return found + mean, float(np.sqrt(variance)), factor, float(np.sqrt(np.mean(left**2)))
 

@@ -35,6 +35,16 @@ DECIMALS = 12
 START_TOLERANCE = 0.002
 """rad; farther from the first target, the program does not start."""
 
+_JOINT_NAMES = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+"""Of the maker's own descriptions, behind a prefix perhaps."""
+_NAMED = re.compile(r"(?:^|[^a-z0-9])ur\d+e?(?:[^a-z0-9]|$)", re.IGNORECASE)
 _TARGET = re.compile(r"servoj\(\[([^\]]*)\], 0, 0, ([0-9.eE+-]+), ([0-9.eE+-]+), ([0-9.eE+-]+)\)")
 _E_SERIES = re.compile(r"ur\d+e", re.IGNORECASE)
 _JOINT_COMMENT = "# joints: "
@@ -86,9 +96,21 @@ def _reason_against(scene: Scene, rate: float) -> str | None:
     joints = len(scene.robot.joints)
     if joints != JOINTS:
         return f"URScript moves arms of {JOINTS} joints; this one has {joints} joints"
+    if not _of_universal_robots(scene):
+        return (
+            f"URScript is read by arms of Universal Robots; this one is {scene.robot.name} (a description of one is "
+            "known by a name like ur10e, or by joints named shoulder_pan_joint and so on); choose another --format"
+        )
     if rate not in RATES:
         return f"rate is {rate:g} Hz; a URScript program runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500"
     return None
+
+
+def _of_universal_robots(scene: Scene) -> bool:
+    """Whether the arm is one of theirs, by its name or those of its joints."""
+    robot = scene.robot
+    ours = all(name.endswith(known) for name, known in zip(robot.joints, _JOINT_NAMES, strict=True))
+    return ours or _NAMED.search(robot.name) is not None
 
 
 def _caution(scene: Scene, rate: float) -> str | None:

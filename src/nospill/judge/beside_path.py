@@ -1,15 +1,20 @@
-"""Where on its path the tray is by the record, and how far beside it by the played joints."""
+"""Where on its path the tray is, by the record or as the nearest place, and how far beside it by the played joints."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints.via import PassedPlace
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.trajectory import Trajectory
+from nospill.paths.path import Path
 from nospill.scene.scene import Scene
+
+_PIECES = 4000
+"""Straight pieces that stand for a path: of an arc of 0.1 m radius and 1 m length they are off by 1e-7 m."""
 
 
 def between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
@@ -22,10 +27,34 @@ def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple
     """From the path to the tray's centre as the joints carry it, on the replay's grid.
 
     Returns:
-        The offset (m, 3) from the path at the recorded s, m, and that s (m,).
+        The offset (m, 3) from the path at the recorded s, m, and that s (m,); of a record that is of joints alone,
+        from the nearest place on it.
     """
-    s = np.clip(between_samples(trajectory, played)[0], 0.0, 1.0)
+    if np.any(trajectory.s):
+        s = np.clip(between_samples(trajectory, played)[0], 0.0, 1.0)
+    else:
+        s = nearest_on(scene.path, played.tray.position)[0]
     return played.tray.position - scene.path.at(s)[:, :3], s
+
+
+def nearest_on(path: Path, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The place on a path that is nearest to each position (m, 3), m.
+
+    Returns:
+        Its path parameter (m,) and the distance to it (m,), m.
+    """
+    s = np.linspace(0.0, 1.0, _PIECES + 1)
+    corners = path.at(s)[:, :3]
+    at = KDTree(corners).query(position)[1]
+    found, least = s[at], np.linalg.norm(position - corners[at], axis=1)
+    for first in (np.maximum(at - 1, 0), np.minimum(at, _PIECES - 1)):  # the pieces on both sides of the corner
+        along = corners[first + 1] - corners[first]
+        square = np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)
+        part = np.clip(np.sum((position - corners[first]) * along, axis=1) / square, 0.0, 1.0)
+        distance = np.linalg.norm(position - corners[first] - part[:, None] * along, axis=1)
+        found = np.where(distance < least, (first + part) / _PIECES, found)
+        least = np.minimum(distance, least)
+    return found, least
 
 
 def passing_traces(scene: Scene, played: Replay) -> list[Trace]:

@@ -12,15 +12,17 @@ from nospill.judge.between_instants import peaks_between, with_peaks
 from nospill.judge.carriers import with_liquids_apart
 from nospill.judge.clearance import clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
+from nospill.judge.plausibility import require_rate
 from nospill.judge.record_checks import (
     joint_record,
     record_traces,
     require_motion,
     require_record,
     require_same_joints_and_liquids,
+    tilt_traces,
 )
 from nospill.judge.replay import MINIMUM_RATE, Replay, replay
-from nospill.judge.run import command_traces, run_of
+from nospill.judge.run import COMMAND, command_traces, of_joints_alone, run_of
 from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.laws.constraints import constrained
@@ -100,9 +102,10 @@ def certify(
     Raises:
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
-        ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails.
+        ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails; a rate
+            that is none.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
-            is not finite, time that does not run forward).
+            is not finite, time that does not run forward, times in ms or joints in degrees).
     """
     return judge(trajectory, scene, constraints=constraints, motion=motion, rate=rate).certificate
 
@@ -129,20 +132,20 @@ def judge_motion(
     rate: float = MINIMUM_RATE,
 ) -> Judgement:
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
-    require_motion(trajectory)
+    require_rate(rate)
+    require_motion(trajectory, scene.robot)
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
     found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
     controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
-    # without its liquids where the record is not about what the joints did
-    recorded = (
-        found.replay
-        if run.described is run.motion
-        else replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
-    )
     of_command = [] if run.command is None else command_traces(scene, run.command)
-    of_record = record_traces(trajectory, held, scene, recorded)
+    if run.compensated:
+        of_record = record_traces(trajectory, held, scene, found.replay)
+    else:  # without its liquids, since the record is not about what the joints did
+        asked = replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
+        of_record = [replace(trace, variant=COMMAND) for trace in record_traces(trajectory, held, scene, asked)]
+        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, found.replay))
     rows = (
         *condensed([*found.certificate.rows, *map(worst_row, (*controls, *of_command))]),
         *map(worst_row, of_record),
@@ -180,10 +183,12 @@ def certify_joints(
         rate: Hz, the least rate of the grid.
 
     Raises:
-        ScenarioError: no scene, a constraint that is none, or arrays that are no samples of a motion of its joints.
+        ScenarioError: no scene, a constraint or a rate that is none, or arrays that are no samples of a motion of its
+            joints (times in ms and joints in degrees are refused as such).
         ModelError: the liquids cannot be integrated.
         MissingExtraError: the scene has obstacles, and the library coal is not installed.
     """
+    require_rate(rate)
     record = joint_record(t, q, scene)
     return judge_joints(record, constrained(scene, constraints), rate=rate).certificate
 
@@ -201,8 +206,7 @@ def judge_joints(
         motion: what they do between and beside the samples.
         rate: Hz, the least rate of the grid.
     """
-    bare = replace(scene, motion=replace(scene.motion, corridor=None, corridor_shares=()))
-    return _judged(trajectory, bare, motion=motion, rate=rate, points=_OF_JOINTS)
+    return _judged(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
 
 
 def _judged(

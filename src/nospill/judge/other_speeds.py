@@ -81,10 +81,23 @@ def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEE
     return tuple(_use(trajectory, scene, motion, speed) for speed in speeds)
 
 
+def object_traces(record: Trajectory, scene: Scene, motion: JointMotion) -> tuple[Trace, ...]:
+    """Traces of the limits on objects along a motion, on the coarse grid.
+
+    Args:
+        record: the motion as samples.
+        scene: of which objects.
+        motion: what the joints do.
+
+    Raises:
+        ModelError: the liquids cannot be integrated.
+    """
+    played = replay(record, scene, motion=motion, rate=_RATE)
+    return constraint_traces(record, scene, played, points=OF_OBJECTS)
+
+
 def _use(trajectory: Trajectory, scene: Scene, motion: JointMotion, speed: float) -> SpeedUse:
-    slower = at_speed(trajectory, speed)
-    played = replay(slower, scene, motion=SlowedMotion(motion, speed), rate=_RATE)
-    traces = constraint_traces(slower, scene, played, points=OF_OBJECTS)
+    traces = object_traces(at_speed(trajectory, speed), scene, SlowedMotion(motion, speed))
     uses = [(float(np.max(trace.use)), trace) for trace in traces]
 
     def largest(role: Role) -> tuple[float, Trace] | None:

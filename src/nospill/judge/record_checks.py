@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.beside_path import between_samples
+from nospill.judge.plausibility import unlikely_units
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace, limit_trace
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
 from nospill.motion.trajectory import Trajectory
+from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
@@ -91,6 +94,9 @@ def joint_record(t: ArrayLike, q: ArrayLike, scene: object) -> Trajectory:
     if len(backwards):
         row = int(backwards[0])
         raise ScenarioError(f"t does not increase from {times[row]:g} s at row {row}")
+    reason = unlikely_units(times, positions, scene.robot)
+    if reason is not None:
+        raise ScenarioError(f"t and q: {reason}")
     motion = Trajectory.of_joints(times, names, positions).motion
     return Trajectory.of_joints(times, names, positions, motion(times, 1), motion(times, 2))
 
@@ -116,11 +122,11 @@ def recorded_coordinates(cargo: Cargo, scene: Scene) -> int:
     return object_structure(with_modes(cargo, scene.slosh_modes)).coordinates
 
 
-def require_motion(trajectory: Trajectory) -> None:
+def require_motion(trajectory: Trajectory, robot: Robot) -> None:
     """Raise PlanFolderError if the record is no motion.
 
-    That is: columns of different lengths, a value that is no number, time that does not run forward, a quaternion of
-    another length than 1.
+    That is: columns of different lengths, a value that is no number, time that does not run forward, times or positions
+    that are hardly in s and rad, a quaternion of another length than 1.
     """
     for name in _COLUMNS:
         values = getattr(trajectory, name)
@@ -135,6 +141,9 @@ def require_motion(trajectory: Trajectory) -> None:
     if len(backwards):
         row = int(backwards[0])
         raise PlanFolderError(f"trajectory: t does not increase from {trajectory.t[row]:g} s at row {row}")
+    reason = unlikely_units(trajectory.t, trajectory.joint_position, robot)
+    if reason is not None:
+        raise PlanFolderError(f"trajectory: {reason}")
     lengths = np.linalg.norm(trajectory.tray_quaternion, axis=1)
     wrong = np.flatnonzero(np.abs(lengths - 1.0) > _QUATERNION_TOLERANCE)
     if len(wrong):
@@ -153,7 +162,7 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
     per_sample = round(played.rate / trajectory.rate)
     planned = between_samples(trajectory, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
-    acceleration = np.max(np.abs(played.joint_acceleration[::per_sample] - trajectory.joint_acceleration), axis=1)
+    acceleration = columns_apart(trajectory.joint_acceleration, played.joint_acceleration, per_sample)
     recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
     jump = max(SPEED_TOLERANCE, REST_SHARE * float(np.min(scene.robot.max_speed)))
     progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
@@ -178,6 +187,26 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
         limit_trace("recorded attitude", "tray", "rad", ATTITUDE_TOLERANCE, trajectory.t, written[1]),
         limit_trace("even sampling", "time", "1", 1e-6, trajectory.t[1:], uneven),
     ]
+
+
+def columns_apart(recorded: np.ndarray, played: np.ndarray, per_sample: int) -> np.ndarray:
+    """How far each of two accelerations is from all that the other does within a period, at the samples (m,), rad/s^2.
+
+    Within a period of a sample no record says when an acceleration changes, and the spline changes it at a time of its
+    own: of a motion that starts with a step it has a part before the first sample, where the record has rest.
+
+    Args:
+        recorded: (m, n) at the samples, rad/s^2.
+        played: (per_sample (m - 1) + 1, n) likewise, on the grid of the replay.
+        per_sample: instants of the replay in a period.
+    """
+
+    def outside(values: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
+        around = sliding_window_view(np.pad(other, ((reach, reach), (0, 0))), 2 * reach + 1, axis=0)[::reach]
+        return np.maximum(around.min(axis=-1) - values, values - around.max(axis=-1))
+
+    both = np.maximum(outside(recorded, played, per_sample), outside(played[::per_sample], recorded, 1))
+    return np.maximum(np.max(both, axis=1), 0.0)
 
 
 def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trace]:
@@ -218,18 +247,33 @@ def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
 
 
 def _level_traces(planned: np.ndarray, played: Replay) -> list[Trace]:
-    """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record.
+    """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record."""
+    made, (_, *recorded) = _made_tilt(played), planned
+    return [
+        limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
+        for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
+    ]
+
+
+def tilt_traces(scene: Scene, played: Replay) -> list[Trace]:
+    """Traces of both tilt angles that the joints make, where the tilt is free: of a tray that follows its command."""
+    if not scene.motion.tilt_free:
+        return []
+    made, limit = _made_tilt(played), scene.motion.max_tilt
+    return [
+        limit_trace(Tilt.name, name, "rad", limit, played.t, np.abs(own))
+        for name, own in zip(TILT_ANGLES, made, strict=True)
+    ]
+
+
+def _made_tilt(played: Replay) -> tuple[np.ndarray, np.ndarray]:
+    """Both tilt angles (m,) that the joints make, rad.
 
     With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
     cos theta_y cos theta_x.
     """
     last = played.tray.rotation[:, 2]
-    made = (np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0)))
-    _, *recorded = planned
-    return [
-        limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
-        for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
-    ]
+    return np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0))
 
 
 def _pose_error(

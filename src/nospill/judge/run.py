@@ -19,7 +19,7 @@ from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
 COMMAND = "its command"
-"""What the rows of the command say in the place of a variant."""
+"""What the rows of the command say in the place of a variant; others are of what the joints and the tray do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,11 @@ class Run:
     motion: JointMotion | None
     described: JointMotion | None
     command: JointSamples | None
+
+    @property
+    def compensated(self) -> bool:
+        """Whether the joints do what the record says."""
+        return self.described is self.motion
 
 
 def run_of(trajectory: Trajectory, controller: Controller | None, motion: JointMotion | None = None) -> Run:
@@ -61,11 +66,16 @@ def run_of(trajectory: Trajectory, controller: Controller | None, motion: JointM
     return Run(late, done, asked, samples)
 
 
+def of_joints_alone(scene: Scene) -> Scene:
+    """The scene for what joints say by themselves: without the corridor, which needs the place on the path."""
+    return replace(scene, motion=replace(scene.motion, corridor=None, corridor_shares=()))
+
+
 def command_traces(scene: Scene, command: JointSamples) -> list[Trace]:
     """Traces of the command: a controller keeps limits of position and speed itself, and stops where one is broken."""
     asked = QUINTIC_SPLINE.motion(command)
     t = np.linspace(command.t[0], command.t[-1], 4 * (len(command.t) - 1) + 1)
     constraints = [BY_NAME[JointPosition.name], BY_NAME[JointSpeed.name]]
     columns = [asked(t, order).T for order in range(3)]
-    traces = evaluated_traces(scene, {EvaluationPoint.JOINT: (t, columns)}, constraints=constraints)
+    traces = evaluated_traces(of_joints_alone(scene), {EvaluationPoint.JOINT: (t, columns)}, constraints=constraints)
     return [replace(trace, variant=COMMAND) for trace in traces]

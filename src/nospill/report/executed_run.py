@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.execution.bands import NOT_CERTIFIED
 from nospill.execution.executed import Executed
-from nospill.execution.record import height_text, log_lines, tracking_lines, undecided, use_band
-from nospill.judge.wording import describe, percent, row_text, verdict_line
+from nospill.execution.record import band_text, height_text, log_lines, mark, open_line, tracking_lines, verdict
+from nospill.judge.wording import describe, percent, row_text
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.executed import executed_svg
 from nospill.plots.text_pages import TextTable
@@ -21,7 +22,7 @@ class ExecutedRun:
     """What a log says, as it is shown.
 
     Attributes:
-        ok: whether every row of what was executed holds.
+        ok: whether no row of what was executed fails.
         verdict: in two or three words.
         detail: in one sentence.
         rows: of every constraint the fullest row, planned and executed.
@@ -40,11 +41,11 @@ class ExecutedRun:
 def executed_run(found: Executed) -> ExecutedRun:
     """The section of a log that was judged beside its plan."""
     certificate = found.judgement.certificate
-    line = verdict_line(certificate)
+    line = verdict(found)
     detail = f"{line[:1].upper()}{line[1:]}. Nearest to its limit: {describe(certificate.worst)}."
     return ExecutedRun(
-        ok=found.ok,
-        verdict=f"executed: {certificate.word}",
+        ok=found.outcome != NOT_CERTIFIED,
+        verdict=f"executed: {found.word}",
         detail=detail,
         rows=_rows(found),
         heights=_heights(found),
@@ -57,25 +58,24 @@ def _rows(found: Executed) -> TextTable:
     rows = found.judgement.certificate.listed_rows()
     cells = []
     for row in rows:
-        text, band, before = row_text(row), use_band(found, row), planned.get(row.id)
+        text, before = row_text(row), planned.get(row.id)
         cells.append(
             (
                 row.constraint,
                 row.subject,
                 "-" if before is None else percent(before.use, before.ok),
                 text.use,
-                "-" if band is None else f"± {100 * band:.2g} %",
+                band_text(found, row),
                 text.value,
                 text.limit_and_unit,
                 f"{row.at_s:.3f}",
-                "holds" if row.ok else "FAILS",
+                mark(found, row) or "holds",
             )
         )
-    open_rows = ", ".join(f"{row.constraint} of {row.subject}" for row in undecided(found))
-    sentences = [*log_lines(found), *tracking_lines(found)]
-    sentences += [f"the noise of the log leaves open: {open_rows}"] if open_rows else []
+    left_open = open_line(found)
+    sentences = [*log_lines(found), *tracking_lines(found), *([left_open] if left_open else [])]
     note = " ".join(f"{sentence[:1].upper()}{sentence[1:]}." for sentence in sentences)
-    failing = tuple(index for index, row in enumerate(rows) if not row.ok)
+    failing = tuple(index for index, row in enumerate(rows) if found.outcomes[row.id] == NOT_CERTIFIED)
     return TextTable("Executed", _COLUMNS, tuple(cells), note=note, failing=failing)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit, no_mass
-from nospill.plans.warnings.controller import behind_the_command
+from nospill.plans.warnings.controller import behind_the_command, beside_its_command
 from nospill.plans.warnings.fallbacks import fallback
 from nospill.plans.warnings.liquids import (
     contact_angle,
@@ -46,6 +46,7 @@ WARNINGS: tuple[Warn, ...] = (
     no_mass,
     below_the_base,
     behind_the_command,
+    beside_its_command,
     no_reserve,
     back_off,
     smoothness,

@@ -1,4 +1,4 @@
-"""Warning about a controller that stops the arm because it is too far behind its command."""
+"""Warnings about what follows a command: a controller that stops the arm, a tray that is not where it should be."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from nospill.judge.beside_path import nearest_on
+from nospill.judge.record_checks import ATTITUDE_TOLERANCE, POSITION_TOLERANCE
 from nospill.plans.warnings.record import Facts, PlanWarning
 
 
@@ -32,3 +34,34 @@ def behind_the_command(facts: Facts) -> Iterator[PlanWarning]:
                 "the motion down with motion.duration."
             )
             yield PlanWarning("tracking", name, text, most, allowed)
+
+
+def beside_its_command(facts: Facts) -> Iterator[PlanWarning]:
+    """The command is not compensated, and the tray that follows it leaves the path or leans where it is to be level.
+
+    The rows about path and attitude are of the command; the distance here is that from the nearest place on the path.
+    """
+    scene, controller = facts.scene, facts.scene.controller
+    if controller is None or controller.compensate:
+        return
+    tray, t = facts.judgement.replay.tray, facts.judgement.replay.t
+    advice = (
+        'rows "with its command" are of the command, and no row limits this; compensate = true makes the tray do what '
+        "is planned"
+    )
+    if scene.motion.corridor is None:
+        distance = nearest_on(scene.path, tray.position)[1]
+        at = int(np.argmax(distance))
+        if distance[at] > POSITION_TOLERANCE:
+            place = f"{1e3 * distance[at]:.2g} mm off its path (t = {t[at]:.3f} s)"
+            text = f"the tray that follows is up to {place}: {advice}."
+            yield PlanWarning("off the path", "tray", text, float(distance[at]), POSITION_TOLERANCE)
+    if not scene.motion.tilt_free:
+        lean = np.arcsin(np.clip(np.linalg.norm(tray.rotation[:, 2, :2], axis=1), 0.0, 1.0))
+        at = int(np.argmax(lean))
+        if lean[at] > ATTITUDE_TOLERANCE:
+            text = (
+                f"the tray that follows leans by up to {np.degrees(lean[at]):.2g} deg (t = {t[at]:.3f} s), where it is "
+                f"asked to be level: {advice}."
+            )
+            yield PlanWarning("not level", "tray", text, float(lean[at]), ATTITUDE_TOLERANCE)

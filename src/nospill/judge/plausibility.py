@@ -1,0 +1,53 @@
+"""Whether numbers can be times in s, angles in rad and a rate in Hz, looked at before anything is computed."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+
+import numpy as np
+
+from nospill.errors import ScenarioError
+from nospill.robots.robot import Robot
+
+LONGEST = 600.0
+"""s; of a motion: no arm carries a tray for longer between two rests."""
+COARSEST = 0.25
+"""s; usual distance of samples: the spline through coarser ones is no statement about what an arm does."""
+FASTEST_GRID = 1e5
+"""Hz; of the judge's grid."""
+_TURN = 2.0 * math.pi
+"""rad; beyond the range of a joint, positions are in another unit."""
+
+
+def require_rate(rate: object) -> None:
+    """Raise ScenarioError if a value is no rate of the judge's grid."""
+    if isinstance(rate, bool) or not isinstance(rate, Real) or not 0.0 < float(rate) <= FASTEST_GRID:
+        raise ScenarioError(
+            f"rate is {rate!r}: hertz above 0 and at most {FASTEST_GRID:g} are needed, for example 8000"
+        )
+
+
+def unlikely_units(t: np.ndarray, position: np.ndarray, robot: Robot) -> str | None:
+    """The sentence that says why samples are in other units than s and rad, or None.
+
+    Args:
+        t: (m,) increasing, s.
+        position: (m, n) of the joints, rad.
+        robot: whose joints.
+    """
+    length, usual = float(t[-1] - t[0]), float(np.median(np.diff(t)))
+    if length > LONGEST or usual > COARSEST:
+        return (
+            f"a motion of {length:g} s with samples {usual:g} s apart, where {LONGEST:g} s and {COARSEST:g} s are the "
+            "most that is judged: times look like milliseconds; give them in s"
+        )
+    beyond = np.maximum(position - robot.upper, robot.lower - position)
+    row, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+    if beyond[row, joint] > _TURN:
+        return (
+            f"{robot.joints[joint]} stands at {position[row, joint]:.4g} rad at t = {t[row]:.3f} s, where {robot.name} "
+            f"reaches {robot.lower[joint]:.4g} to {robot.upper[joint]:.4g} rad: positions look like degrees; give them "
+            "in rad"
+        )
+    return None

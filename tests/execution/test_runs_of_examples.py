@@ -1,0 +1,37 @@
+"""Bundled examples as they would be run: their own files, and logs of sensors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nospill.execution.bands import NOT_CERTIFIED
+from nospill.execution.executed import executed
+from nospill.execution.reading import read_log
+from nospill.plans.plan import Plan
+from tests.execution.logs import log_of
+
+QUICK = ("matrix-liquid", "matrix-rigid", "pp-two-cups", "shelf-to-table")
+"""Small scenes and a free path; the others are read in the same way."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUICK)
+def test_an_example_s_own_file_is_certified_as_the_plan(name: str, example_plan, tmp_path: Path) -> None:
+    plan: Plan = example_plan(name)
+    plan.save(tmp_path / "plan")
+    file = tmp_path / "plan" / "robot.csv"
+    log = read_log(file, plan.scene.robot) if file.is_file() else log_of(plan, noise=0.0, jitter=0.0)
+    found = executed(log, plan.scene, plan=plan)
+    assert found.ok and found.word == plan.certificate.word
+    assert "corridor" not in {row.constraint for row in found.judgement.certificate.rows}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "noise", "jitter"), [(125.0, 1e-4, 3e-4), (1000.0, 1e-4, 3e-4), (250.0, 0.0, 3e-4)])
+@pytest.mark.parametrize("name", QUICK)
+def test_a_run_as_planned_is_not_refused(name: str, example_plan, rate: float, noise: float, jitter: float) -> None:
+    plan: Plan = example_plan(name)
+    found = executed(log_of(plan, rate=rate, noise=noise, jitter=jitter), plan.scene, plan=plan)
+    assert found.outcome != NOT_CERTIFIED, [str(key) for key, word in found.outcomes.items() if word == NOT_CERTIFIED]
