@@ -44,6 +44,12 @@ class Pair:
         """As rows name it."""
         return f"{self.first.name} to {self.second.name}"
 
+    @property
+    def place_tolerance(self) -> str:
+        """In words, how far the objects may be off their places, which the distance includes; empty where not."""
+        off = max(self.first.place_tolerance, self.second.place_tolerance)
+        return f"position +-{1e3 * off:.4g} mm" if off else ""
+
 
 @dataclass(frozen=True, slots=True)
 class SampledPair:

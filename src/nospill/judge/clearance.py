@@ -83,4 +83,5 @@ def _row(found: LeastDistance) -> Row:
         worst_margin=margin,
         at_s=found.at,
         ok=bool(margin >= 0.0),
+        variant=found.pair.place_tolerance,
     )

@@ -114,6 +114,8 @@ def _in_words(nearness: Nearness, where: str) -> str:
     pair = nearness.pair
     distance = nearness.slack + pair.limit
     first, second = _named(pair.first), _named(pair.second)
+    if pair.place_tolerance:
+        where = f"{where}, its {pair.place_tolerance}"
     if pair.second.of_region:
         return f"{first} reach {_shown(-distance)} out of {second} {where}"
     if distance < 0.0:
