@@ -16,8 +16,6 @@ from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.frames import arm_chain, axis_reach, joint_frames
 from nospill.scene.scene import Scene
 
-pytest.importorskip("coal")
-
 OBSTACLES = [
     {"name": "box", "shape": "box", "at": [0.7, 0.0, 0.9], "size": [0.1, 0.2, 0.3], "yaw": "30 deg"},
     {"name": "post", "shape": "cylinder", "at": [0.2, 0.9, 0.45], "radius": "50 mm", "height": "300 mm"},

@@ -35,8 +35,6 @@ from nospill.transcription.clearance_block import (
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 
-pytest.importorskip("coal")
-
 pytestmark = pytest.mark.usefixtures("in_virtual_machine")
 
 SUBJECTS = ("tray to column", "left to column", "wrist_3_link to forearm_link", "forearm_link to table")

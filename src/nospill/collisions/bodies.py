@@ -53,6 +53,11 @@ class Body:
     of_region: bool = False
     place_tolerance: float = 0.0
 
+    @property
+    def of_arm(self) -> bool:
+        """Whether it is a link or the holder, and so a capsule."""
+        return self.obstacle is None and not self.on_path
+
     @cached_property
     def points(self) -> np.ndarray:
         """(k, 3) corners of the core in the joint's frame, m."""
