@@ -100,12 +100,13 @@ def _nearest(pairs: Sequence[Pair], frames: JointFrames, s: np.ndarray) -> Nearn
 def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float]:
     """Distance less what must be kept, m, the least over joint positions (m, n), rad, by the subjects of the pairs.
 
-    Where it is above `within`, m, it is a bound by the balls about the bodies.
+    Where it is above `within`, m, or above zero of the arm with itself and its load, it is a bound.
     """
     frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     pairs = scene_pairs(scene)
     for pair, room in zip(pairs, room_bounds(pairs, frames), strict=True):
-        near = np.flatnonzero(room < within)
+        # of the arm with itself and its load only what is broken counts: bounds do until then
+        near = np.flatnonzero(room < (0.0 if pair.of_arm else within))
         if len(near) and not are_capsules(pair.first, pair.second):
             room[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
         found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
