@@ -56,7 +56,7 @@ class LeastDistance:
 def least_distances(
     motion: SampledMotion, pairs: Sequence[Pair], *, beyond: float = np.inf
 ) -> tuple[LeastDistance, ...]:
-    """The least distance of every subject among pairs, in the order of their first ones.
+    """Of every subject among pairs the distance that leaves the least room, in the order of their first ones.
 
     Args:
         motion: of the arm.
@@ -129,11 +129,12 @@ class _Search:
         return self.partitions[size]
 
     def least_of(self, pairs: Sequence[Pair]) -> tuple[int, float, float]:
-        """The least distance of some pairs: the number of its pair, the distance, m, and where, s."""
+        """Of some pairs the one with the least room above its limit: its number, its distance, m, and where, s."""
         number, (least, at) = 0, self._least(pairs[0], np.inf)
         for own, pair in enumerate(pairs[1:], start=1):
-            distance, when = self._least(pair, least)
-            if distance < least:
+            lower = pair.limit - pairs[number].limit
+            distance, when = self._least(pair, least + lower)
+            if distance < least + lower:
                 number, least, at = own, distance, when
         return number, least, at
 

@@ -74,15 +74,17 @@ def clearance_traces(
         return ()
     some = np.unique(np.linspace(0, len(t) - 1, _INSTANTS).astype(int))
     frames, every = joint_frames(arm_chain(scene.robot), q[some]), np.arange(len(some))
-    found: dict[str, tuple[np.ndarray, float]] = {}
+    found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for pair in scene_pairs(scene):
         subject = OTHERS if pair.of_arm and pair.subject not in listed and OTHERS in subjects else pair.subject
         if subject in subjects:
             distance = distances_of(pair.first, pair.second).at(frames, every)[0]
-            before = found.get(subject, (distance, pair.limit))[0]
-            found[subject] = np.minimum(distance, before), pair.limit
+            limit = np.full(len(some), pair.limit)
+            before, other = found.get(subject, (distance, limit))
+            nearer = distance - limit < before - other
+            found[subject] = np.where(nearer, distance, before), np.where(nearer, limit, other)
     return tuple(
-        Trace(Clearance.name, subject, Clearance.unit, t[some], own, np.full(len(own), limit), own - limit)
+        Trace(Clearance.name, subject, Clearance.unit, t[some], own, limit, own - limit)
         for subject, (own, limit) in found.items()
     )
 
