@@ -8,7 +8,7 @@ urdf = Path(__file__).with_name("teaching-arm.urdf")
 scene = ns.load("pp-two-cups").changed(
     {
         "robot": ns.Robot(urdf=str(urdf), tip="flange", limits=ns.JointLimits(acceleration="15 rad/s^2")),
-        "path": ns.LinePath(start=["0.5 m", "-0.3 m", "0.7 m"], end=["0.5 m", "0.3 m", "0.9 m"]),
+        "path": ns.LinePath(start=["0.55 m", "-0.3 m", "0.7 m"], end=["0.55 m", "0.3 m", "0.9 m"]),
     }
 )
 

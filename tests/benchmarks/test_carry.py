@@ -13,8 +13,6 @@ from benchmarks.carry.report import BEGIN, END, write_page
 from benchmarks.carry.run import structure
 from nospill.scenario import scene_from_table
 
-pytest.importorskip("coal")
-
 
 def open_cell(random: np.random.Generator) -> Cell:
     """A cell with one post that is in nobody's way, so that the search is short."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from nospill.collisions.configurations import Configurations
 from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import scene_pairs
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
-
-pytest.importorskip("coal")
 
 AROUND = [
     {"name": "column", "shape": "box", "at": [0.86, 0.0, 0.45], "size": [0.15, 0.15, 0.9], "yaw": 0.4},

@@ -21,8 +21,6 @@ from nospill.core.shapes import (
 )
 from nospill.robots.kinematics.frames import JointFrames
 
-pytest.importorskip("coal")
-
 Draw = Callable[[np.random.Generator], Shape]
 SOLIDS: dict[str, Draw] = {
     "box": lambda random: box_shape(random.uniform(0.05, 0.5, 3).tolist()),

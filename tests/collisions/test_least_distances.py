@@ -16,8 +16,6 @@ from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.frames import arm_chain, axis_reach, joint_frames
 from nospill.scene.scene import Scene
 
-pytest.importorskip("coal")
-
 OBSTACLES = [
     {"name": "box", "shape": "box", "at": [0.7, 0.0, 0.9], "size": [0.1, 0.2, 0.3], "yaw": "30 deg"},
     {"name": "post", "shape": "cylinder", "at": [0.2, 0.9, 0.45], "radius": "50 mm", "height": "300 mm"},
@@ -129,3 +127,21 @@ def test_reach_bounds_the_jacobian(name: str) -> None:
         for point in points:
             arm = frames.position[-1] + frames.rotation[-1] @ point - origin
             assert np.max(np.linalg.norm(np.cross(axis, arm), axis=1)) <= reach[index] + 1e-12
+
+
+def test_of_bodies_of_one_name_the_one_with_the_least_room_counts(changed_scene) -> None:
+    """Estimated capsules may be entered by a part of their radius: the nearest of a link is not always the worst."""
+    scene = changed_scene("cups-past-a-column", {"obstacle": None})
+    motion = swinging(scene, 4, seconds=1.0, rate=500.0)
+    pairs = [pair for pair in scene_pairs(scene) if pair.of_arm]
+    frames, some = joint_frames(motion.chain, motion.q), np.arange(0, len(motion.t), 5)
+    true: dict[str, float] = {}
+    for pair in pairs:
+        room = float(np.min(Distances(pair.first, pair.second).at(frames, some)[0])) - pair.limit
+        true[pair.subject] = min(room, true.get(pair.subject, np.inf))
+    found = {item.pair.subject: item for item in least_distances(motion, pairs, beyond=0.05)}
+    assert found.keys() == true.keys() and len({pair.limit for pair in pairs}) > 3
+    assert min(true.values()) < 0.05
+    for subject, item in found.items():
+        assert item.distance - item.pair.limit <= true[subject] + 1e-6
+        assert item.distance - item.pair.limit >= min(true[subject] - 0.1 * abs(true[subject]) - 5e-3, 0.05)

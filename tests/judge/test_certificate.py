@@ -85,8 +85,10 @@ def test_good_motion_is_certified(good, good_certificate):
     scene, _ = good
     assert good_certificate.ok and failed(good_certificate) == set()
     assert good_certificate.grid_hz >= 2000
-    subjects = {(row.constraint, row.subject) for row in good_certificate.rows}
-    assert len(subjects) == len(good_certificate.rows)
+    rows = [row for row in good_certificate.rows if row.constraint != "clearance"]
+    assert 0 < len(good_certificate.rows) - len(rows) < 8
+    subjects = {(row.constraint, row.subject) for row in rows}
+    assert len(subjects) == len(rows)
     expected = {(constraint.name, subject) for constraint in CONSTRAINTS for subject in constraint.subjects(scene)}
     assert {pair for pair in subjects if pair[0] not in RECORD_ROWS} == expected | LEVEL_ROWS
     assert {pair[0] for pair in subjects - LEVEL_ROWS} - {pair[0] for pair in expected} == RECORD_ROWS
@@ -118,7 +120,7 @@ def test_rows_say_where_and_when(good, good_certificate):
 
 def test_table_for_the_file(good_certificate):
     table = json.loads(json.dumps(good_certificate.to_dict()))
-    assert list(table) == ["ok", "grid_hz", "rows", "published", "modes"]
+    assert list(table) == ["ok", "grid_hz", "rows", "published", "modes", "self_collision"]
     assert list(table["rows"][0]) == [
         "constraint",
         "subject",

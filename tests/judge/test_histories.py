@@ -75,7 +75,6 @@ def test_histories_are_of_the_worst_variant_and_of_the_command(judged) -> None:
 
 
 def test_the_history_of_a_distance_has_the_least_one(judged) -> None:
-    pytest.importorskip("coal")
     scene, judgement = judged("cups-past-a-column")
     rows = [row for row in judgement.certificate.rows if row.constraint == Clearance.name]
     assert len(rows) > 20

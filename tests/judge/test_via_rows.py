@@ -46,7 +46,6 @@ def test_the_nearest_instant_of_the_whole_motion_counts(moved, radius: float, ho
 
 
 def test_tray_and_cargo_stay_in_a_region_between_the_samples_too(moved) -> None:
-    pytest.importorskip("coal")
     scene, trajectory = moved
     tray = scene.tray.size
     low, high = (limit(trajectory.tray_position, axis=0) for limit in (np.min, np.max))

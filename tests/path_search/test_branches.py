@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from nospill.collisions.along_path import nearest_along
+from nospill.collisions.distances import Distances
+from nospill.collisions.pairs import scene_pairs
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.path_search.branches import free_paths
 from nospill.robots.joint_paths.search import preferred_path
+from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from tests.builders import joint_paths_of
-
-pytest.importorskip("coal")
 
 NAME = "cups-past-a-column"
 
@@ -29,10 +30,21 @@ def test_the_branch_through_the_table_is_left_out(changed_scene) -> None:
 
 
 @pytest.mark.slow
-def test_without_obstacles_all_are_free(changed_scene) -> None:
+def test_without_obstacles_the_arm_keeps_from_itself(changed_scene) -> None:
+    """All branches where that is switched off; else those on which coal sees no pair of the arm touch."""
+    off = changed_scene("coffee-to-go", {"robot.self_collision": "off"})
+    paths = joint_paths_of(off)
+    assert free_paths(off, paths) == paths
     scene = changed_scene("coffee-to-go", {})
-    paths = joint_paths_of(scene)
-    assert free_paths(scene, paths) == paths
+    free = free_paths(scene, paths)
+    assert 0 < len(free) < len(paths)
+    chain = arm_chain(scene.robot)
+    for path in paths:
+        frames, every = joint_frames(chain, path.q[::5]), np.arange(len(path.q[::5]))
+        touch = any(
+            np.any(Distances(pair.first, pair.second).at(frames, every)[0] < pair.limit) for pair in scene_pairs(scene)
+        )
+        assert touch == (path not in free)
 
 
 @pytest.mark.parametrize(

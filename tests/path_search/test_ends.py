@@ -16,8 +16,6 @@ from nospill.planning import planner as planning
 from nospill.robots.joint_paths.search import inverse_solutions
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 
-pytest.importorskip("coal")
-
 NAME = "cups-around-a-column"
 
 
@@ -69,6 +67,6 @@ def test_it_is_refused_before_anything_is_searched(changed_scene, monkeypatch) -
         raise AssertionError("a way was looked for")
 
     monkeypatch.setattr(planning, "fastest_clear_path", searched)
-    monkeypatch.setattr(planning, "free_paths", searched)
+    monkeypatch.setattr(planning, "advised_free_paths", searched)
     with pytest.raises(ScenarioError, match="cannot stand at the start"):
         planning.plan(_with_block(changed_scene, 0.3))

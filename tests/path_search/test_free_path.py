@@ -26,7 +26,6 @@ from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
 
-pytest.importorskip("coal")
 pytestmark = pytest.mark.slow
 
 

@@ -13,8 +13,6 @@ from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scenario import scene_from_table
 
-pytest.importorskip("coal")
-
 CUP = {"name": "cup", "shape": "cylinder", "radius": 0.03, "height": 0.08, "mass": 0.2, "centre_of_mass_height": 0.03}
 FLOOR = {"name": "floor", "shape": "halfspace", "at": [0.0, 0.0, -0.5]}
 RESTING = 6

@@ -10,8 +10,6 @@ from nospill.path_search.sampled_paths import SampledPath, concatenate, sample_p
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import scene_from_table
 
-pytest.importorskip("coal")
-
 CUP = {"name": "cup", "shape": "cylinder", "radius": 0.03, "height": 0.08, "mass": 0.2, "centre_of_mass_height": 0.03}
 
 

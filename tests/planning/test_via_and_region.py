@@ -49,7 +49,6 @@ def test_a_place_on_the_way_anyhow_costs_nothing(free: ns.Plan) -> None:
 
 
 def test_a_low_region_holds_the_tray_down(free: ns.Plan) -> None:
-    pytest.importorskip("coal")
     heights = free.trajectory.tray_position[:, 2]
     assert np.max(np.abs(heights - 1.2)) > 0.02
     tallest = max(item.container.height for item in free.scene.cargo)

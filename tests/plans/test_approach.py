@@ -206,7 +206,7 @@ def test_export_and_check_tell_of_it(whole, tmp_path):
     answer = runner.invoke(app, ["export", str(tmp_path / "out"), "--format", "mat", "--with-approach"])
     assert answer.exit_code == 0, answer.output
     assert (tmp_path / "out.mat").exists() and (tmp_path / "out-approach.mat").exists()
-    assert "nothing checks for collisions" in answer.stdout
+    assert "collisions with what is around are not checked" in answer.stdout
 
 
 @pytest.mark.slow
@@ -254,7 +254,7 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
     assert f"branch: {plan.report.branch}" in answer.stdout
     assert plan.report.base_yaw == "0 deg" == plan.scene.source["robot"]["base_yaw"]  # type: ignore[index]
     assert "base yaw: 0 deg (left free)" in answer.stdout
-    assert "with the tray empty; nothing checks for collisions" in answer.stdout
+    assert "with the tray empty; collisions with what is around are not checked" in answer.stdout
     assert {"approach", "base yaw"} <= set(plan.report.phases)
     assert np.array_equal(plan.approach.samples.position[0], home)  # type: ignore[union-attr]
 
@@ -262,7 +262,6 @@ def test_plan_says_what_it_took_and_the_folder_holds_it(changed_scene, tmp_path:
 @pytest.mark.slow
 def test_an_obstacle_between_is_named(moved) -> None:
     """A ball where the flange is half-way to the start, and the same out of the way."""
-    pytest.importorskip("coal")
     plan = moved()
     robot = plan.scene.robot
     halfway = (plan.scene.approach.start + plan.trajectory.joint_position[0]) / 2

@@ -21,8 +21,6 @@ from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_paths_of, smooth_record
 
-pytest.importorskip("coal")
-
 
 @pytest.fixture(scope="module")
 def evidence(changed_scene) -> Evidence:

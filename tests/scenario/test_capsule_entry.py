@@ -48,9 +48,11 @@ def test_a_urdf_with_collision_geometry_gives_its_capsules(tmp_path: Path) -> No
     assert again.robot.capsules == scene.robot.capsules
 
 
-def test_without_obstacles_no_geometry_is_read(tmp_path: Path) -> None:
+def test_where_nothing_is_judged_no_geometry_is_read(tmp_path: Path) -> None:
+    """Without obstacles, and with the arm itself switched off; else it is read."""
     (tmp_path / "arm.urdf").write_text(with_collisions())
-    scene = scene_of({"urdf": "arm.urdf"}, tmp_path)
+    assert scene_of({"urdf": "arm.urdf"}, tmp_path).robot.capsules
+    scene = scene_of({"urdf": "arm.urdf", "self_collision": "off"}, tmp_path)
     assert scene.robot.capsules == () and "capsule" not in scene.source["robot"]  # type: ignore[operator]
 
 

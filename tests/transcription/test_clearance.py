@@ -35,8 +35,6 @@ from nospill.transcription.clearance_block import (
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
 
-pytest.importorskip("coal")
-
 pytestmark = pytest.mark.usefixtures("in_virtual_machine")
 
 SUBJECTS = ("tray to column", "left to column", "wrist_3_link to forearm_link", "forearm_link to table")
@@ -230,8 +228,8 @@ def test_rows_where_the_motion_decides_and_limits_of_each_pair() -> None:
     planes = found_everywhere([RowId(Clearance.name, name) for name in SUBJECTS], np.tile(POSE, (INTERVALS, 1)))
     for group, rows, points in zip(planes.groups, planes.rows, planes.points, strict=True):
         for row, own in zip(rows, points, strict=True):
-            limit = pairs_of(row.subject)[0].limit if group.between.count else 0.0
-            assert own[LIMIT] == limit
+            limits = {pair.limit for pair in pairs_of(row.subject)} if group.between.count else {0.0}
+            assert own[LIMIT] in limits
 
 
 @pytest.mark.parametrize(

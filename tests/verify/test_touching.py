@@ -17,7 +17,6 @@ from nospill.verify.touching import Touch, touches
 from tests.builders import joint_paths_of
 
 pytest.importorskip("mujoco")
-pytest.importorskip("coal")
 
 NAME = "cups-past-a-column"
 WEDGE = [[x, y, z] for x in (0.0, 0.3) for y, z in ((0.0, 0.0), (0.3, 0.0), (0.0, 0.5))]

@@ -239,7 +239,6 @@ def test_nothing_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_obstacles_stand_in_the_frame_of_the_path(server: viser.ViserServer, changed_scene) -> None:
     """The column's corners and the robot's foot in one world; the table at the height of the ground is not drawn."""
-    pytest.importorskip("coal")
     film = film_of(changed_scene("cups-past-a-column", {"planning.slosh_modes": 1, "obstacle.0.yaw": "90 deg"}))
     view = PlanView(server.scene, film, root="/cell", position=(0.5, -1.0, 0.0))
     corners = np.array([[0.785, -0.075, 0.0], [0.935, 0.075, 0.9]])

@@ -103,6 +103,8 @@ def print_certificate(certificate: Certificate, scene: Scene, *, everything: boo
     print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
     if not everything:
         print(integrity_line(certificate))
+    if certificate.self_collision is not None:
+        print_lines(certificate.self_collision.text)
     rims = rim_line(rim_distances(scene, certificate.rows))
     if rims:
         print_lines(rims)

@@ -72,7 +72,7 @@ def export(
 
         there = hand_over_approach(plan, exporter, _beside(target, exporter), rate=rate)
         _report(there)
-        unchecked = "" if plan.scene.obstacles else "; without obstacles in the scenario nothing checks for collisions"
+        unchecked = "" if plan.scene.obstacles else "; collisions with what is around are not checked"
         print(f"the approach ends where the motion begins{unchecked}")
         if not there.certificate.ok:
             _say_why_not_approach(there)

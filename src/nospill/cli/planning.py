@@ -181,7 +181,7 @@ def _choices(found: Plan) -> list[str]:
     if segment is not None:
         tray = "loaded" if segment.loaded else "empty"
         slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
-        unchecked = "" if found.scene.obstacles else "; nothing checks for collisions, here or on the way after it"
+        unchecked = "" if found.scene.obstacles else "; collisions with what is around are not checked"
         lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
         wait = settling_time(found.scene, found.certificate, AFTER_APPROACH)
         if wait > 0.0:

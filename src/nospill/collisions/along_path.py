@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.collisions.distances import Distances, ball_gap
+from nospill.collisions.box_bounds import box_bounds
+from nospill.collisions.capsule_distances import are_capsules, capsule_distances
+from nospill.collisions.distances import ball_gap, distances_of
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import tray_poses
@@ -42,9 +44,6 @@ def nearest_along(scene: Scene, joint_path: JointPath, *, places: int = _PLACES)
         scene: with obstacles.
         joint_path: of the level tray.
         places: number of them, evenly along the path.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
     s = np.linspace(0.0, 1.0, places)
     return _nearest(scene_pairs(scene), joint_frames(arm_chain(scene.robot), joint_path.at(s)), s)
@@ -57,9 +56,6 @@ def nearest_of_tray(scene: Scene, path: Path, *, places: int = _PLACES) -> Nearn
         scene: with obstacles.
         path: of the tray.
         places: number of them, evenly along the path.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
     s = np.linspace(0.0, 1.0, places)
     pairs = [pair for pair in scene_pairs(scene) if pair.first.on_path and pair.second.obstacle is not None]
@@ -84,14 +80,16 @@ def _frames_on_path(scene: Scene, path: Path, s: np.ndarray) -> JointFrames:
     return JointFrames(positions, rotations, still, still)
 
 
-def _nearest(pairs: Iterable[Pair], frames: JointFrames, s: np.ndarray) -> Nearness:
+def _nearest(pairs: Sequence[Pair], frames: JointFrames, s: np.ndarray) -> Nearness:
     places = len(s)
     worst: Nearness | None = None
-    for pair in pairs:
-        where = np.arange(places) if worst is None else np.flatnonzero(ball_slack(pair, frames) < worst.slack)
+    known = room_bounds(pairs, frames)
+    for index in np.argsort(known.min(axis=1), kind="stable"):
+        pair, bounds = pairs[int(index)], known[index]
+        where = np.arange(places) if worst is None else np.flatnonzero(bounds < worst.slack)
         if not len(where):
             continue
-        room = Distances(pair.first, pair.second).at(frames, where)[0] - pair.limit
+        room = distances_of(pair.first, pair.second).at(frames, where)[0] - pair.limit
         least = int(np.argmin(room))
         if worst is None or room[least] < worst.slack:
             worst = Nearness(pair, float(room[least]), float(s[where[least]]))
@@ -102,20 +100,51 @@ def _nearest(pairs: Iterable[Pair], frames: JointFrames, s: np.ndarray) -> Nearn
 def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, float]:
     """Distance less what must be kept, m, the least over joint positions (m, n), rad, by the subjects of the pairs.
 
-    Where it is above `within`, m, it is a bound by the balls about the bodies.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
+    Where it is above `within`, m, or above zero of the arm with itself and its load, it is a bound.
     """
     frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
-    for pair in scene_pairs(scene):
-        room = ball_slack(pair, frames)
-        near = np.flatnonzero(room < within)
-        room[near] = Distances(pair.first, pair.second).at(frames, near)[0] - pair.limit
+    pairs = scene_pairs(scene)
+    for pair, room in zip(pairs, room_bounds(pairs, frames), strict=True):
+        # of the arm with itself and its load only what is broken counts: bounds do until then
+        near = np.flatnonzero(room < (0.0 if pair.of_arm else within))
+        if len(near) and not are_capsules(pair.first, pair.second):
+            room[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
         found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
     return found
 
 
-def ball_slack(pair: Pair, frames: JointFrames) -> np.ndarray:
-    """A bound (m,) on the room of a pair by the balls about both bodies, m."""
-    return ball_gap(pair.first, pair.second, frames) - pair.limit
+def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness:
+    """What comes nearest of the arm with itself and its load in that configuration in which there is most room.
+
+    Args:
+        scene: in which self-collision is judged.
+        q: (m, n) configurations, one at least, rad.
+        s: where on the path they are.
+    """
+    frames, pairs = joint_frames(arm_chain(scene.robot), q), [pair for pair in scene_pairs(scene) if pair.of_arm]
+    room = room_bounds(pairs, frames)
+    for pair, own in zip(pairs, room, strict=True):
+        near = np.flatnonzero(own < 0.0)
+        if len(near) and not are_capsules(pair.first, pair.second):
+            own[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
+    worst = np.argmin(room, axis=0)
+    least = room[worst, np.arange(len(q))]
+    best = int(np.argmax(least))
+    return Nearness(pairs[int(worst[best])], float(least[best]), s)
+
+
+def room_bounds(pairs: Sequence[Pair], frames: JointFrames) -> np.ndarray:
+    """Bounds (k, m) on the room of pairs, m: of two capsules the room itself.
+
+    Of what the arm carries and a link, by the box about the one; of others by the balls about both.
+    """
+    found = np.empty((len(pairs), frames.position.shape[1]))
+    capsules = np.array([are_capsules(pair.first, pair.second) for pair in pairs], dtype=bool)
+    carried = np.array([pair.of_arm for pair in pairs], dtype=bool) & ~capsules
+    chosen = [
+        [(pair.first, pair.second) for pair, own in zip(pairs, of, strict=True) if own] for of in (capsules, carried)
+    ]
+    found[capsules], found[carried] = capsule_distances(chosen[0], frames), box_bounds(chosen[1], frames)[0]
+    for index in np.flatnonzero(~(capsules | carried)).tolist():
+        found[index] = ball_gap(pairs[index].first, pairs[index].second, frames)
+    return found - np.array([pair.limit for pair in pairs])[:, None]

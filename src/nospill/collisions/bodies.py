@@ -1,4 +1,7 @@
-"""The bodies of a scene: the arm's capsules, what holds the tray, the tray, the objects on it, the obstacles."""
+"""The bodies of a scene: the arm's capsules, what holds the tray, the tray, the objects on it, the obstacles.
+
+An object whose place may be off fills all places that its tolerance allows.
+"""
 
 from __future__ import annotations
 
@@ -36,6 +39,8 @@ class Body:
         obstacle: of which it is the solid; None for what the arm is and carries.
         of_region: whether it is beside a side of a region, from which tray and cargo keep away, as one.
         on_path: whether it is the tray or stands on it, and so goes where the path leads whatever the arm does.
+        place_tolerance: how far the object may be off its place, m, either side in x and y of the tray; the body holds
+            all of it.
     """
 
     name: str
@@ -46,6 +51,12 @@ class Body:
     obstacle: Obstacle | None = None
     on_path: bool = False
     of_region: bool = False
+    place_tolerance: float = 0.0
+
+    @property
+    def of_arm(self) -> bool:
+        """Whether it is a link or the holder, and so a capsule."""
+        return self.obstacle is None and not self.on_path
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -69,7 +80,8 @@ def region_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, tuple[Bod
     tray = parts[0]
     points = [(item.points - tray.position) @ tray.rotation for item in parts]
     shape = hull_shape(np.concatenate(points), np.concatenate([item.shape.discs for item in parts]))
-    load = Body(LOAD, tray.joint, shape, tray.position, tray.rotation, on_path=True)
+    off = max(item.place_tolerance for item in parts)
+    load = Body(LOAD, tray.joint, shape, tray.position, tray.rotation, on_path=True, place_tolerance=off)
     sides = [
         Body(side.name, 0, side.shape, side.position, side.rotation, side, of_region=True)
         for region in scene.regions
@@ -118,17 +130,45 @@ def _on_path(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     found = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
     for item in cargo:
         turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
-        place = position + rotation @ item.place
-        found.append(Body(item.name, last, cargo_shape(item), place, turn, on_path=True))
+        place, off = position + rotation @ item.place, _place_tolerance(item, cargo)
+        shape = cargo_shape(item, place_tolerance=off)
+        found.append(Body(item.name, last, shape, place, turn, on_path=True, place_tolerance=off))
     return found
 
 
-def cargo_shape(item: Cargo) -> Shape:
-    """The outside of an object up to its rim, without its hollows, in the container frame."""
+def _place_tolerance(item: Cargo, cargo: Sequence[Cargo]) -> float:
+    """How far an object may be off its place, m, either side in x and y: with its carrier where it stands in one."""
+    standing = next((other for other in cargo if other.name == item.carrier), item)
+    return standing.tolerance.position if standing.tolerance else 0.0
+
+
+def cargo_shape(item: Cargo, *, place_tolerance: float = 0.0) -> Shape:
+    """The outside of an object up to its rim, without its hollows, in the container frame.
+
+    Args:
+        item: the object.
+        place_tolerance: m, either side along the tray's x and y; the shape holds the object at all of these places.
+    """
     footprint, outside = item.container.footprint, item.container.outside
-    points = [np.column_stack([share * footprint.core, np.full(len(footprint.core), at)]) for share, at in outside]
-    discs = [np.full(len(footprint.core), share * footprint.rounding) for share, _ in outside]
+    points, discs = [], []
+    for share, at in outside:
+        core = share * footprint.core
+        if place_tolerance:
+            core = _at_all_places(core, place_tolerance, item.yaw)
+        points.append(np.column_stack([core, np.full(len(core), at)]))
+        discs.append(np.full(len(core), share * footprint.rounding))
     return hull_shape(np.concatenate(points), np.concatenate(discs))
+
+
+def _at_all_places(core: np.ndarray, off: float, yaw: float) -> np.ndarray:
+    """Corners (m, 2) of the hull of points (k, 2) of an object moved by up to `off` along x and y of the tray."""
+    # imported here: needed for places that may be off only
+    from scipy.spatial import ConvexHull
+
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    corners = off * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) @ [[cosine, -sine], [sine, cosine]]
+    points = (core[:, None] + corners).reshape(-1, 2)
+    return points[ConvexHull(points).vertices]
 
 
 def _capsule(item: PlacedCapsule) -> Body:

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from nospill.collisions.bodies import Body
+from nospill.collisions.capsule_distances import CapsuleDistances, are_capsules
 from nospill.core.arrays import cross
 from nospill.core.shapes import Shape, polyhedron
-from nospill.errors import MissingExtraError
 from nospill.robots.kinematics.frames import JointFrames
 
 _SHORTEST = 1e-9
@@ -25,17 +25,9 @@ _TOLERANCE = 1e-8
 
 
 def coal_library() -> ModuleType:
-    """The library coal.
+    """The library coal, loaded where something is so near that a bound does not do."""
+    import coal  # pyright: ignore[reportMissingImports] # in a folder that the wheel puts on the path
 
-    Raises:
-        MissingExtraError: it is not installed.
-    """
-    try:
-        import coal  # pyright: ignore[reportMissingImports] # in a folder that the wheel puts on the path
-    except ImportError as error:
-        raise MissingExtraError(
-            "obstacles need the library coal; install it with pip install 'nospill[obstacles]'"
-        ) from error
     return coal
 
 
@@ -43,11 +35,7 @@ class Distances:
     """Signed distances of two bodies, negative where they overlap."""
 
     def __init__(self, first: Body, second: Body) -> None:
-        """Prepare a pair.
-
-        Raises:
-            MissingExtraError: coal is not installed.
-        """
+        """Prepare a pair."""
         coal = coal_library()
         self.first, self.second = first, second
         self._measure = coal.ComputeDistance(_geometry(first.shape), _geometry(second.shape))
@@ -76,6 +64,11 @@ class Distances:
         lengths = np.linalg.norm(directions, axis=1, keepdims=True)
         # what gives no direction gives no bound either: any will do
         return found, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
+
+
+def distances_of(first: Body, second: Body) -> Distances | CapsuleDistances:
+    """What measures two bodies: coal, or for capsules the closed form."""
+    return CapsuleDistances(first, second) if are_capsules(first, second) else Distances(first, second)
 
 
 def ball_gap(first: Body, second: Body, frames: JointFrames) -> np.ndarray:

@@ -22,7 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.collisions.bodies import Body
-from nospill.collisions.distances import Distances, separation
+from nospill.collisions.box_bounds import box_bounds
+from nospill.collisions.capsule_distances import CapsuleDistances
+from nospill.collisions.distances import Distances, distances_of, separation
 from nospill.collisions.motion_bounds import SampledMotion
 from nospill.collisions.pairs import Pair
 from nospill.core.arrays import cross
@@ -51,18 +53,22 @@ class LeastDistance:
     at: float
 
 
-def least_distances(motion: SampledMotion, pairs: Sequence[Pair]) -> tuple[LeastDistance, ...]:
-    """The least distance of every subject among pairs, in the order of their first ones.
+def least_distances(
+    motion: SampledMotion, pairs: Sequence[Pair], *, beyond: float = np.inf
+) -> tuple[LeastDistance, ...]:
+    """Of every subject among pairs the distance that leaves the least room, in the order of their first ones.
 
-    Raises:
-        MissingExtraError: coal is not installed.
+    Args:
+        motion: of the arm.
+        pairs: with the distance that each must keep.
+        beyond: distance, m, from which on nothing is looked at more closely: one above it is some bound on the least.
     """
     subjects: dict[str, list[Pair]] = {}
     for pair in pairs:
         subjects.setdefault(pair.subject, []).append(pair)
     if not subjects:
         return ()
-    search = _Search(motion, pairs)
+    search = _Search(motion, pairs, beyond)
     found = [(group, *search.least_of(group)) for group in subjects.values()]
     return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in found)
 
@@ -98,8 +104,8 @@ class _Blocks:
 class _Search:
     """What the pairs share: bounds on accelerations, and the partitions of the samples, finer and finer."""
 
-    def __init__(self, motion: SampledMotion, pairs: Sequence[Pair]) -> None:
-        self.motion, self.pairs = motion, pairs
+    def __init__(self, motion: SampledMotion, pairs: Sequence[Pair], beyond: float) -> None:
+        self.motion, self.pairs, self.beyond = motion, pairs, beyond
         bodies: dict[Body, int] = {}
         for pair in pairs:
             for body in (pair.first, pair.second):
@@ -114,6 +120,7 @@ class _Search:
         first = self.blocks(_BLOCK)
         frames, _ = first.frames(np.arange(len(first.middle)))
         self.balls = [_ball(body, frames) for body in bodies]
+        self.away = _directions(pairs, frames) if beyond < np.inf else {}
 
     def blocks(self, size: int) -> _Blocks:
         """The partition in blocks of so many samples."""
@@ -122,11 +129,12 @@ class _Search:
         return self.partitions[size]
 
     def least_of(self, pairs: Sequence[Pair]) -> tuple[int, float, float]:
-        """The least distance of some pairs: the number of its pair, the distance, m, and where, s."""
+        """Of some pairs the one with the least room above its limit: its number, its distance, m, and where, s."""
         number, (least, at) = 0, self._least(pairs[0], np.inf)
         for own, pair in enumerate(pairs[1:], start=1):
-            distance, when = self._least(pair, least)
-            if distance < least:
+            lower = pair.limit - pairs[number].limit
+            distance, when = self._least(pair, least + lower)
+            if distance < least + lower:
                 number, least, at = own, distance, when
         return number, least, at
 
@@ -137,14 +145,16 @@ class _Search:
         """
         size, blocks = _BLOCK, self.blocks(_BLOCK)
         low = self._of_balls(pair, blocks)
-        if float(np.min(low)) >= known:
-            return float(np.min(low)), float(self.motion.t[0])
-        measure = Distances(pair.first, pair.second)
+        if float(np.min(low)) < min(known, self.beyond) and pair in self.away:
+            low = np.maximum(low, self._of_directions(pair, blocks, np.arange(len(low)), self.away[pair]))
+        if float(np.min(low)) >= min(known, self.beyond):
+            return float(np.min(low)), float(self.motion.t[int(np.argmin(low)) * _BLOCK])
+        measure = distances_of(pair.first, pair.second)
         # the most promising block first: what it has spares most of the others
         nearest = int(np.argmin(low))
         distance, _ = self._measured(pair, measure, blocks, np.array([nearest]))
         best, at = float(distance[0]), int(blocks.middle[nearest])
-        far = low >= _enough(best, pair.limit)
+        far = low >= self._enough(best, pair.limit)
         bound = float(np.min(low[far], initial=np.inf))
         chosen = np.flatnonzero(~far)
         while len(chosen):
@@ -152,7 +162,7 @@ class _Search:
             nearest = int(np.argmin(distance))
             if distance[nearest] < best:
                 best, at = float(distance[nearest]), int(blocks.middle[chosen[nearest]])
-            done = (low >= _enough(best, pair.limit)) | (size == 1)
+            done = (low >= self._enough(best, pair.limit)) | (size == 1)
             bound = float(np.min(low[done], initial=bound))
             size //= 2
             halves = np.concatenate([2 * chosen[~done], 2 * chosen[~done] + 1])
@@ -163,14 +173,19 @@ class _Search:
         return min(bound, best), float(self.motion.t[at])
 
     def _measured(
-        self, pair: Pair, measure: Distances, blocks: _Blocks, chosen: np.ndarray
+        self, pair: Pair, measure: Distances | CapsuleDistances, blocks: _Blocks, chosen: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distances (k,) in the middle of some blocks, and bounds (k,) over the whole of each, m."""
         frames, places = blocks.frames(chosen)
         distance, directions = measure.at(frames, places)
+        return distance, self._of_directions(pair, blocks, chosen, directions)
+
+    def _of_directions(self, pair: Pair, blocks: _Blocks, chosen: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Bounds (k,) over the whole of some blocks, m, by a direction (k, 3) for each that separates the bodies."""
+        frames, places = blocks.frames(chosen)
         time, drift = blocks.time[chosen], self._drift(pair, blocks)[chosen]
         bounds = [separation(pair.first, pair.second, frames, places, directions, sign * time) for sign in (-1.0, 1.0)]
-        return distance, np.minimum(*bounds) - drift
+        return np.minimum(*bounds) - drift
 
     def _of_balls(self, pair: Pair, blocks: _Blocks) -> np.ndarray:
         """Bounds (k,) over the first blocks by the balls about the bodies, m."""
@@ -188,10 +203,16 @@ class _Search:
     def _drift(self, pair: Pair, blocks: _Blocks) -> np.ndarray:
         return blocks.drift[:, self.number[pair.first]] + blocks.drift[:, self.number[pair.second]]
 
+    def _enough(self, best: float, limit: float) -> float:
+        """Bound from which on a block needs no closer look, where the least distance found is `best`."""
+        return min(best - max(_EXACT, _SHARE * (best - limit)), self.beyond)
 
-def _enough(best: float, limit: float) -> float:
-    """Bound from which on a block needs no closer look, where the least distance found is `best`."""
-    return best - max(_EXACT, _SHARE * (best - limit))
+
+def _directions(pairs: Sequence[Pair], frames: JointFrames) -> dict[Pair, np.ndarray]:
+    """Directions (k, 3) in which a box about what the arm carries is nearest to the capsules of its links."""
+    carried = [pair for pair in pairs if pair.of_arm and pair.first.on_path]
+    _, away = box_bounds([(pair.first, pair.second) for pair in carried], frames)
+    return dict(zip(carried, away, strict=True))
 
 
 def _ball(body: Body, frames: JointFrames) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.collisions.distances import Distances
+from nospill.collisions.distances import distances_of
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from nospill.scene.scene import Scene
@@ -30,12 +30,8 @@ class NearestOverTime:
 
 
 def nearest_over_time(scene: Scene, q: np.ndarray) -> tuple[NearestOverTime, ...]:
-    """Nearest distances at joint positions (m, n), rad, in the order of the obstacles; none without obstacles.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
-    """
-    if not scene.keeps_distances:
+    """Nearest distances at joint positions (m, n), rad, in the order of the obstacles; none without obstacles."""
+    if not scene.has_surroundings:
         return ()
     frames, every = joint_frames(arm_chain(scene.robot), q), np.arange(len(q))
     groups: dict[str, list[Pair]] = {}
@@ -43,7 +39,7 @@ def nearest_over_time(scene: Scene, q: np.ndarray) -> tuple[NearestOverTime, ...
         groups.setdefault("" if pair.second.obstacle is None else pair.second.name, []).append(pair)
     found = []
     for name, pairs in groups.items():
-        distances = np.array([Distances(pair.first, pair.second).at(frames, every)[0] for pair in pairs])
+        distances = np.array([distances_of(pair.first, pair.second).at(frames, every)[0] for pair in pairs])
         nearest = pairs[int(np.argmin(distances.min(axis=1)))]
         found.append(NearestOverTime(name, nearest.limit, distances.min(axis=0), nearest.subject))
     return tuple(found)

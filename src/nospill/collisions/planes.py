@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.collisions.bodies import Body
-from nospill.collisions.distances import Distances
+from nospill.collisions.distances import distances_of
 from nospill.collisions.pairs import Pair
 from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.robots.kinematics.frames import JointFrames
@@ -26,11 +26,8 @@ def planes(pair: Pair, frames: JointFrames, samples: np.ndarray) -> tuple[np.nda
     Returns:
         Unit normals (m, 3) from the first body to the second, and offsets (m,), m, in the frame of the second's joint:
         along its normal every point of the second body is at least the offset; and the distances (m,) of the two, m.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
-    found, directions = Distances(pair.first, pair.second).at(frames, samples)
+    found, directions = distances_of(pair.first, pair.second).at(frames, samples)
     normals = (directions[:, None] @ frames.rotation[pair.second.joint][samples])[:, 0]
     return normals, -_support(pair.second, -normals), found
 

@@ -15,6 +15,7 @@ from nospill.diagnosis.options import Option, Task, option_groups
 from nospill.diagnosis.search import Searcher, is_possible
 from nospill.diagnosis.singularity import nearest_singularity
 from nospill.errors import ROBOT, Change, NoSolutionError, Reason, ScenarioError
+from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.joint_paths.no_joint_path import farthest_reached
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.redundancy import redundant_joint
@@ -64,7 +65,8 @@ def advised(scene: Scene, searcher: Callable[[Scene], Searcher]) -> Iterator[Non
     except (ScenarioError, NoSolutionError) as error:
         reason = error.reason
         # of a way among obstacles the straight line tells little
-        if reason is None or reason.kind != ROBOT or (scene.keeps_distances and isinstance(error, NoSolutionError)):
+        among = scene.has_surroundings and isinstance(error, NoSolutionError)
+        if reason is None or reason.kind != ROBOT or among or reason.constraint == Clearance.name:
             raise
         changes = helpful_changes(scene, reason, partial(is_possible, searcher(scene)))
         text = str(error) if not changes else f"{error}. {advice(changes, '')}"

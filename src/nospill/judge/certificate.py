@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nospill.collisions.pairs import self_collision
 from nospill.judge.between_instants import peaks_between, with_peaks
 from nospill.judge.carriers import with_liquids_apart
-from nospill.judge.clearance import clearance_rows, clearance_traces
+from nospill.judge.clearance import OTHERS, clearance_rows, clearance_traces
 from nospill.judge.corners import corner_traces
 from nospill.judge.plausibility import require_rate
 from nospill.judge.record_checks import (
@@ -101,7 +102,6 @@ def certify(
 
     Raises:
         ModelError: the liquids cannot be integrated.
-        MissingExtraError: the scene has obstacles, and the library coal is not installed.
         ScenarioError: no trajectory, or no scene; a constraint is none, is about nothing in the scene or fails; a rate
             that is none.
         PlanFolderError: the trajectory does not fit the scene (other joints or liquids), or is no motion (a value that
@@ -186,7 +186,6 @@ def certify_joints(
         ScenarioError: no scene, a constraint or a rate that is none, or arrays that are no samples of a motion of its
             joints (times in ms and joints in degrees are refused as such).
         ModelError: the liquids cannot be integrated.
-        MissingExtraError: the scene has obstacles, and the library coal is not installed.
     """
     require_rate(rate)
     record = joint_record(t, q, scene)
@@ -235,7 +234,7 @@ def _judged(
     joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
     distances = clearance_rows(scene, played.t, *joints)
     rows = [*map(worst_row, worst.values()), *distances]
-    near = [row for row in distances if row.use >= _NEAR]
+    near = [row for row in distances if row.use >= _NEAR and row.subject != OTHERS]
     traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, near))
     published = scene.fidelity == "deliverable"
     verdict = Certificate(
@@ -245,5 +244,6 @@ def _judged(
         published=published,
         modes=scene.fewer_modes,
         unjudged=scene.unjudged,
+        self_collision=self_collision(scene),
     )
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use, worst)

@@ -91,7 +91,6 @@ def history_of(judgement: Judgement, scene: Scene, row: RowId) -> History:
 
     Raises:
         ScenarioError: the certificate has no such row.
-        MissingExtraError: the row is about a distance, and the library coal is not installed.
     """
     trace = judgement.fullest.get(row)
     if trace is None:
@@ -105,10 +104,12 @@ def _distance(judgement: Judgement, scene: Scene, row: RowId) -> Trace:
     if not own:
         raise ScenarioError(_unknown(row, [item.id for item in rows]))
     played, least = judgement.replay, own[0]
-    (trace,) = clearance_traces(scene, played.t, played.joint_position, own)
+    (trace,) = clearance_traces(
+        scene, played.t, played.joint_position, own, listed={item.subject for item in rows if item is not least}
+    )
     at = np.searchsorted(trace.t, least.at_s)
     t, value = np.insert(trace.t, at, least.at_s), np.insert(trace.value, at, least.worst_value)
-    return Trace(*row, trace.unit, t, value, np.full(len(t), least.limit), value - least.limit)
+    return Trace(*row, trace.unit, t, value, np.full(len(t), least.limit), value - least.limit, least.variant)
 
 
 def _unknown(row: RowId, known: Collection[RowId]) -> str:

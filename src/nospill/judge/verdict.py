@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.collisions.pairs import SelfCollision
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Constraint, EvaluationPoint, Role, RowId
 from nospill.scene.limits import LimitRecord
@@ -139,6 +140,8 @@ class Certificate:
         full_model: rows on objects that the full model breaks in the same motion (see `judge.full_model`), no part of
             `ok`; None where nobody has looked.
         unjudged: limits of the scene whose classes are not at hand; with any of them nothing is certified.
+        self_collision: which pairs of the arm with itself and its load were judged; None where the record of an earlier
+            version does not say.
     """
 
     ok: bool
@@ -148,6 +151,7 @@ class Certificate:
     modes: int | None = None
     full_model: tuple[Row, ...] | None = field(default=None, compare=False)
     unjudged: tuple[LimitRecord, ...] = ()
+    self_collision: SelfCollision | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         return f"<Certificate: {self.word}, {len(self.rows)} rows>"
@@ -187,6 +191,8 @@ class Certificate:
         """For certificate.json: ok, grid_hz, rows, published, modes, what the full model breaks where it is known."""
         table: dict[str, Any] = {"ok": self.ok, "grid_hz": self.grid_hz, "rows": [_plain(row) for row in self.rows]}
         table |= {"published": self.published, "modes": self.modes}
+        if self.self_collision is not None:
+            table["self_collision"] = self.self_collision.to_dict()
         if self.full_model is not None:
             table["full_model"] = [_plain(row) for row in self.full_model]
         return table

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from nospill.core.units import superscript
 from nospill.judge.verdict import APPROACH, Certificate, Row
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.lift import Lift
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -122,9 +123,9 @@ def row_text(row: Row) -> RowText:
     """
     factor, unit = shown_unit(row.unit, row.limit)
     value, limit = factor * row.worst_value, factor * row.limit
-    if limit < 0.0 and not _is_position(row):
+    if limit < 0.0 and not _is_signed(row):
         value, limit = -value, -limit
-    from_below = (value - limit) * row.worst_margin > 0.0 and limit >= 0.0
+    from_below = (value - limit) * row.worst_margin > 0.0 and (limit >= 0.0 or _is_distance(row))
     share = percent(row.use, row.ok)
     if unit == "%":  # one figure, not rounded in two ways
         value_text, limit_text = share.removesuffix(" %"), "100"
@@ -216,6 +217,15 @@ def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:
         small = 0.0 < abs(limit) < _SMALL_ANGLE
         return (1e3, f"m{unit}") if small else (180.0 / math.pi, unit.replace("rad", "deg"))
     return 1.0, unit
+
+
+def _is_signed(row: Row) -> bool:
+    """Whether a value below zero is one of the same kind as above it: a position, or a distance."""
+    return _is_position(row) or _is_distance(row)
+
+
+def _is_distance(row: Row) -> bool:
+    return row.constraint.removeprefix(APPROACH) == Clearance.name
 
 
 def _is_position(row: Row) -> bool:

@@ -7,11 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
-from nospill.collisions.bodies import LOAD, TRAY, Body
 from nospill.collisions.configurations import Configurations
-from nospill.core.units import as_written, format_quantity
-from nospill.errors import REST, ROBOT, NoSolutionError, Reason, ScenarioError
-from nospill.laws.constraints.clearance import Clearance
+from nospill.errors import REST, ROBOT, NoSolutionError, ScenarioError
+from nospill.path_search.words import in_words, nearness_reason
 from nospill.paths.path import Path
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import redundant_joint
@@ -19,7 +17,9 @@ from nospill.scene.scene import Scene
 
 _ENDS = {0.0: "start", 1.0: "end"}
 _PLACES = (11, 201)
-"""Numbers of places at which a joint path is looked at, one after the other."""
+"""Numbers of places at which a joint path among obstacles is looked at, one after the other."""
+_ALONE = (11, 51)
+"""The same of an arm that keeps from itself and its load alone, which the certificate looks at between them."""
 
 
 def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
@@ -31,7 +31,6 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     Raises:
         ScenarioError: an obstacle is in the way of the tray or its cargo where the path starts or ends.
         NoSolutionError: something is in the way on every joint path, and the tray is level; names it.
-        MissingExtraError: the library coal is not installed.
     """
     if not scene.keeps_distances:
         return list(candidates)
@@ -45,30 +44,35 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
         return [candidates[freest]]
     raise NoSolutionError(
         _refusal(found[freest], len({places_of(joint_path) for joint_path in candidates})),
-        _reason(found[freest], ROBOT),
+        nearness_reason(found[freest], ROBOT),
     )
 
 
 def require_free_ends(scene: Scene) -> None:
     """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends."""
+    if not scene.has_surroundings:
+        return
     ends = nearest_of_tray(scene, scene.path, places=2)
     if ends.slack < 0.0:
         where = f"where the path {_ENDS[ends.s]}s"
-        raise ScenarioError(f"{_in_words(ends, where)}; {_advice(ends)}", _reason(ends, REST))
+        raise ScenarioError(f"{in_words(ends, where)}; {_advice(ends)}", nearness_reason(ends, REST))
 
 
 def tray_is_clear(scene: Scene, path: Path) -> bool:
     """Whether nothing is in the way of the level tray and its cargo along a path, whatever the arm does."""
+    if not scene.has_surroundings:
+        return True
     return all(nearest_of_tray(scene, path, places=places).slack >= 0.0 for places in _PLACES)
 
 
 def are_clear(scene: Scene, candidates: Sequence[JointPath]) -> Iterator[bool]:
     """Of each joint path whether nothing is in the way of the level tray; a few places first, which sort most out."""
     configurations, known = Configurations(scene), dict[tuple[float, ...], bool]()
+    counts = _PLACES if scene.has_surroundings else _ALONE
     for joint_path in candidates:
         branch = places_of(joint_path)
         if branch not in known:
-            looks = (joint_path.at(np.linspace(0.0, 1.0, places)) for places in _PLACES)
+            looks = (joint_path.at(np.linspace(0.0, 1.0, places)) for places in counts)
             known[branch] = all(configurations.clear(q).all() for q in looks)
         yield known[branch]
 
@@ -92,12 +96,13 @@ def places_of(joint_path: JointPath) -> tuple[float, ...]:
 
 
 def _refusal(nearest: Nearness, branches: int) -> str:
-    words = _in_words(nearest, f"at s = {nearest.s:.2f}")
+    words = in_words(nearest, f"at s = {nearest.s:.2f}")
     if _on_path(nearest):
         return f"No way found: {words}, whatever the arm does; {_advice(nearest)}"
     which = "on its only branch" if branches == 1 else f"on the freest of its {branches} branches"
-    advice = "move the obstacle, the path or the arm's base"
-    return f"No way found for the arm: {which} {words}; {advice}"
+    if nearest.pair.of_arm:
+        return f"No way found for the arm: {which} {words}"
+    return f"No way found for the arm: {which} {words}; move the obstacle, the path or the arm's base"
 
 
 def _advice(nearness: Nearness) -> str:
@@ -107,29 +112,3 @@ def _advice(nearness: Nearness) -> str:
 
 def _on_path(nearness: Nearness) -> bool:
     return nearness.pair.first.on_path and nearness.pair.second.obstacle is not None
-
-
-def _in_words(nearness: Nearness, where: str) -> str:
-    """As 'the forearm_link enters "column" by 12 mm at s = 0.41'."""
-    pair = nearness.pair
-    distance = nearness.slack + pair.limit
-    first, second = _named(pair.first), _named(pair.second)
-    if pair.second.of_region:
-        return f"{first} reach {_shown(-distance)} out of {second} {where}"
-    if distance < 0.0:
-        return f"{first} enters {second} by {_shown(-distance)} {where}"
-    return f"{first} comes within {_shown(distance)} of {second} {where}, and {_shown(pair.limit)} must be kept"
-
-
-def _named(body: Body) -> str:
-    """An obstacle or object by its own name, in quotes; a part of the arm, or the tray, without."""
-    own = body.obstacle is not None or (body.on_path and body.name not in (TRAY, LOAD))
-    return as_written(body.name) if own else f"the {body.name}"
-
-
-def _reason(nearness: Nearness, kind: str) -> Reason:
-    return Reason(kind, Clearance.name, nearness.pair.subject, at_s=nearness.s, excess=-nearness.slack, unit="m")
-
-
-def _shown(length: float) -> str:
-    return format_quantity(length, "length", digits=3)

@@ -113,7 +113,7 @@ def feasible_paths(scene: Scene) -> list[FeasiblePath]:
 
 def _arcs(scene: Scene) -> Iterator[PathCandidate]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
-    detours = scene.keeps_distances and not scene.motion.via and redundant_joint(scene.robot) is None
+    detours = scene.has_surroundings and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
     table = FreePath.model_validate(_path_table(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
     foot, _ = base_pose(scene.robot.urdf)

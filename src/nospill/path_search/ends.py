@@ -27,7 +27,6 @@ def require_clear_arm_at_ends(scene: Scene) -> None:
 
     Raises:
         ScenarioError: there is one; names the obstacle, the link and the depth in the freest configuration.
-        MissingExtraError: the library coal is not installed.
     """
     if not scene.obstacles:
         return

@@ -60,10 +60,13 @@ def fastest_clear_path(scene: Scene) -> Scene:
         ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there.
         NoSolutionError: the arm can follow no way; or none is clear, and the tray is level: tells of the one with most
             room.
-        MissingExtraError: the library coal is not installed.
     """
-    if not scene.keeps_distances:
-        return feasible_paths(scene)[0].scene
+    if not scene.has_surroundings:
+        ways = feasible_paths(scene)
+        clear = (way.scene for way in ways if not scene.keeps_distances or any(are_clear(scene, way.paths)))
+        found = next(clear, None)
+        if found is not None:
+            return found
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
     in_order = clear_candidates(scene)
@@ -157,9 +160,6 @@ def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
 
     Returns:
         Its speed figure, s, and the scene with it.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
     seven, axis = redundant_joint(scene.robot) is not None, base_axis(scene)
     # what is longer, or harder to follow, where nothing else is found

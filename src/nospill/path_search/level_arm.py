@@ -64,9 +64,6 @@ class LevelArm:
             spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends and near
                 places on the way.
             by_joints: whether straight is what is straight for the joints, and not for the tray; seven joints only.
-
-        Raises:
-            MissingExtraError: the library coal is not installed.
         """
         self.scene, self.robot = scene, scene.robot
         self._configurations, self._spare, self._by_joints = Configurations(scene), spare, by_joints

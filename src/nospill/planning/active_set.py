@@ -104,7 +104,7 @@ class ActiveSet:
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         known = by_name(scene)
         backoff = {row: known[row.constraint].backoff for row in rows} | range_backoff(scene, q) | apart
-        return cls(task, scene, members, refined, modes, possible, possible, backoff)
+        return cls(task, scene, members, refined, modes, possible - task.of_arm, possible, backoff)
 
     @property
     def names(self) -> dict[VariantId, str]:
@@ -126,8 +126,15 @@ class ActiveSet:
         return frozenset(row for row in self.possible if known[row.constraint].evaluated_at is EvaluationPoint.END)
 
     def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
-        """Rows that come near their limits, by what part of each is left."""
-        return frozenset(row for row, value in slack.items() if value <= room) & self.possible
+        """Rows that come near their limits, by what part of each is left; of the arm with itself those it breaks."""
+        of_arm = self.task.of_arm
+        near = (row for row, value in slack.items() if value <= (min(room, 0.0) if row in of_arm else room))
+        return frozenset(near) & self.possible
+
+    @property
+    def usual(self) -> frozenset[RowId]:
+        """All rows that may take part, but those of the arm with itself that nothing has broken."""
+        return self.possible - (self.task.of_arm - self.rows)
 
     def without_far(self, rows: Iterable[Row]) -> ActiveSet:
         """The same without the rows that stay far from their limits in a judged motion."""
@@ -186,6 +193,7 @@ class ActiveSet:
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
+        grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
         spent = dict.fromkeys(self._members.spent_at_end(self.backoff), _OF_SUM)

@@ -43,7 +43,7 @@ def attempts(task: Task) -> tuple[Attempt, ...]:
     """
     turns, count = [STEP_BY_STEP, _ADAPTIVE], first_attempts(task)
     starts = list(enumerate(starting_motions(task.searched_scene, count + _LAST_STARTS)))
-    first = [Attempt(start, turns[(index + task.keeps_apart) % 2]) for index, start in starts[:count]]
+    first = [Attempt(start, turns[(index + task.leads_past) % 2]) for index, start in starts[:count]]
     last = [Attempt(start, turns[index % 2] | _PATIENT, all_rows=index > count) for index, start in starts[count:]]
     again = [Attempt(starts[1][1], _ADAPTIVE, all_rows=True), Attempt(starts[0][1], STEP_BY_STEP, all_rows=True)]
     return (*first, last[0], *again, *last[1:])

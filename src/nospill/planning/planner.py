@@ -16,10 +16,11 @@ from nospill.judge.wording import finding
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
-from nospill.path_search.branches import free_paths, require_free_ends
+from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
 from nospill.path_search.ends import require_clear_arm_at_ends
 from nospill.path_search.free_path import fastest_clear_path, paths_along
+from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
 from nospill.planning.fallbacks import fallbacks, on_path_instead
 from nospill.planning.log import Log, OnProgress
@@ -64,7 +65,7 @@ def plan(
             constraint, or one of `constraints` is none, is about nothing in the scene or fails.
         NoSolutionError: no start led to a motion, no approach to it, or no branch of the arm past the obstacles; names
             what is in the way.
-        MissingExtraError: the scene has an approach and ruckig is not installed, or obstacles and coal is not.
+        MissingExtraError: the scene has an approach and ruckig is not installed.
     """
     scene, warm = requested_scene(scene, constraints), earlier_plan(warm)
     ignored = ignored_constraints(ignore, scene)
@@ -82,6 +83,7 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
+    require_standing_room(scene)
     if scene.obstacles:
         with log.phase("kinematics"):
             require_free_ends(scene)
@@ -123,7 +125,7 @@ def _offers(
         if log.out_of_time:
             return
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
-        paths = free_paths(scene, paths_along(scene))
+        paths = advised_free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
     if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
         yield found

@@ -50,8 +50,8 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     first = _with_modes(coarse, rows, log) or _refined(coarse, wanted, rows, log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
-    halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.possible, log)
-    last = None if halfway is None else _refined(halfway, wanted, active.possible, log)
+    halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.usual, log)
+    last = None if halfway is None else _refined(halfway, wanted, active.usual, log)
     return last or halfway or coarse
 
 
@@ -71,7 +71,7 @@ def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log:
     """The motion on another grid with some rows; None where no first barrier (on planes, the least) leads there."""
     active = candidate.active.with_rows(rows)
     start = on_grid(active.scene, candidate.stages, intervals, active.task.passage.along)
-    return _converged(active, start, BARRIERS[:1] if active.task.keeps_apart else BARRIERS, log)
+    return _converged(active, start, BARRIERS[:1] if active.task.leads_past else BARRIERS, log)
 
 
 def _converged(

@@ -71,12 +71,19 @@ class Task:
         choice = not self.searched_scene.motion.is_given or len(self.scene.robot.joints) > 6
         return self.scene.keeps_distances and choice
 
-    def clearance_slack(self, q: np.ndarray) -> dict[RowId, float]:
-        """What bodies leave of their clearance at joint positions (m, n), rad, as part of a budget; without any, {}.
+    @property
+    def leads_past(self) -> bool:
+        """Whether the motion has to lead past what is around: then planes are in its problems from the start."""
+        return self.keeps_apart and self.scene.has_surroundings
 
-        Raises:
-            MissingExtraError: there are obstacles, and the library coal is not installed.
-        """
+    @property
+    def of_arm(self) -> frozenset[RowId]:
+        """Rows of clearance of the arm with itself and its load, which take part where an answer breaks them."""
+        pairs = scene_pairs(self.scene) if self.keeps_apart else ()
+        return frozenset(RowId(Clearance.name, pair.subject) for pair in pairs if pair.of_arm)
+
+    def clearance_slack(self, q: np.ndarray) -> dict[RowId, float]:
+        """What bodies leave of their clearance at joint positions (m, n), rad, as part of a budget; without any, {}."""
         if not self.keeps_apart:
             return {}
         found = least_slack(self.scene, q, within=Clearance.least_size)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from nospill.approach import Segment, read_segment
+from nospill.collisions.pairs import SelfCollision
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.verdict import Certificate, Row
@@ -70,6 +71,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
                 modes=certificate.get("modes"),
                 full_model=_broken(certificate),
                 unjudged=scene.unjudged,
+                self_collision=_self_collision(certificate),
             ),
             maxima=maxima,
             report=report,
@@ -80,6 +82,12 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         # the repr of an error of decoding holds the whole file
         reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
+
+
+def _self_collision(certificate: Mapping[str, Any]) -> SelfCollision | None:
+    """What the certificate says of the arm with itself; None where an earlier version wrote it."""
+    found = certificate.get("self_collision")
+    return None if found is None else SelfCollision.from_dict(found)
 
 
 def require_no_own_limits(scenario: str | Path) -> None:

@@ -228,6 +228,10 @@ class Plan:
         )
 
 
+def _self_collision(certificate: Certificate) -> dict[str, object] | None:
+    return None if certificate.self_collision is None else certificate.self_collision.to_dict()
+
+
 def _figures() -> Any:
     """The package of figures, which lies above this one: it is imported where one is asked for."""
     return importlib.import_module("nospill.plots.figures")
@@ -370,6 +374,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "max_slosh_height_m": _Kept("maxima", "slosh_height"),
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
+    "self_collision": _Computed(lambda plan: _self_collision(plan.certificate)),
     "constraints": _Computed(lambda plan: [limit.to_dict() for limit in _limits(plan.scene)]),
     "held_back": _Computed(lambda plan: plan.limiting_text),
     "time_at_limit": _Kept("maxima", "time_at_limit"),

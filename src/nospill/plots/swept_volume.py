@@ -27,7 +27,7 @@ _HIGHEST = 3.4
 def swept_volume_figure(evidence: Evidence) -> Figure | None:
     """Two views of what is swept, one above the other on the same scale; None without obstacles."""
     scene, played = evidence.plan.scene, evidence.judgement.replay
-    if not scene.keeps_distances:
+    if not scene.has_surroundings:
         return None
     t = np.linspace(played.t[0], played.t[-1], _INSTANTS)
     q = np.stack([np.interp(t, played.t, column) for column in played.joint_position.T], axis=1)

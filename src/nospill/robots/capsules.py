@@ -22,6 +22,13 @@ ESTIMATED = (
     "the flange; state the arm's own as [[robot.capsule]]"
 )
 
+_ESTIMATED_WORD = "estimated"
+
+
+def are_estimated(robot: Robot) -> bool:
+    """Whether the capsules of an arm are guessed, and made around no geometry of its links."""
+    return robot.sources.get(CAPSULES, _ESTIMATED_WORD).startswith(_ESTIMATED_WORD)
+
 
 @dataclass(frozen=True, slots=True)
 class PlacedCapsule:

@@ -104,6 +104,7 @@ class Robot:
         controller_base_turn: turn of the controller's own base frame against the root about z, rad, or None where it is
             not known.
         capsules: what its links fill, for collisions; those of its chain where there are none.
+        self_collision: whether the arm is kept from touching itself, its tray and its cargo.
         meshes: what an installed package shows of it, or None.
         notes: what was assumed when its description was read, one sentence each, for people.
     """
@@ -129,5 +130,6 @@ class Robot:
     base_frame: str = ""
     controller_base_turn: float | None = None
     capsules: tuple[LinkCapsule, ...] = ()
+    self_collision: bool = True
     meshes: PackagedMeshes | None = None
     braking: Braking | None = None

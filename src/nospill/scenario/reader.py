@@ -74,7 +74,8 @@ def read_scene(
     except ValidationError as error:
         raise report(label, faults_of(error, table)) from None
     with _at(label, "[robot]"):
-        described = scenario.robot.standalone(folder, capsules=bool(scenario.obstacle))
+        bodies = bool(scenario.obstacle) or scenario.robot.self_collision == "on"
+        described = scenario.robot.standalone(folder, capsules=bodies)
         robot = scenario.robot.model_copy(update=described).build()
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)

@@ -146,6 +146,10 @@ class RobotTable(Table):
             "fitted to the URDF's collision geometry, when not given",
         ),
     ] = default(None)
+    self_collision: Annotated[
+        Literal["on", "off"],
+        Field(description="whether the arm is kept from touching itself, the tray and the cargo, and judged for it"),
+    ] = "on"
 
     def standalone(self, folder: FilePath, *, capsules: bool) -> dict[str, object]:
         """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
@@ -199,6 +203,7 @@ class RobotTable(Table):
                 notes=read.notes,
                 **self._limits(_urdf_limits(read), arm).fields(),
             )
+        robot = replace(robot, self_collision=self.self_collision == "on")
         return with_home(with_capsules(robot, self.capsule, known=self.urdf_text or robot.urdf), self.home)
 
     def _fitted(self, text: str, folder: FilePath, needed: bool) -> dict[str, object]:

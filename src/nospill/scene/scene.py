@@ -196,7 +196,7 @@ class Scene:
         approach: how the arm gets to the start, or None where the scenario has no [approach].
         start_near: (n,) rad, what the scenario says of where the arm comes from: the start of the approach, else the
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
-        obstacles: what stands around the arm; without any, the arm is not judged for collisions.
+        obstacles: what stands around the arm.
         regions: boxes that tray and cargo stay in.
         controller: how the joints follow their command; None where they do what they are asked for.
         as_read: whether it is the very scene that was read; a copy by `dataclasses.replace` is not.
@@ -309,9 +309,14 @@ class Scene:
         return self.with_constraints(other.constraints, other.unjudged)
 
     @property
-    def keeps_distances(self) -> bool:
-        """Whether any bodies are judged for their distance: there are obstacles, or regions."""
+    def has_surroundings(self) -> bool:
+        """Whether there is anything that arm, tray or cargo keep away from beside themselves: obstacles, or regions."""
         return bool(self.obstacles or self.regions)
+
+    @property
+    def keeps_distances(self) -> bool:
+        """Whether any bodies are judged for their distance: to what is around, or of the arm to itself and its load."""
+        return self.has_surroundings or self.robot.self_collision
 
     @property
     def standing(self) -> tuple[Cargo, ...]:

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nospill.collisions.along_path import ball_slack
+from nospill.collisions.along_path import room_bounds
 from nospill.collisions.bodies import Body
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import planes, reaching
@@ -46,6 +46,8 @@ from nospill.transcription.clearance_block import (
 
 NEAR = 0.15
 """Room, m, with which a pair has a plane in an interval; with 0.1 m the column of an example is passed more slowly."""
+NEAR_ITSELF = 0.05
+"""The same of a pair of the arm with itself or its load, of which many are as near as that all the time."""
 _MOST_TURNED = 3.0
 """Tangent of the largest turn of a normal in each of two directions."""
 
@@ -165,9 +167,6 @@ def separating(
         rows: those of clearance count.
         q: (N, n) rad, its joint positions at the nodes of the problem's grid but the last one.
         everywhere: rows whose pairs have planes in all intervals.
-
-    Raises:
-        MissingExtraError: the library coal is not installed.
     """
     subjects = {row.subject for row in rows if row.constraint == Clearance.name}
     if not subjects:
@@ -180,7 +179,8 @@ def separating(
     moved = 0
     for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
         row = RowId(Clearance.name, pair.subject)
-        plane = _near_planes(pair, frames, np.inf if row in everywhere else NEAR)
+        near = NEAR_ITSELF if pair.of_arm else NEAR
+        plane = _near_planes(pair, frames, np.inf if row in everywhere else near)
         still, moving = (
             found.setdefault(Between(arm, robot.joints, robot.tip, inner, outer), [])
             for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))
@@ -259,7 +259,7 @@ class _NearPlanes:
 
 
 def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
-    near = np.flatnonzero(ball_slack(pair, frames) < within)
+    near = np.flatnonzero(room_bounds([pair], frames)[0] < within)
     normals, offsets, gaps = planes(pair, frames, near)
     room = gaps - pair.limit
     found = np.zeros((len(near), NUMBERS))

@@ -8,7 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from nospill.judge.certificate import Judgement
-from nospill.plans.warnings.arm import below_the_base, no_joint_acceleration_limit, no_mass
+from nospill.plans.warnings.arm import (
+    below_the_base,
+    estimated_touch,
+    no_joint_acceleration_limit,
+    no_mass,
+    self_collision_off,
+)
 from nospill.plans.warnings.controller import behind_the_command, beside_its_command
 from nospill.plans.warnings.fallbacks import fallback
 from nospill.plans.warnings.liquids import (
@@ -45,6 +51,8 @@ WARNINGS: tuple[Warn, ...] = (
     no_joint_acceleration_limit,
     no_mass,
     below_the_base,
+    self_collision_off,
+    estimated_touch,
     behind_the_command,
     beside_its_command,
     no_reserve,

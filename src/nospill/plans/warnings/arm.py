@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from nospill.core.units import format_quantity
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.joint_acceleration import JointAcceleration
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.robots.description.urdf import base_pose
@@ -82,3 +83,25 @@ def below_the_base(facts: Facts) -> Iterator[PlanWarning]:
                 f"base at t = {facts.judgement.replay.t[index]:.3f} s, where a table or floor may be."
             )
             yield PlanWarning("below the base", name, text, float(lowest[index]), 0.0)
+
+
+def self_collision_off(facts: Facts) -> Iterator[PlanWarning]:
+    """Nothing keeps the arm from itself, its tray and its cargo."""
+    robot = facts.scene.robot
+    if not robot.self_collision:
+        text = (
+            'self_collision = "off" under [robot]: whether the arm touches itself, the tray or the cargo is not judged.'
+        )
+        yield PlanWarning("self-collision", robot.name, text)
+
+
+def estimated_touch(facts: Facts) -> Iterator[PlanWarning]:
+    """Bodies of which one is a capsule that is estimated overlap, by less than such capsules may."""
+    for row in facts.judgement.certificate.rows:
+        if row.constraint == Clearance.name and row.limit < 0.0 and row.worst_value < 0.0 <= row.worst_margin:
+            depth, most = (format_quantity(-value, "length", digits=3) for value in (row.worst_value, row.limit))
+            text = (
+                f"they overlap by {depth} at t = {row.at_s:.3f} s; the capsules of this arm are estimated, and "
+                f"{most} is allowed. Compare them with the arm, or state its own as [[robot.capsule]]."
+            )
+            yield PlanWarning("self-collision", row.subject, text, row.worst_value, 0.0)

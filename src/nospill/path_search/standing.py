@@ -1,0 +1,191 @@
+"""Whether the arm can stand where its path starts and ends without touching itself, its tray or its cargo.
+
+That is said before any search, with the smallest of some changes that helps; each of them is tried.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from nospill.collisions.along_path import freest_of_arm
+from nospill.collisions.pairs import scene_pairs
+from nospill.errors import REST, Change, NoSolutionError, ScenarioError
+from nospill.laws.constraints.clearance import Clearance
+from nospill.path_search.branches import are_clear, free_paths
+from nospill.path_search.level_arm import LevelArm
+from nospill.path_search.words import in_words, nearness_reason
+from nospill.robots.joint_paths.search import JointPath, try_joint_paths
+from nospill.robots.kinematics.closed_form import has_closed_form
+from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.scene.scene import Scene
+
+_ENDS = {"starts": 0.0, "ends": 1.0}
+_HIGHER = np.arange(0.02, 0.301, 0.02)
+"""m; by which the tray may stand farther from the flange."""
+_TURNS = np.radians([15, -15, 30, -30, 45, -45, 60, -60, 90, -90, 120, -120, 150, -150, 180])
+_MOVED = tuple(sign * size for size in (0.1, 0.2, 0.3, 0.4) for sign in (1.0, -1.0))
+"""m; by which the arm's base may stand lower or higher."""
+_SPARSE, _TRIED = 12, 40
+"""Every so many positions of a seventh joint are looked at, before all are, and where a change is tried."""
+_FOLLOWED = 3
+"""Changes of one kind with which start and end are free, whose whole path is looked at."""
+
+
+def require_standing_room(scene: Scene) -> None:
+    """Refuse a path at whose start or end every configuration of the arm touches itself, its tray or its cargo.
+
+    Only where all configurations are known: they are stated, or there is a closed form. An end that no configuration
+    reaches is no concern of it.
+
+    Raises:
+        ScenarioError: naming the pair, the depth, the place, and changes that help.
+    """
+    if not scene.robot.self_collision:
+        return
+    for verb, s in _ENDS.items():
+        found, q = None, None
+        for every in (_SPARSE, 1):
+            q = _configurations(scene, s, every)
+            found = None if q is None or not len(q) else freest_of_arm(scene, q, s)
+            if (found and found.slack >= 0.0) or redundant_joint(scene.robot) is None:
+                break
+        if q is None or found is None or found.slack >= 0.0:
+            continue
+        which = "in its only configuration" if len(q) == 1 else f"in the freest of its {len(q)} configurations"
+        changes = tuple(helpful_changes(scene))
+        raise ScenarioError(
+            f"path: where it {verb}, the arm touches itself or its load {which}: {in_words(found, '')}; "
+            f"{advice_on(found.pair.subject, changes)}",
+            replace(nearness_reason(found, REST), changes=changes),
+        )
+
+
+def advised_free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
+    """`free_paths`; where the arm touches itself or its load on every joint path, with changes that help."""
+    try:
+        return free_paths(scene, candidates)
+    except NoSolutionError as error:
+        reason = error.reason
+        own = {pair.subject for pair in scene_pairs(scene) if pair.of_arm}
+        if reason is None or reason.subject not in own:
+            raise
+        changes = tuple(helpful_changes(scene))
+        text = f"{error}; {advice_on(reason.subject, changes)}"
+        raise NoSolutionError(text, replace(reason, changes=changes)) from None
+
+
+def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
+    """What to do about a pair of the arm: the changes that were found to help, else what was tried in vain."""
+    if changes:
+        return "Smallest single change found: " + "; or ".join(change.text for change in changes)
+    return (
+        f"move the path, or keep {subject} apart otherwise: neither "
+        f"a tray up to {1e3 * _HIGHER[-1]:.0f} mm farther from the flange, nor "
+        f"another yaw of the path, nor a base up to {1e3 * max(_MOVED):.0f} mm lower or higher helps by itself"
+    )
+
+
+def helpful_changes(scene: Scene) -> Iterator[Change]:
+    """The smallest change of each kind with which the arm stands free at both ends, and along a path that is given."""
+    found = False
+    for kind in (_farther_from_flange, _turned_path):
+        change = _first_helpful(scene, kind(scene))
+        if change is not None:
+            found = True
+            yield change
+    if not found:
+        change = _first_helpful(scene, _moved_base(scene))
+        if change is not None:
+            yield change
+
+
+def _first_helpful(scene: Scene, changes: Iterator[tuple[Scene, Change]]) -> Change | None:
+    free = (change for changed, change in changes if _stands_free(changed))
+    for change in islice(free, _FOLLOWED):
+        try:
+            changed = scene.changed(change.values)
+        except ScenarioError:  # another limit of the scenario is in the way
+            continue
+        if changed.source["path"]["type"] == "free":  # its way is looked for with the change
+            return change
+        paths = try_joint_paths(changed.robot, changed.path, tool=changed.tray.tool).paths
+        if any(are_clear(changed, paths)):
+            return change
+    return None
+
+
+def _farther_from_flange(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+    tool = scene.tray.tool
+    for higher in _HIGHER.tolist():
+        position = tool.position + np.array([0.0, 0.0, higher])
+        text = f"tray.offset = {_lengths(position)}, {1e3 * higher:.0f} mm farther from the flange"
+        tray = replace(scene.tray, tool=replace(tool, position=position))
+        yield replace(scene, tray=tray), Change.of_limit(Clearance.name, "tray", "tray.offset", position.tolist(), text)
+
+
+def _turned_path(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+    """The tray turned against the path; of paths whose yaw stands in one key."""
+    table = scene.source["path"]
+    before = table.get("yaw", [0.0, 0.0]) if isinstance(table, dict) else None
+    if not isinstance(before, list) or table.get("type") == "free":
+        return
+    yaw = scene.path.at(np.array([0.0, 1.0]))[:, 3]
+    if len(before) != 2:
+        return
+    for turn in _TURNS.tolist():
+        values = [f"{math.degrees(value):.6g} deg" for value in (yaw + turn).tolist()]
+        text = f"path.yaw = [{', '.join(values)}], the tray turned by {math.degrees(turn):.0f} deg"
+        change = Change.of_limit(Clearance.name, "tray", "path.yaw", values, text)
+        try:
+            yield scene.changed(change.values), change
+        except ScenarioError:
+            continue
+
+
+def _moved_base(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+    base = scene.source["robot"].get("base_position", [0.0, 0.0, 0.0])
+    if not all(isinstance(value, int | float) for value in base):
+        return
+    for lower in _MOVED:
+        position = [float(base[0]), float(base[1]), float(base[2]) - lower]
+        where = "lower" if lower > 0.0 else "higher"
+        text = f"robot.base_position = {_lengths(np.array(position))}, {1e3 * abs(lower):.0f} mm {where}"
+        change = Change.of_limit(Clearance.name, "robot", "robot.base_position", position, text)
+        try:
+            yield scene.changed(change.values), change
+        except ScenarioError:
+            continue
+
+
+def _stands_free(scene: Scene) -> bool:
+    """Whether at both ends there is a configuration in which the arm touches nothing of itself and its load."""
+    for s in _ENDS.values():
+        q = _configurations(scene, s, _TRIED)
+        if q is None or not len(q) or freest_of_arm(scene, q, s).slack < 0.0:
+            return False
+    return True
+
+
+def _configurations(scene: Scene, s: float, every: int) -> np.ndarray | None:
+    """All configurations (k, n) within the limits at an end of the path, rad; None where they are not known.
+
+    With a seventh joint at every so many of its positions.
+    """
+    stated = scene.path.ends[round(s)]
+    if stated is not None:
+        return np.array([stated])
+    arm = LevelArm(scene)
+    if not has_closed_form(kinematics(arm.robot), arm.redundant):
+        return None
+    held = arm.held[::every]
+    return np.concatenate(arm.solutions(np.tile(scene.path.at(np.array([s])), (len(held), 1)), held))
+
+
+def _lengths(position: np.ndarray) -> str:
+    return "[" + ", ".join(f'"{1e3 * value:.6g} mm"' for value in position) + "]"
