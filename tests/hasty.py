@@ -35,7 +35,7 @@ def compile_at_first(folder: Path) -> None:
 
 
 def hasty_compiler(folder: Path) -> Path | None:
-    """A compiler that optimises less what is compiled for plans, None where there is no compiler.
+    """A compiler that optimises less, None where there is no compiler.
 
     -Og takes three quarters of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
     time, they take ten times as long, since every operation on four columns goes through memory. The linear solver

@@ -1,4 +1,4 @@
-"""The commands of the README, run as they are printed, one after the other, in one folder."""
+"""The commands of the README, as they are printed, one after the other, in one folder."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from nospill.scenario.examples import EXAMPLES
+from tests.cli.commands import nospill
 from tests.repository.modules import ROOT
 from tests.waiting import run_python
 
@@ -57,7 +58,8 @@ def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(tmp_path: Pa
     assert verdict in done.stdout + done.stderr
 
 
-def test_the_commands_run_as_printed(tmp_path: Path) -> None:
+def test_the_commands_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     write_what_they_read(tmp_path)
     # `make demo` comes before them in the page.
     demo = ["plan", "matrix-liquid", "-o", "out/matrix-liquid"]
@@ -65,8 +67,8 @@ def test_the_commands_run_as_printed(tmp_path: Path) -> None:
     listed = list(commands())
     assert {words[0] for words in listed} >= {"plan", "check"}
     for words in [demo, *listed]:
-        done = run_python("-c", "from nospill.cli import main; main()", *words, cwd=tmp_path)
-        assert done.returncode == 0, f"nospill {shlex.join(words)}: {done.stderr}"
+        done = nospill(*words)
+        assert done.exit_code == 0, f"nospill {shlex.join(words)}: {done.stderr}"
     for words in listed:
         if "-o" in words:
             assert (tmp_path / words[words.index("-o") + 1]).exists(), words
