@@ -50,11 +50,14 @@ def write_what_they_read(folder: Path) -> None:
     (folder / "camera.csv").write_text("\n".join(rows) + "\n")
 
 
-def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(tmp_path: Path) -> None:
+def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     recipe = (ROOT / "Makefile").read_text(encoding="utf-8").partition("\ndemo:")[2].partition("\n\n")[0]
     [(verdict, command)] = re.findall(r'physics, (.+)"\n.+"    \$\(VENV\)/bin/nospill (.+)"', recipe)
-    done = run_python("-c", "from nospill.cli import main; main()", *shlex.split(command), "--no-figures", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    done = nospill(*shlex.split(command), "--no-figures")
+    assert done.exit_code == 0, done.stderr
     assert verdict in done.stdout + done.stderr
 
 
