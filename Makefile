@@ -14,6 +14,9 @@ PYTEST := $(VENV)/bin/python -m pytest -n 2 --dist loadfile
 DEMO := out/matrix-liquid
 TRIAL := out/from-the-wheel
 
+# Tests and pages start a hundred interpreters; `make clean` removes what they keep.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-fast check format docs pages build bench clean
 

@@ -15,7 +15,7 @@ plan.save(folder)
 size = save_report(make_report(plan), "two-cups.html")
 print(f"two-cups.html: {size / 1e6:.1f} MB, one file with figures and certificate")
 
-form = Format(View.TRAY, speed=0.5, size=(640, 360), rate=15)
+form = Format(View.TRAY, speed=0.5, size=(480, 270), rate=10)
 films = load_films([folder], rate=form.motion_rate, after_end=0.4)
 count = save_film(films, Path("two-cups.webp"), form)
 print(f"two-cups.webp: {count} pictures")

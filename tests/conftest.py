@@ -42,12 +42,12 @@ COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
 
 
 @pytest.fixture(scope="session", autouse=True)
-def hasty() -> Iterator[Path | None]:
-    """A hasty compiler, with which the largest functions are compiled for all tests; one thread each.
+def hasty() -> Iterator[None]:
+    """The functions that most plans of the tests need, hastily compiled for all of them; one thread each.
 
-    The others are compiled where an example is planned and interpreted elsewhere: most scenes of the tests are planned
-    once, and to compile their functions takes longer than to interpret them. None of the user's compiled functions are
-    used. A test that wants otherwise sets the variables itself (monkeypatch).
+    The others are interpreted: most scenes of the tests are planned once or twice, and to compile their functions takes
+    longer than to interpret them. None of the user's compiled functions are used. A test that wants otherwise sets the
+    variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")
@@ -60,7 +60,7 @@ def hasty() -> Iterator[Path | None]:
                 patch.setenv("CC", str(compiler))
                 compile_at_first(COMPILED)
         patch.setenv("CC", "no-compiler-for-what-is-planned-once")
-        yield compiler
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -113,22 +113,16 @@ def changed_scene() -> Callable[..., Scene]:
 
 
 @pytest.fixture(scope="session")
-def example_plan(hasty: Path | None) -> Callable[[str], Plan]:
+def example_plan() -> Callable[[str], Plan]:
     """Plan an example, once for all tests until the package changes (`example_plans`)."""
 
     from nospill.planning.planner import plan
     from nospill.scenario import read_scenario
     from tests.example_plans import planned_once
 
-    def planned(name: str) -> Plan:
-        with pytest.MonkeyPatch.context() as patch:
-            if hasty is not None:
-                patch.setenv("CC", str(hasty))
-            return plan(read_scenario(name))
-
     @cache
     def shared(name: str) -> Plan:
-        return planned_once(name, lambda: planned(name))
+        return planned_once(name, lambda: plan(read_scenario(name)))
 
     return shared
 

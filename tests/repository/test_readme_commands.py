@@ -1,4 +1,4 @@
-"""The commands of the README, run as they are printed, one after the other, in one folder."""
+"""The commands of the README, as they are printed, one after the other, in one folder."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from nospill.scenario.examples import EXAMPLES
+from tests.cli.commands import nospill
 from tests.repository.modules import ROOT
 from tests.waiting import run_python
 
@@ -49,15 +50,19 @@ def write_what_they_read(folder: Path) -> None:
     (folder / "camera.csv").write_text("\n".join(rows) + "\n")
 
 
-def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(tmp_path: Path) -> None:
+def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     recipe = (ROOT / "Makefile").read_text(encoding="utf-8").partition("\ndemo:")[2].partition("\n\n")[0]
     [(verdict, command)] = re.findall(r'physics, (.+)"\n.+"    \$\(VENV\)/bin/nospill (.+)"', recipe)
-    done = run_python("-c", "from nospill.cli import main; main()", *shlex.split(command), "--no-figures", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    done = nospill(*shlex.split(command), "--no-figures")
+    assert done.exit_code == 0, done.stderr
     assert verdict in done.stdout + done.stderr
 
 
-def test_the_commands_run_as_printed(tmp_path: Path) -> None:
+def test_the_commands_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     write_what_they_read(tmp_path)
     # `make demo` comes before them in the page.
     demo = ["plan", "matrix-liquid", "-o", "out/matrix-liquid"]
@@ -65,8 +70,8 @@ def test_the_commands_run_as_printed(tmp_path: Path) -> None:
     listed = list(commands())
     assert {words[0] for words in listed} >= {"plan", "check"}
     for words in [demo, *listed]:
-        done = run_python("-c", "from nospill.cli import main; main()", *words, cwd=tmp_path)
-        assert done.returncode == 0, f"nospill {shlex.join(words)}: {done.stderr}"
+        done = nospill(*words)
+        assert done.exit_code == 0, f"nospill {shlex.join(words)}: {done.stderr}"
     for words in listed:
         if "-o" in words:
             assert (tmp_path / words[words.index("-o") + 1]).exists(), words

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 
 from nospill_docs.places import Places
@@ -27,8 +29,8 @@ SESSIONS: dict[str, tuple[str, ...]] = {
 }
 """Name -> what is typed in a folder that holds the files of docs/examples."""
 
-BEFORE = {"executed": (_PLAN,)}
-"""What was typed before a session, and is not shown."""
+AFTER = {"executed": "two-cups"}
+"""Session -> the one that it continues, in the folder which that has left."""
 
 PLANNED = {"two-cups", "executed", "out-of-reach", "impossible"}
 """Sessions that solve an optimal control problem."""
@@ -36,10 +38,19 @@ PLANNED = {"two-cups", "executed", "out-of-reach", "impossible"}
 
 def shown(name: str, examples: Path) -> str:
     """A session as a page shows it."""
-    with tempfile.TemporaryDirectory() as folder:
-        work = _work(examples, Path(folder))
-        session(BEFORE.get(name, ()), work)
-        return f"```console\n{session(SESSIONS[name], work).rstrip()}\n```"
+    return f"```console\n{_typed(name, examples)[0].rstrip()}\n```"
+
+
+@cache
+def _typed(name: str, examples: Path) -> tuple[str, Path]:
+    """A session, typed once a process, and its folder, which stays until the process ends."""
+    folder = Path(tempfile.mkdtemp())
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    if name in AFTER:
+        work = Path(shutil.copytree(_typed(AFTER[name], examples)[1], folder / "work"))
+    else:
+        work = _work(examples, folder)
+    return session(SESSIONS[name], work), work
 
 
 def planned_session(places: Places) -> Path:
@@ -64,9 +75,13 @@ def _work(examples: Path, folder: Path) -> Path:
 
 
 def session(commands: tuple[str, ...], folder: Path) -> str:
-    """What a terminal would show: each command, its output, and its exit code unless it is 0."""
+    """What a terminal would show: each command, its output, and its exit code unless it is 0.
+
+    Commands wait for what is compiled: where the package's linear solver is not there yet, another one takes its place
+    and rounds otherwise, and of two subjects that come equally near to a limit a table then names the other one.
+    """
     text = ""
-    environment = {**os.environ, "NOSPILL_COMPILE": "off", "COLUMNS": "120"}
+    environment = {**os.environ, "NOSPILL_COMPILE": "wait", "COLUMNS": "120"}
     for command in commands:
         _, *arguments = shlex.split(command)
         program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
