@@ -11,7 +11,7 @@ from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import scene_pairs
 from nospill.errors import ScenarioError
 from nospill.path_search.branches import require_free_ends
-from nospill.path_search.ends import require_clear_arm_at_ends
+from nospill.path_search.standing import require_standing_room
 from nospill.planning import planner as planning
 from nospill.robots.joint_paths.search import inverse_solutions
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
@@ -32,7 +32,7 @@ def _room(scene, s: float) -> np.ndarray:
     )
     q = inverse_solutions(scene.robot, pose[:3], turn, tool=scene.tray.tool)
     frames, every = joint_frames(arm_chain(scene.robot), q), np.arange(len(q))
-    pairs = [pair for pair in scene_pairs(scene) if pair.second.obstacle is not None and not pair.first.on_path]
+    pairs = [pair for pair in scene_pairs(scene) if pair.of_arm or not pair.first.on_path]
     return np.min([Distances(pair.first, pair.second).at(frames, every)[0] - pair.limit for pair in pairs], axis=0)
 
 
@@ -43,9 +43,9 @@ def test_a_block_about_the_shoulder_is_in_the_way_of_every_configuration(changed
     freest = max(_room(scene, 0.0))
     assert freest < 0.0
     with pytest.raises(
-        ScenarioError, match=r"^path: the arm cannot stand at the start, s = 0.000 .+ in the freest of"
+        ScenarioError, match=r"^path: the arm cannot stand where it starts, s = 0.000 .+ in the freest of"
     ) as caught:
-        require_clear_arm_at_ends(scene)
+        require_standing_room(scene)
     found = re.search(r'the (\w+_link) enters "block" by ([\d.]+) mm; move the obstacle', str(caught.value))
     assert found is not None and len(str(caught.value).splitlines()) == 1
     depth = -freest - scene.obstacles[0].clearance
@@ -59,7 +59,7 @@ def test_one_clear_configuration_is_enough(changed_scene) -> None:
         scene = _with_block(changed_scene, 0.23, at)
         room = _room(scene, s)
         assert min(room) < 0.0 < max(room)
-        require_clear_arm_at_ends(scene)
+        require_standing_room(scene)
 
 
 def test_it_is_refused_before_anything_is_searched(changed_scene, monkeypatch) -> None:
@@ -68,5 +68,5 @@ def test_it_is_refused_before_anything_is_searched(changed_scene, monkeypatch) -
 
     monkeypatch.setattr(planning, "fastest_clear_path", searched)
     monkeypatch.setattr(planning, "advised_free_paths", searched)
-    with pytest.raises(ScenarioError, match="cannot stand at the start"):
+    with pytest.raises(ScenarioError, match="cannot stand where it starts"):
         planning.plan(_with_block(changed_scene, 0.3))

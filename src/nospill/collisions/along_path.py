@@ -113,15 +113,20 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
     return found
 
 
-def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness:
-    """What comes nearest of the arm with itself and its load in that configuration in which there is most room.
+def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
+    """What comes nearest in that configuration in which there is most room; None where no pair is judged.
+
+    Of the arm with itself, its load and the obstacles; of tray and cargo with obstacles the path decides, not the arm.
 
     Args:
-        scene: in which self-collision is judged.
+        scene: the task.
         q: (m, n) configurations, one at least, rad.
         s: where on the path they are.
     """
-    frames, pairs = joint_frames(arm_chain(scene.robot), q), [pair for pair in scene_pairs(scene) if pair.of_arm]
+    pairs = [pair for pair in scene_pairs(scene) if pair.of_arm or not pair.first.on_path]
+    if not pairs:
+        return None
+    frames = joint_frames(arm_chain(scene.robot), q)
     room = room_bounds(pairs, frames)
     for pair, own in zip(pairs, room, strict=True):
         near = np.flatnonzero(own < 0.0)

@@ -1,4 +1,4 @@
-"""Whether the arm can stand where its path starts and ends without touching itself, its tray or its cargo.
+"""Whether the arm can stand where its path starts and ends, clear of itself, its load and the obstacles.
 
 That is said before any search, with the smallest of some changes that helps; each of them is tried.
 """
@@ -12,13 +12,14 @@ from itertools import islice
 
 import numpy as np
 
-from nospill.collisions.along_path import freest_of_arm
+from nospill.collisions.along_path import Nearness, freest_of_arm
 from nospill.collisions.pairs import scene_pairs
 from nospill.errors import REST, Change, NoSolutionError, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
 from nospill.path_search.branches import are_clear, free_paths
 from nospill.path_search.level_arm import LevelArm
 from nospill.path_search.words import in_words, nearness_reason
+from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath, try_joint_paths
 from nospill.robots.kinematics.closed_form import has_closed_form
 from nospill.robots.kinematics.forward import kinematics
@@ -38,32 +39,42 @@ _FOLLOWED = 3
 
 
 def require_standing_room(scene: Scene) -> None:
-    """Refuse a path at whose start or end every configuration of the arm touches itself, its tray or its cargo.
+    """Refuse a path at whose start or end every configuration of the arm touches itself, its load or an obstacle.
 
     Only where all configurations are known: they are stated, or there is a closed form. An end that no configuration
-    reaches is no concern of it.
+    reaches is no concern of it. The tray is level at both ends, whatever its freedom between.
 
     Raises:
         ScenarioError: naming the pair, the depth, the place, and changes that help.
     """
-    if not scene.robot.self_collision:
-        return
     for verb, s in _ENDS.items():
-        found, q = None, None
-        for every in (_SPARSE, 1):
-            q = _configurations(scene, s, every)
-            found = None if q is None or not len(q) else freest_of_arm(scene, q, s)
-            if (found and found.slack >= 0.0) or redundant_joint(scene.robot) is None:
-                break
-        if q is None or found is None or found.slack >= 0.0:
+        q, found = _freest(scene, s)
+        if found is None or found.slack >= 0.0:
             continue
-        which = "in its only configuration" if len(q) == 1 else f"in the freest of its {len(q)} configurations"
+        stated = scene.path.ends[round(s)] is not None
+        which = "in the joints stated" if stated else f"in the freest of its {len(q)} configurations"
+        which = "in its only configuration" if len(q) == 1 and not stated else which
         changes = tuple(helpful_changes(scene))
+        advice = advice_on(found.pair.subject, changes)
+        if found.pair.second.obstacle is not None:
+            moved = "move the obstacle, that end of the path or the arm's base"
+            advice = f"{moved}; {advice}" if changes else moved
         raise ScenarioError(
-            f"path: where it {verb}, the arm touches itself or its load {which}: {in_words(found, '')}; "
-            f"{advice_on(found.pair.subject, changes)}",
+            f"path: the arm cannot stand where it {verb}, {place_in_words(scene.path, s)}: {which} "
+            f"{in_words(found, '')}; {advice}",
             replace(nearness_reason(found, REST), changes=changes),
         )
+
+
+def _freest(scene: Scene, s: float) -> tuple[np.ndarray, Nearness | None]:
+    """Configurations (k, n) at an end, rad, and what comes nearest in the freest; None where they are not known."""
+    q, found = np.empty((0, len(scene.robot.joints))), None
+    for every in (_SPARSE, 1):
+        q = _configurations(scene, s, every)
+        found = freest_of_arm(scene, q, s) if len(q) else None
+        if (found is not None and found.slack >= 0.0) or redundant_joint(scene.robot) is None:
+            break
+    return q, found
 
 
 def advised_free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
@@ -83,7 +94,7 @@ def advised_free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[Jo
 def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
     """What to do about a pair of the arm: the changes that were found to help, else what was tried in vain."""
     if changes:
-        return "Smallest single change found: " + "; or ".join(change.text for change in changes)
+        return "smallest single change found: " + "; or ".join(change.text for change in changes)
     return (
         f"move the path, or keep {subject} apart otherwise: neither "
         f"a tray up to {1e3 * _HIGHER[-1]:.0f} mm farther from the flange, nor "
@@ -164,16 +175,17 @@ def _moved_base(scene: Scene) -> Iterator[tuple[Scene, Change]]:
 
 
 def _stands_free(scene: Scene) -> bool:
-    """Whether at both ends there is a configuration in which the arm touches nothing of itself and its load."""
+    """Whether at both ends some configuration of the arm is clear of itself, its load and the obstacles."""
     for s in _ENDS.values():
         q = _configurations(scene, s, _TRIED)
-        if q is None or not len(q) or freest_of_arm(scene, q, s).slack < 0.0:
+        found = freest_of_arm(scene, q, s) if len(q) else None
+        if found is None or found.slack < 0.0:
             return False
     return True
 
 
-def _configurations(scene: Scene, s: float, every: int) -> np.ndarray | None:
-    """All configurations (k, n) within the limits at an end of the path, rad; None where they are not known.
+def _configurations(scene: Scene, s: float, every: int) -> np.ndarray:
+    """All configurations (k, n) within the limits at an end of the path, rad; none where they are not known.
 
     With a seventh joint at every so many of its positions.
     """
@@ -182,7 +194,7 @@ def _configurations(scene: Scene, s: float, every: int) -> np.ndarray | None:
         return np.array([stated])
     arm = LevelArm(scene)
     if not has_closed_form(kinematics(arm.robot), arm.redundant):
-        return None
+        return np.empty((0, len(scene.robot.joints)))
     held = arm.held[::every]
     return np.concatenate(arm.solutions(np.tile(scene.path.at(np.array([s])), (len(held), 1)), held))
 

@@ -18,7 +18,6 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
-from nospill.path_search.ends import require_clear_arm_at_ends
 from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
@@ -83,11 +82,10 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
-    require_standing_room(scene)
-    if scene.obstacles:
-        with log.phase("kinematics"):
+    with log.phase("kinematics"):
+        if scene.obstacles:
             require_free_ends(scene)
-            require_clear_arm_at_ends(scene)
+        require_standing_room(scene)
     if has_free_path(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = fastest_clear_path(scene)
