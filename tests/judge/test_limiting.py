@@ -20,11 +20,16 @@ from nospill.judge.limiting import (
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import RowId
+from tests.motions import SmoothMotion
 
 
 @pytest.fixture(scope="module")
-def judgement(smooth_motion) -> Judgement:
-    motion = smooth_motion("matrix-rigid", cargo=1, stretch=1.3, tilt=(0.05, -0.03))
+def motion(smooth_motion) -> SmoothMotion:
+    return smooth_motion("matrix-rigid", cargo=1, stretch=1.3, tilt=(0.05, -0.03))
+
+
+@pytest.fixture(scope="module")
+def judgement(motion: SmoothMotion) -> Judgement:
     return judge(motion.trajectory, motion.scene)
 
 
@@ -36,13 +41,13 @@ def made_of(judgement: Judgement, *traces: Trace) -> Judgement:
     return replace(judgement, traces=traces, corner_use={})
 
 
-def test_share_of_a_ramp_and_of_a_sine(judgement: Judgement) -> None:
+def test_share_of_a_ramp_and_of_a_sine(motion: SmoothMotion, judgement: Judgement) -> None:
     t, end = judgement.replay.t, judgement.end_time
     ramp, wave = t / end, np.sin(np.pi * t / end)
     made = made_of(
         judgement, trace("tip", "c1", t, ramp), trace("slip", "c1", t, wave), trace("lift", "c1", t, 0.89 * wave)
     )
-    rows = limiting_rows(made)
+    rows = limiting_rows(made, motion.scene)
     assert [item.row for item in rows] == [RowId("slip", "c1"), RowId("tip", "c1")]
     assert rows[0].share == pytest.approx(1 - 2 * np.arcsin(AT_LIMIT) / np.pi, abs=2e-3)
     assert rows[1].share == pytest.approx(1 - AT_LIMIT, abs=2e-3)
@@ -50,21 +55,34 @@ def test_share_of_a_ramp_and_of_a_sine(judgement: Judgement) -> None:
     assert all(item.t[0] >= 0.0 and item.t[-1] <= end for item in rows)
 
 
-def test_coarse_traces_are_read_between_their_instants_and_single_ones_left_out(judgement: Judgement) -> None:
+def test_coarse_traces_are_read_between_their_instants_and_single_ones_left_out(
+    motion: SmoothMotion, judgement: Judgement
+) -> None:
     end = judgement.end_time
     coarse = trace("tilt jerk", "theta_x", np.array([0.0, end / 2, end]), np.array([1.0, 0.0, 1.0]))
     single = trace("residual height", "c1", np.array([end]), np.array([1.0]))
-    (only,) = limiting_rows(made_of(judgement, coarse, single))
+    (only,) = limiting_rows(made_of(judgement, coarse, single), motion.scene)
     assert only.row.constraint == "tilt jerk"
     assert only.share == pytest.approx(1 - AT_LIMIT, abs=2e-3)
 
 
-def test_tolerances_count(judgement: Judgement) -> None:
+def test_tolerances_count(motion: SmoothMotion, judgement: Judgement) -> None:
     t = judgement.replay.t
     stated = trace("slip", "c1", t, np.full(len(t), 0.8))
     made = replace(made_of(judgement, stated), corner_use={RowId("slip", "c1"): np.full(len(t), 0.99)})
-    assert limiting_rows(made_of(judgement, stated)) == ()
-    assert limiting_rows(made)[0].share == 1.0
+    assert limiting_rows(made_of(judgement, stated), motion.scene) == ()
+    assert limiting_rows(made, motion.scene)[0].share == 1.0
+
+
+def test_distances_hold_back_only_what_may_move_otherwise(motion: SmoothMotion, judgement: Judgement) -> None:
+    """A tray on its path under six joints passes an obstacle at the same distance however slow it is."""
+    t = judgement.replay.t
+    made = made_of(judgement, trace("clearance", "tray to column", t, np.full(len(t), 0.99)))
+    tilting, level = (
+        replace(motion.scene, motion=replace(motion.scene.motion, tilt_free=free)) for free in (True, False)
+    )
+    assert level.leaves_time_alone and limiting_rows(made, level) == ()
+    assert [item.row.subject for item in limiting_rows(made, tilting)] == ["tray to column"]
 
 
 def test_sentence_names_the_longest_three() -> None:

@@ -144,7 +144,7 @@ def test_charts_are_documents_with_every_line_and_limit(tilting_film: Film, mixe
     for film in (tilting_film, mixed_film):
         charts = draw_charts([film], [""])
         documents = [ElementTree.fromstring(picture) for picture in charts.pictures]
-        assert len(documents) == 3 + bool(limiting_rows(film.judgement))
+        assert len(documents) == 3 + bool(limiting_rows(film.judgement, film.plan.scene))
         texts = [item.text or "" for document in documents for item in document.iter(f"{SVG}text")]
         for title in ("liquid height [mm]", "contact, use of limit [1]", "joint speed over limit [1]", "0 s"):
             assert title in texts
@@ -201,7 +201,9 @@ def test_two_plans_share_the_axis_and_stand_like_beside_like(tilting_film: Film,
         item.text or "" for picture in charts.pictures for item in ElementTree.fromstring(picture).iter(f"{SVG}text")
     ]
     titles = [text for text in texts if text.startswith(("level: ", "tilting: "))]
-    assert len(titles) == 2 * 3 + sum(bool(limiting_rows(film.judgement)) for film in (tilting_film, level_film))
+    assert len(titles) == 2 * 3 + sum(
+        bool(limiting_rows(film.judgement, film.plan.scene)) for film in (tilting_film, level_film)
+    )
     titles = [title for title in titles if "holds" not in title]
     assert all(b.split(": ")[1] == a.split(": ")[1] for a, b in list(pairwise(titles))[::2])
     assert charts.length == max(level_film.length, tilting_film.length)

@@ -11,6 +11,8 @@ from nospill.core.short_names import short_names
 from nospill.judge.certificate import Judgement
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import ALL, Role, RowId
+from nospill.laws.constraints.clearance import Clearance
+from nospill.scene.scene import Scene
 
 NEAR = 0.9
 """Use above which a limit is one that the motion comes near."""
@@ -46,16 +48,17 @@ class Limiting:
         return self.use >= AT_LIMIT
 
 
-def limiting_rows(judgement: Judgement) -> tuple[Limiting, ...]:
+def limiting_rows(judgement: Judgement, scene: Scene) -> tuple[Limiting, ...]:
     """Every limit over time that the motion comes near, the one that holds it longest first.
 
-    Limits of a single instant, such as the residual height, are left out, and the holds with them.
+    Limits of a single instant, such as the residual height, are left out, and the holds with them; so are distances of
+    bodies where the path fixes all joints: no slower or faster motion has others.
     """
     played = judgement.replay.t
     t = played[(played >= 0.0) & (played <= judgement.end_time)]
     found = []
     for trace in judgement.traces:
-        if len(trace.t) < 2:
+        if len(trace.t) < 2 or (trace.constraint == Clearance.name and scene.leaves_time_alone):
             continue
         row = trace.id
         if row not in judgement.corner_use and np.max(trace.use) < NEAR:

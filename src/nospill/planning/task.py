@@ -68,8 +68,7 @@ class Task:
 
         Then the choice of its branch has seen to it.
         """
-        choice = not self.searched_scene.motion.is_given or len(self.scene.robot.joints) > 6
-        return self.scene.keeps_distances and choice
+        return self.scene.keeps_distances and not self.searched_scene.leaves_time_alone
 
     @property
     def leads_past(self) -> bool:

@@ -128,5 +128,5 @@ def motion_maxima(judgement: Judgement, scene: Scene) -> MotionMaxima:
         joint_speed_use=float(np.max([trace.use for trace in judgement.traces if trace.constraint == JointSpeed.name])),
         slosh_height=largest.get(SloshHeight.name, {}),
         residual_height=largest.get(ResidualHeight.name, {}),
-        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement)},
+        time_at_limit={item.row.label: item.share for item in limiting_rows(judgement, scene)},
     )

@@ -84,7 +84,7 @@ class Evidence:
     @cached_property
     def limiting(self) -> tuple[Limiting, ...]:
         """The limits that the motion comes near, the one that holds it longest first."""
-        return limiting_rows(self.judgement)
+        return limiting_rows(self.judgement, self.plan.scene)
 
     @cached_property
     def other_speeds(self) -> tuple[SpeedUse, ...]:

@@ -314,6 +314,11 @@ class Scene:
         return bool(self.obstacles or self.regions)
 
     @property
+    def leaves_time_alone(self) -> bool:
+        """Whether the path fixes every pose of the tray and every joint of the arm, and the motion is free in time."""
+        return self.motion.is_given and len(self.robot.joints) <= 6
+
+    @property
     def keeps_distances(self) -> bool:
         """Whether any bodies are judged for their distance: to what is around, or of the arm to itself and its load."""
         return self.has_surroundings or self.robot.self_collision

@@ -72,7 +72,7 @@ def contents(film: Film, before: str) -> list[tuple[int, Panel | Lanes]]:
 
 def _lanes(film: Film, before: str) -> list[tuple[int, Lanes]]:
     """What holds a plan back, with its rank; nothing where the motion comes near no limit."""
-    rows = limiting_rows(film.judgement)[:_MOST_LANES]
+    rows = limiting_rows(film.judgement, film.plan.scene)[:_MOST_LANES]
     names = limiting_names([item.row for item in rows], film.plan.scene.robot.joints)
     lanes = [
         Lane(name, item.share, item.t[::_EVERY], item.use[::_EVERY], item.at_limit[::_EVERY])

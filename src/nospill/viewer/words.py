@@ -38,7 +38,9 @@ def introduction(films: Sequence[Film]) -> str:
 
 def _sentences(film: Film, *, alone: bool) -> str:
     joints = film.plan.scene.robot.joints
-    back = limiting_text({item.row.label: item.share for item in limiting_rows(film.judgement)}, joints)
+    back = limiting_text(
+        {item.row.label: item.share for item in limiting_rows(film.judgement, film.plan.scene)}, joints
+    )
     found = [_shown(film)] if alone else []
     if back:
         found.append(f"<b>What holds it back:</b> {escape(back)}.")
