@@ -29,6 +29,7 @@ from nospill.plots.evidence import AFTER_END, Evidence
 from nospill.plots.joints import _quietest
 from nospill.plots.style import BLUE, LOOK, RED, plain, series_look
 from nospill.scenario import scene_from_table
+from nospill.scene.sloshing.modes import WALL_POINTS
 from tests.plots.small_plans import CARGO, LONG, cup, plan_of, table
 from tests.waiting import run_python
 
@@ -263,8 +264,8 @@ def test_free_heights_against_integration(tilting: Evidence) -> None:
     for cargo in scene.cargo:
         if cargo.filling is None:
             continue
-        eta = np.zeros((2, len(t)))
-        for mode in cargo.filling.modes.oscillators:
+        eta, yaw = np.zeros((2, len(t))), np.zeros((WALL_POINTS, len(t)))
+        for mode in cargo.filling.oscillators:
             for direction in mode.directions:
 
                 def rate(_: float, x: np.ndarray, w: float = mode.frequency, z: float = mode.damping) -> list[float]:
@@ -272,9 +273,13 @@ def test_free_heights_against_integration(tilting: Evidence) -> None:
 
                 state = [played.slosh_displacement[-1, start], played.slosh_velocity[-1, start]]
                 swing = solve_ivp(rate, (t[0], t[-1]), state, t_eval=t, rtol=1e-9, atol=1e-12).y[0]
-                eta["xy".index(direction)] += mode.surface_gain * swing
+                if mode.yaws:
+                    yaw += np.outer(mode.wall_gains, swing)
+                else:
+                    eta["xy".index(direction)] += mode.surface_gain * swing
                 start += 1
         wanted = np.hypot(*eta) if cargo.shape == "cylinder" else np.abs(eta).sum(axis=0)
+        wanted += np.max(np.abs(yaw), axis=0)
         assert np.max(np.abs(heights[cargo.name] - wanted)) < 1e-8
         assert np.max(wanted) > 1e-5
 

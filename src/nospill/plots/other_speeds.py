@@ -16,9 +16,9 @@ def other_speeds_figure(evidence: Evidence) -> Figure | None:
     uses = evidence.other_speeds
     speeds = 100 * np.array([item.speed for item in uses])
     lines = [
-        ("contacts (slide, tip)", ORANGE, DASHES[1], [item.contact for item in uses]),
-        ("crest of the way to the rim (spill)", GREEN, DASHES[2], [item.rim_use for item in uses]),
-        ("stated heights of liquids", BLUE, DASHES[0], [item.liquid for item in uses]),
+        ("slide, tip", ORANGE, DASHES[1], [item.contact for item in uses]),
+        ("spill: crest to rim", GREEN, DASHES[2], [item.rim_use for item in uses]),
+        ("stated heights", BLUE, DASHES[0], [item.liquid for item in uses]),
     ]
     figure = Figure(figsize=(WIDTH, _HEIGHT))
     axes = figure.add_axes((0.13, 0.2, 0.84, 0.58))
