@@ -77,8 +77,11 @@ class Task:
 
     @property
     def of_arm(self) -> frozenset[RowId]:
-        """Rows of clearance of the arm with itself and its load, which take part where an answer breaks them."""
-        pairs = scene_pairs(self.scene) if self.keeps_apart else ()
+        """Rows of clearance of the arm with itself and its load, which take part where an answer breaks them.
+
+        None where the motion leads past something: there they are rows like all others, near or not.
+        """
+        pairs = scene_pairs(self.scene) if self.keeps_apart and not self.leads_past else ()
         return frozenset(RowId(Clearance.name, pair.subject) for pair in pairs if pair.of_arm)
 
     def clearance_slack(self, q: np.ndarray) -> dict[RowId, float]:
