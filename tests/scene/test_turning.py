@@ -44,7 +44,7 @@ SPOT = {"type": "line", "start": [0.9, -0.0001, 1.0], "end": [0.9, 0.0001, 1.0],
 def scene_of(changes: dict[str, Any] | None = None, **tables: Any) -> Scene:
     table = {
         "robot": ROBOT,
-        "tray": {"size": [0.335, 0.25], "friction": 0.45, "offset": 0.108},
+        "tray": {"size": [0.335, 0.25], "friction": 0.45, "offset": 0.16},
         "path": SPOT,
         "cargo": [TUB],
         "planning": {"slosh_modes": 2},
