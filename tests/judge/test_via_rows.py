@@ -22,6 +22,9 @@ def moved(smooth_motion) -> tuple[Scene, Trajectory]:
     return replace(scene, motion=replace(scene.motion, corridor=0.05)), motion.trajectory
 
 
+SIDES = ("+x", "-x", "+y", "-y", "top", "bottom")
+
+
 def row_of(certificate: Certificate, constraint: str, subject: str) -> Row:
     (found,) = [row for row in certificate.rows if (row.constraint, row.subject) == (constraint, subject)]
     return found
@@ -53,8 +56,9 @@ def test_tray_and_cargo_stay_in_a_region_between_the_samples_too(moved) -> None:
     around = Region("cell", tuple(middle.tolist()), tuple(size.tolist()), 0.0)
     certificate = certify(trajectory, replace(scene, regions=(around,)))
     rows = [row for row in certificate.rows if row.constraint == "clearance"]
-    assert len(rows) == 6 and all(row.ok for row in rows)  # the arm is not judged
-    assert {row.subject for row in rows} >= {"tray and cargo to cell top", "tray and cargo to cell -x"}
+    assert all(row.ok for row in rows)
+    sides = [row.subject for row in rows if "cell" in row.subject]  # the other rows are of the arm with itself
+    assert sorted(sides) == sorted(f"tray and cargo to cell {side}" for side in SIDES)  # links may leave it
     # the box that the object on the tray leaves by its height alone
     (item,) = scene.cargo
     lid = float(high[2]) + 0.5 * item.container.height

@@ -68,7 +68,7 @@ def test_a_motion_that_cannot_be_played_ends_no_search(monkeypatch: pytest.Monke
         if one.stages.name == "not playable":
             raise NoSolutionError("cannot be played")
         certificate = SimpleNamespace(ok=one.stages.name == "certified")
-        return SimpleNamespace(name=one.stages.name, judgement=SimpleNamespace(certificate=certificate))
+        return SimpleNamespace(candidate=one, judgement=SimpleNamespace(certificate=certificate))
 
     def candidates() -> Any:
         yield searched("not playable")
@@ -84,7 +84,8 @@ def test_a_motion_that_cannot_be_played_ends_no_search(monkeypatch: pytest.Monke
     monkeypatch.setattr(planner, "certified_by_refinement", certified)
     first: Any = planner._first_certified
     if ends in ("certified", "rejected"):
-        assert first(candidates(), Log(None, 60.0)).name == ends
+        judged, instead = first(candidates(), Log(None, 60.0))
+        assert (judged.candidate.stages.name, instead) == (ends, "")  # no motion on the path in the place of another
     else:
         with pytest.raises(NoSolutionError, match="cannot be played"):
             first(candidates(), Log(None, 60.0))

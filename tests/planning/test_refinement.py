@@ -12,13 +12,13 @@ from nospill.planning.log import Log
 from nospill.transcription.solvers.options import BARRIERS
 
 
-@pytest.mark.parametrize(("keeps_apart", "expected"), [(False, BARRIERS), (True, BARRIERS[:1])])
+@pytest.mark.parametrize(("leads_past", "expected"), [(False, BARRIERS), (True, BARRIERS[:1])])
 def test_on_planes_only_the_least_barrier_is_tried(
-    monkeypatch: pytest.MonkeyPatch, keeps_apart: bool, expected: tuple[float, ...]
+    monkeypatch: pytest.MonkeyPatch, leads_past: bool, expected: tuple[float, ...]
 ) -> None:
     tried: list[float] = []
     active: Any = SimpleNamespace(
-        scene=None, task=SimpleNamespace(keeps_apart=keeps_apart, passage=SimpleNamespace(along=None))
+        scene=None, task=SimpleNamespace(leads_past=leads_past, passage=SimpleNamespace(along=None))
     )
     candidate: Any = SimpleNamespace(active=SimpleNamespace(with_rows=lambda rows: active), stages=None)
 

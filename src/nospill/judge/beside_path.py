@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace
@@ -43,6 +42,8 @@ def nearest_on(path: Path, position: np.ndarray) -> tuple[np.ndarray, np.ndarray
     Returns:
         Its path parameter (m,) and the distance to it (m,), m.
     """
+    from scipy.spatial import KDTree  # slow to load, and a plan's record has its path parameter
+
     s = np.linspace(0.0, 1.0, _PIECES + 1)
     corners = path.at(s)[:, :3]
     at = KDTree(corners).query(position)[1]
