@@ -29,11 +29,15 @@ A, B = ["0.75 m", "-0.35 m", "1.0 m"], ["0.75 m", "0.35 m", "1.0 m"]
 
 
 def line(start: list[str], end: list[str], **changes: object) -> Scene:
-    """A cup whose surface may rise 8 mm, carried along a line, and that may swing on by 30 % of it."""
+    """A cup whose surface may rise 8 mm, carried along a line, and that may swing on by 30 % of it.
+
+    The tray is 20 mm farther from the flange than that of the example: on these lines it would enter the forearm.
+    """
     source: dict[str, Any] = read_scenario("pp-two-cups").source
     cup = {**source["cargo"][0], "max_slosh_height": "8 mm", **changes}
     motion = {"tilt": "fixed", "residual_fraction": 0.3}
-    table = {"path": {"type": "line", "start": start, "end": end}, "cargo": [cup], "motion": motion}
+    tray = {**source["tray"], "offset": "128 mm"}
+    table = {"path": {"type": "line", "start": start, "end": end}, "tray": tray, "cargo": [cup], "motion": motion}
     return scene_from_table({**source, **table}, name="row")
 
 
