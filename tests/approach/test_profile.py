@@ -67,6 +67,10 @@ def test_any_way_keeps_its_limits_as_exported(start, end, speed, acceleration, j
     own = {"max_speed": 2.0 * speed, "max_acceleration": 6.0 * acceleration, "max_jerk": 60.0 * jerk}
     found = sampled(jerk_limited(start, end, **own), JOINTS, rate=rate, loaded=False, stretch=stretch)
     position = found.samples.position
+    along = end - start
+    if np.any(along):  # the way is the straight line, also where not one joint has all the limits that bind
+        part = (position - start) @ along / (along @ along)
+        assert np.allclose(position, start + part[:, None] * along, rtol=0.0, atol=1e-9)
     # a way too short to be told from none is not gone
     assert np.allclose([position[0], position[-1]], [start, end], rtol=0.0, atol=1e-12)
     padded = np.concatenate([np.repeat(position[:1], 3, axis=0), position, np.repeat(position[-1:], 3, axis=0)])

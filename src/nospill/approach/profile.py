@@ -22,7 +22,7 @@ class Profile:
         start: (n,) rad.
         end: (n,) rad.
         duration: s; zero where both are the same.
-        curve: ruckig's trajectory.
+        curve: ruckig's trajectory of the joint that goes farthest, from 0 to its way, rad.
     """
 
     start: np.ndarray
@@ -35,10 +35,10 @@ class Profile:
 
         The ends are met exactly: what rounding leaves there is taken out.
         """
-        shape = (len(t), len(self.start))
-        position, speed, acceleration = (np.zeros(shape) for _ in range(3))
-        for row, instant in enumerate(np.clip(t, 0.0, self.duration)):
-            position[row], speed[row], acceleration[row] = self.curve.at_time(float(instant))
+        travelled = np.array([self.curve.at_time(float(instant)) for instant in np.clip(t, 0.0, self.duration)])
+        part, _ = _parts(self.end - self.start)
+        position, speed, acceleration = (own * part for own in travelled.reshape(-1, 3, 1).swapaxes(0, 1))
+        position += self.start
         for outside, rest in ((t <= 0.0, self.start), (t >= self.duration, self.end)):
             position[outside], speed[outside], acceleration[outside] = rest, 0.0, 0.0
         return position, speed, acceleration
@@ -62,7 +62,11 @@ def require_ruckig() -> Any:
 def jerk_limited(
     start: np.ndarray, end: np.ndarray, *, max_speed: np.ndarray, max_acceleration: np.ndarray, max_jerk: np.ndarray
 ) -> Profile:
-    """Return the fastest motion in which all joints keep pace, so that the way is a straight line in joint space.
+    """Return the fastest motion along the straight line in joint space.
+
+    All joints are parts of one motion, that of the joint which goes farthest, under the limits that all of them leave
+    it. Ruckig's own synchronisation in phase is none where the joint that needs longest is not the one which limits the
+    acceleration or the jerk: it then lets every joint run by itself, off the line.
 
     Args:
         start: (n,) joint positions, rad.
@@ -76,17 +80,26 @@ def jerk_limited(
         ModelError: ruckig finds none (its reason is in the message).
     """
     library = require_ruckig()
-    count = len(start)
-    wanted = library.InputParameter(count)
-    wanted.current_position, wanted.target_position = start.tolist(), end.tolist()
-    wanted.max_velocity = max_speed.tolist()
-    wanted.max_acceleration, wanted.max_jerk = max_acceleration.tolist(), max_jerk.tolist()
-    wanted.synchronization = library.Synchronization.Phase
-    curve = library.Trajectory(count)
+    part, longest = _parts(end - start)
+    moving = part != 0.0
+    least = [
+        float(np.min(limit[moving] / np.abs(part[moving])) if longest > 0.0 else np.min(limit))
+        for limit in (max_speed, max_acceleration, max_jerk)
+    ]
+    wanted = library.InputParameter(1)
+    wanted.current_position, wanted.target_position = [0.0], [longest]
+    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = ([limit] for limit in least)
+    curve = library.Trajectory(1)
     try:
-        outcome = library.Ruckig(count).calculate(wanted, curve)
+        outcome = library.Ruckig(1).calculate(wanted, curve)
     except library.RuckigError as error:
         raise ModelError(f"approach: ruckig refuses it ({' '.join(str(error).split())[:200]})") from error
     if outcome not in (library.Result.Working, library.Result.Finished):
         raise ModelError(f"approach: ruckig finds no motion ({outcome})")
     return Profile(start, end, float(curve.duration), curve)
+
+
+def _parts(way: np.ndarray) -> tuple[np.ndarray, float]:
+    """(n,) how far each joint goes per way of the one that goes farthest, and that way, rad."""
+    longest = float(np.max(np.abs(way)))
+    return (way / longest if longest > 0.0 else np.zeros_like(way)), longest
