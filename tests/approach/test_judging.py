@@ -6,13 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from benchmarks.itself.independent import least_rooms
+from benchmarks.itself.run import RESOLUTION
 from nospill.approach import find_approach, judge_segment, read_segment, segment_text
 from nospill.approach.search import SLOWEST
+from nospill.collisions.pairs import scene_pairs
 from nospill.errors import PlanFolderError
+from nospill.judge.clearance import OTHERS
 from nospill.judge.verdict import APPROACH
+from nospill.scene.scene import Scene
 
 LEVEL = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0]
 """rad; only joint_1 turns, about the vertical: the tray stays level."""
@@ -65,15 +70,41 @@ def test_a_lean_that_friction_does_not_bear_is_refused_at_any_speed(requested):
 @pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.floats(0.02, 0.98), min_size=6, max_size=6), st.sampled_from([0.1, 0.5, 1.0]))
+@example(parts=[0.5] * 6, scale=0.5)  # free
+@example(parts=[0.5, 0.75, 0.125, 0.5, 0.5, 0.5], scale=0.5)  # the tray passes through the base
 def test_from_anywhere_within_the_limits_an_empty_tray_arrives(requested, parts, scale):
+    """But for what a straight line in joint space meets: the arm itself and its tray, as coal sees them too."""
     question = requested()
-    robot = question.scene.robot
+    scene, robot = question.scene, question.scene.robot
     start = robot.lower + np.array(parts) * (robot.upper - robot.lower)
     rules = replace(question.rules, start=start, speed_scale=scale, acceleration_scale=scale)
-    found = find_approach(question.scene, rules, question.end)
-    assert found.certificate.ok, failed(found.certificate)
+    blind = replace(scene, robot=replace(robot, self_collision=False))
+    found = find_approach(blind, rules, question.end)
+    assert found.certificate.ok and found.segment.stretch == 1.0, failed(found.certificate)
     assert np.array_equal(found.segment.samples.position[0], start)
     assert np.array_equal(found.segment.samples.position[-1], question.end)
+    seeing = judge_segment(found.segment, scene, rules, question.end)
+    assert failed(seeing) <= {"clearance"}
+    margins = {row.subject: row.worst_margin for row in seeing.rows if row.constraint == "approach clearance"}
+    for pair, room in rooms_by_coal(scene, start, question.end).items():
+        margin = margins[pair if pair in margins else OTHERS]  # that of all others is of the nearest
+        assert margin <= room + RESOLUTION
+        assert pair not in margins or room < 0.0 or margin > 0.9 * room - BETWEEN  # a bound, a tenth too low at most
+
+
+BETWEEN = 5e-3
+"""m; half of what a part of the arm moves at most between two instants at which coal is asked."""
+
+
+def rooms_by_coal(scene: Scene, start: np.ndarray, end: np.ndarray) -> dict[str, float]:
+    """Least distance, m, of each judged pair on the straight line, beside what estimated capsules may overlap.
+
+    The holder is left out, of which the oracle has no shape.
+    """
+    q = start + np.linspace(0.0, 1.0, 801)[:, None] * (end - start)
+    names = [pair.subject.split(" to ") for pair in scene_pairs(scene, loaded=False)]
+    rooms = least_rooms(scene, q, {(first, second) for first, second in names if first != "holder"})
+    return {f"{first} to {second}": room for (first, second), room in rooms.items()}
 
 
 @pytest.fixture(scope="module")
