@@ -4,7 +4,8 @@
     python -m benchmarks.slosh.twenty_modes mixed-tray      some of the examples
     python -m benchmarks.slosh.twenty_modes --modes 2       planned and judged with so many modes instead
 
-The formulas are those of linear potential flow (docs/slosh-model.md); the first mode slides on its paraboloid. The
+The formulas are those of linear potential flow (docs/slosh-model.md); the first mode slides on its paraboloid. What a
+turn excites in a box is that of `turned_boxes`, added as if it stood in the highest corner. The
 motion of the tray is that of its exported poses, the integrator SciPy's DOP853; of the package's own physics nothing
 is used but what a scenario states.
 """
@@ -21,6 +22,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.special import jnp_zeros
 
+from benchmarks.slosh.turned_boxes import TurningModes, turned
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
@@ -57,7 +59,10 @@ class TrayMotion:
 
 @dataclass(frozen=True)
 class Side:
-    """Modes along one direction, arrays (n,); the last number is the height per lean that they leave out, m."""
+    """Modes along one direction, arrays (n,).
+
+    `missing` is the height per lean that they leave out, m; `laminar` the laminar damping ratio of the first.
+    """
 
     frequency: np.ndarray
     stiffness: np.ndarray
@@ -66,6 +71,7 @@ class Side:
     damping: np.ndarray
     gain: np.ndarray
     missing: float
+    laminar: float
 
 
 def tray_motion(record: Trajectory) -> TrayMotion:
@@ -109,6 +115,7 @@ def side(wave: np.ndarray, gain: np.ndarray, layers: np.ndarray, *, reach: float
         damping,
         gain,
         reach - float(np.sum(gain / stiffness)),
+        float(laminar[0]),
     )
 
 
@@ -188,6 +195,14 @@ def reached(tray: TrayMotion, cargo: Cargo, *, after: float = AFTER) -> tuple[fl
         lambda t, z: accelerations(sides, coupled, body(t), z), span, start, t_eval=tray.t, max_step=4e-3, **settings
     ).y
     later = np.arange(0.0, after, 1e-3)
+    added = np.zeros(len(tray.t)), np.zeros(len(later))
+    if not coupled:
+        assert cargo.filling is not None
+        slowest = min((item for item in sides), key=lambda item: item.frequency[0])
+        stated = min(cargo.oscillators, key=lambda mode: mode.frequency).damping
+        added = turned(
+            TurningModes.of(cargo, stated / slowest.laminar), cargo.filling.liquid_height, body, tray.t, later
+        )
     free = solve_ivp(
         lambda _, z: accelerations(sides, coupled, rest, z), (0, after), moving[:, -1], t_eval=later, **settings
     ).y
@@ -197,12 +212,12 @@ def reached(tray: TrayMotion, cargo: Cargo, *, after: float = AFTER) -> tuple[fl
     top = np.array([0.0, 0.0, cargo.filling.liquid_height])
     surface = force + np.cross(alpha, top) + np.cross(omega, np.cross(omega, top))
 
-    def crest(states: np.ndarray, lean: np.ndarray) -> float:
+    def crest(states: np.ndarray, lean: np.ndarray, turning: np.ndarray) -> float:
         displacement = states.reshape(4, FULL_MODES, -1)[:2]
         eta = [own.gain @ q - own.missing * axis for own, q, axis in zip(sides, displacement, lean, strict=True)]
-        return float(np.max(np.hypot(*eta) if coupled else np.abs(eta[0]) + np.abs(eta[1])))
+        return float(np.max(np.hypot(*eta) if coupled else np.abs(eta[0]) + np.abs(eta[1]) + turning))
 
-    return crest(moving, surface[:, :2].T / surface[:, 2]), crest(free, np.zeros((2, 1)))
+    return crest(moving, surface[:, :2].T / surface[:, 2], added[0]), crest(free, np.zeros((2, 1)), added[1])
 
 
 def uses(found: Plan) -> tuple[float, float]:
