@@ -35,5 +35,5 @@ def other_speeds_figure(evidence: Evidence) -> Figure | None:
     axes.set_ylim(0.0, 100 * top)
     axes.set_xlabel("speed [% of the planned one]")
     axes.set_ylabel("largest use of a limit [%]")
-    axes.legend(loc="upper left", ncols=3, frameon=False)
+    axes.legend(loc="upper left", ncols=3, frameon=False, handlelength=1.9, columnspacing=1.2)
     return figure
