@@ -146,7 +146,7 @@ def test_a_log_without_noise_is_judged_as_the_plan(plan: Plan) -> None:
 
 
 def test_distances_have_bands_no_wider_than_noise_moves_the_bodies(plan: Plan) -> None:
-    """No point of the arm is more than 3 m from a joint: noise of six joints moves it by less than 18 m times itself."""
+    """No point of the arm is 3 m from a joint: noise of six joints moves it by less than 18 m times itself."""
     bands = []
     for noise in (1e-6, 1e-5):
         found = executed(log_of(plan, noise=noise), plan.scene)
