@@ -141,7 +141,7 @@ def test_an_arm_without_home_needs_angles() -> None:
 def test_a_start_outside_the_limits_is_helped_by_the_home_where_there_is_one() -> None:
     """No joint at its limit is offered: there an arm may be folded on itself."""
     start = [0.0, "-500 deg", *HOME[2:]]
-    with pytest.raises(ScenarioError, match='from has joint_2 at -500 deg.*, for example from = "home"') as caught:
+    with pytest.raises(ScenarioError, match=r'from has joint_2 at -500 deg.*, for example from = "home"') as caught:
         scene_of(approach=approach(**{"from": start}))
     reason = caught.value.reason
     assert reason is not None and reason.excess == pytest.approx(np.radians(500.0) + load_robot(ARM).lower[1])
