@@ -21,7 +21,7 @@ from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scene.scene import MotionRules, Scene
-from tests.builders import with_few_speeds
+from tests.builders import plan_for, with_few_speeds
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 
@@ -134,7 +134,7 @@ def test_a_wave_that_comes_back_in_the_hold_is_judged(held_plan):
 @FORMATS
 @pytest.mark.parametrize(("before", "after"), [(0.5, 0.3), (0.123, 0.0), (0.0, 0.2)])
 def test_files_hold_the_holds_and_are_certified(held_plan, tmp_path, name, before, after):
-    plan, exporter = held_plan(before, after), EXPORTERS[name]
+    plan, exporter = plan_for(held_plan(before, after), name), EXPORTERS[name]
     done = hand_over(plan, exporter, tmp_path / f"motion{exporter.suffixes[0]}")
     assert done.certificate.ok, [row for row in done.certificate.rows if not row.ok]
     first, last = hold_periods(plan.scene.motion, 500.0)
@@ -149,7 +149,7 @@ def test_files_hold_the_holds_and_are_certified(held_plan, tmp_path, name, befor
 @pytest.mark.slow
 @FORMATS
 def test_a_file_without_its_holds_is_refused(held_plan, tmp_path, name):
-    plan, exporter = held_plan(), EXPORTERS[name]
+    plan, exporter = plan_for(held_plan(), name), EXPORTERS[name]
     path = tmp_path / f"motion{exporter.suffixes[0]}"
     bare = replace(plan, scene=replace(plan.scene, motion=rules_of(plan.scene, 0.0, 0.0)))
     hand_over(bare, exporter, path)

@@ -130,7 +130,7 @@ def test_controller_files_that_differ_are_marked(slow_plan: Plan) -> None:
 def test_certificate_table_has_every_row(fast_report: Report) -> None:
     certificate = fast_report.certificate
     table = certificate_table(certificate, everything=True)
-    assert [row[:2] for row in table.rows] == [(row.constraint, row.subject) for row in certificate.rows]
+    assert [row[:2] for row in table.rows] == [(row.constraint, row.label) for row in certificate.rows]
     assert table.failing == tuple(i for i, row in enumerate(certificate.rows) if not row.ok)
 
 

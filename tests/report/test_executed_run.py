@@ -27,8 +27,9 @@ def plan(gentle_plan: Callable[..., Plan]) -> Plan:
 def test_planned_and_executed_stand_side_by_side(plan: Plan) -> None:
     found = executed(log_of(plan), plan.scene, plan=plan)
     shown = executed_run(found)
-    assert shown.ok
-    assert shown.verdict == "executed: certified as published"
+    # with noise the end of the motion is known within milliseconds, and so is the swing there
+    assert shown.ok  # no row fails
+    assert shown.verdict == "executed: cannot be told at this noise"
     assert "2000 Hz" in shown.detail or "Hz" in shown.detail
     slosh = next(row for row in shown.rows.rows if row[0] == "slosh height")
     assert slosh[2] != "-"
@@ -43,7 +44,7 @@ def test_planned_and_executed_stand_side_by_side(plan: Plan) -> None:
 
 def test_the_command_puts_it_on_the_page(plan: Plan, tmp_path: Path) -> None:
     plan.save(tmp_path / "plan")
-    log = write_log(log_of(plan), tmp_path / "run.csv")
+    log = write_log(log_of(plan, noise=0.0, jitter=0.0), tmp_path / "run.csv")
     page = tmp_path / "page.html"
     result = CliRunner().invoke(app, ["report", str(tmp_path / "plan"), "--executed", str(log), "-o", str(page)])
     assert result.exit_code == 0, result.output

@@ -154,8 +154,8 @@ def test_failing_rows_are_marked_once_a_constraint(fast_page: str, fast_report: 
 def test_every_row_of_the_certificate_is_printed(fast_page: str, fast_report: Report) -> None:
     cells = read(fast_page).cells
     for row in fast_report.certificate.rows:
-        at = [i for i, cell in enumerate(cells) if cell == row.constraint and cells[i + 1] == row.subject]
-        assert at, (row.constraint, row.subject)
+        at = [i for i, cell in enumerate(cells) if cell == row.constraint and cells[i + 1] == row.label]
+        assert at, (row.constraint, row.label)
         assert any(f"{row.at_s:.3f}" in cells[i : i + 8] for i in at)
 
 

@@ -20,6 +20,7 @@ from nospill.scene.scene import Scene
 
 BASE: dict[str, Any] = dict(read_scenario("matrix-rigid").source)
 ALL_LIMITS = {"robot": {"model": "comau-smart-six"}}
+ARM = "comau-smart-six"
 HOME = [0.0, -0.2, -1.9, 0.0, -1.5, 0.1]
 
 
@@ -135,6 +136,22 @@ def test_an_arm_without_home_needs_angles() -> None:
     robot = {"urdf_text": text, "limits": {"speed": 2.0, "acceleration": 5.0}}
     with pytest.raises(ScenarioError, match=r'\[approach\]: from is "home", but no home is known .*give home under'):
         scene_of(robot=robot, approach=approach())
+
+
+def test_a_start_outside_the_limits_is_helped_by_the_home_where_there_is_one() -> None:
+    """No joint at its limit is offered: there an arm may be folded on itself."""
+    start = [0.0, "-500 deg", *HOME[2:]]
+    with pytest.raises(ScenarioError, match=r'from has joint_2 at -500 deg.*, for example from = "home"') as caught:
+        scene_of(approach=approach(**{"from": start}))
+    reason = caught.value.reason
+    assert reason is not None and reason.excess == pytest.approx(np.radians(500.0) + load_robot(ARM).lower[1])
+    (change,) = reason.changes
+    assert change.values == {"approach.from": "home"}
+    assert scene_of(approach=approach(**{"from": change.value})).approach is not None
+    homeless = {"urdf_text": load_robot("ur5e").urdf, "limits": {"speed": 2.0, "acceleration": 5.0}}
+    with pytest.raises(ScenarioError, match="outside its limits; it must be from") as caught:
+        scene_of(robot=homeless, approach=approach(**{"from": start}))
+    assert caught.value.reason is not None and caught.value.reason.changes == ()
 
 
 def test_the_schema_tells_of_them() -> None:

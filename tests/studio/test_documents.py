@@ -19,6 +19,7 @@ from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.studio import documents
 from nospill.studio.draft import Draft
+from tests.builders import plan_for
 
 
 def test_what_was_saved_is_opened_again(tmp_path: Path, table: dict[str, Any]) -> None:
@@ -82,7 +83,7 @@ def test_a_wrong_upload_is_refused(content: bytes, says: str) -> None:
 def test_exports_are_what_the_command_line_writes(tmp_path: Path, example_plan: Callable[[str], Plan]) -> None:
     plan = example_plan("matrix-rigid")
     for choice in documents.export_choices():
-        found = documents.export_plan(plan, choice)
+        found = documents.export_plan(plan_for(plan, choice), choice)
         assert found.content and found.name.startswith("matrix-rigid")
         if choice == documents.PLAN_FOLDER:
             with zipfile.ZipFile(io.BytesIO(found.content)) as archive:
@@ -91,3 +92,5 @@ def test_exports_are_what_the_command_line_writes(tmp_path: Path, example_plan: 
         elif not EXPORTERS[choice].suffixes[0].startswith("."):
             assert found.name.endswith(".zip")
         assert plan.status == "certified as published" and "ertified" in found.message
+    with pytest.raises(ScenarioError, match="this one is comau-smart-six"):
+        documents.export_plan(plan, "urscript")

@@ -69,9 +69,17 @@ def test_a_real_plan(rigid: tuple[Path, subprocess.CompletedProcess[str]]) -> No
         "trajectory.csv",
     ]
     certificate = json.loads((place / "certificate.json").read_text())
-    assert list(certificate) == ["ok", "grid_hz", "rows", "published", "modes", "full_model"]
+    assert list(certificate) == ["ok", "grid_hz", "rows", "published", "modes", "self_collision", "full_model"]
     keys = ["constraint", "subject", "unit", "limit", "worst_value", "worst_margin", "at_s", "ok"]
-    assert all(list(row) == keys for row in certificate["rows"])
+    # of a distance a row says with what capsules, or which pair is the nearest of many
+    distances = [row for row in certificate["rows"] if row["constraint"] == "clearance"]
+    assert all(list(row) == [*keys, "variant"] for row in distances)
+    assert all(list(row) == keys for row in certificate["rows"] if row not in distances)
+    judged = certificate["self_collision"]
+    assert (judged["on"], judged["estimated"]) == (True, True) and judged["judged"] > 0
+    assert (
+        distances[-1]["subject"] == "all other pairs of arm, tray and cargo" and 0 < len(distances) < judged["judged"]
+    )
 
 
 def test_a_real_plan_is_checked_and_drawn_again(

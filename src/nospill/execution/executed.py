@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,10 +24,12 @@ from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samp
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
 from nospill.execution.tracking import Tracking, followed_command, tracking
 from nospill.judge.certificate import Judgement, judge, judge_joints
+from nospill.judge.clearance import clearance_traces
 from nospill.judge.replay import replay
 from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Trace
+from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import QUINTIC_SPLINE, HeldMotion, JointMotion, JointSamples
@@ -163,13 +165,14 @@ def executed(
     motion = played()
     record = samples(motion, scene.robot.joints, span, _RATE)
     judgement = judge_joints(record, scene, motion=motion)
-    rough = _traces(motion, scene, span)
-    drawn = [_followed(played(own), scene, span) for own in _draws(recorded)]
-    smoothing = smoothing_errors(rough, _followed(played(recorded.coarser), scene, span))
+    distances = [row for row in judgement.certificate.rows if row.constraint == Clearance.name]
+    rough = _traces(motion, scene, span, distances)
+    drawn = [_followed(played(own), scene, span, distances) for own in _draws(recorded)]
+    smoothing = smoothing_errors(rough, _followed(played(recorded.coarser), scene, span, distances))
     if plan is not None:
         asked = HeldMotion(plan.trajectory.motion, span.start, span.stop)
         read = played(recorded.reading(asked(recorded.sampling.t - clock)))
-        of_plan = smoothing_errors(_traces(asked, scene, span), _followed(read, scene, span))
+        of_plan = smoothing_errors(_traces(asked, scene, span, distances), _followed(read, scene, span, distances))
         smoothing = {key: max(value, of_plan[key]) for key, value in smoothing.items()}
     heights = _heights(judgement.traces)
     return Executed(
@@ -215,16 +218,21 @@ def _shifted(motion: HeldMotion, clock: float) -> HeldMotion:
     return HeldMotion(inside, motion.start - clock, motion.end - clock)
 
 
-def _traces(motion: HeldMotion, scene: Scene, span: Span) -> tuple[Trace, ...]:
-    """Traces on a coarse grid, for differences."""
+def _traces(motion: HeldMotion, scene: Scene, span: Span, distances: Sequence[Row] = ()) -> tuple[Trace, ...]:
+    """Traces on a coarse grid, for differences; of distances those of the rows of what was executed."""
     record = samples(motion, scene.robot.joints, span, _RATE)
-    return constraint_traces(record, scene, replay(record, scene, motion=motion, rate=_RATE), points=_JOINT_POINTS)
+    again = replay(record, scene, motion=motion, rate=_RATE)
+    listed = [row.subject for row in distances]
+    return (
+        *constraint_traces(record, scene, again, points=_JOINT_POINTS),
+        *clearance_traces(scene, again.t, again.joint_position, distances, listed=listed),
+    )
 
 
-def _followed(motion: HeldMotion, scene: Scene, span: Span) -> tuple[Trace, ...] | None:
+def _followed(motion: HeldMotion, scene: Scene, span: Span, distances: Sequence[Row]) -> tuple[Trace, ...] | None:
     """`_traces`; None where the liquids cannot be integrated, as along motions that noise has made rough."""
     try:
-        return _traces(motion, scene, span)
+        return _traces(motion, scene, span, distances)
     except ModelError:
         return None
 

@@ -21,7 +21,7 @@ def other_speeds_figure(evidence: Evidence) -> Figure | None:
         ("stated heights", BLUE, DASHES[0], [item.liquid for item in uses]),
     ]
     figure = Figure(figsize=(WIDTH, _HEIGHT))
-    axes = figure.add_axes((0.13, 0.2, 0.84, 0.58))
+    axes = figure.add_axes((0.13, 0.19, 0.84, 0.56))
     headline(figure, evidence, "Played more slowly", left=0.02, y=0.98)
     top = 1.25
     for name, colour, dash, values in lines:
@@ -35,5 +35,7 @@ def other_speeds_figure(evidence: Evidence) -> Figure | None:
     axes.set_ylim(0.0, 100 * top)
     axes.set_xlabel("speed [% of the planned one]")
     axes.set_ylabel("largest use of a limit [%]")
-    axes.legend(loc="upper left", ncols=3, frameon=False)
+    # above the panel: inside it a line that breaks its limit runs through the words
+    above = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.2}
+    axes.legend(**above, ncols=3, frameon=False, handlelength=1.9, columnspacing=1.2)
     return figure

@@ -101,16 +101,17 @@ class ApproachTable(Table):
 
 
 def _start_reason(start: tuple[float, ...], robot: Robot, joint: str) -> Reason:
-    """The reason for a joint that starts outside its limits, and the nearest start within them."""
+    """The reason for a joint that starts outside its limits, and the start at home, where there is one.
+
+    At the limit itself an arm may well be folded on itself.
+    """
     index = robot.joints.index(joint)
-    inside = np.clip(start, robot.lower, robot.upper)
-    new, old = (format_quantity(float(angle[index]), "angle") for angle in (inside, start))
-    change = Change(
-        f"joint position of {joint}", "approach.from", inside.tolist(), f"{joint} at {new} instead of {old}"
-    )
-    return Reason(
-        ROBOT, "joint position", joint, excess=float(abs(inside - start)[index]), unit="rad", changes=(change,)
-    )
+    angle = start[index]
+    excess = float(max(robot.lower[index] - angle, angle - robot.upper[index]))
+    text = f'from = "{HOME}" instead of {joint} at {format_quantity(angle, "angle")}'
+    home = Change(f"joint position of {joint}", "approach.from", HOME, text)
+    changes = () if robot.home is None else (home,)
+    return Reason(ROBOT, "joint position", joint, excess=excess, unit="rad", changes=changes)
 
 
 def _stated(

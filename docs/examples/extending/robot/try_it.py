@@ -2,7 +2,7 @@
 
 import nospill as ns
 
-line = ns.LinePath(start=[0.55, -0.3, 0.7], end=[0.55, 0.3, 0.9])
+line = ns.LinePath(start=[0.55, -0.3, 0.9], end=[0.55, 0.3, 1.1])
 scene = ns.load("pp-two-cups").changed({"robot": ns.Robot(model="teaching-arm"), "path": line})
 plan = ns.plan(scene)
 assert plan.certificate.ok
