@@ -52,8 +52,9 @@ class TurningModes:
         layers *= 8 / (a * b * k * np.sinh(2 * k * depth))
         laminar = np.sqrt(viscosity / (2 * frequency)) * layers / 2 + 2 * viscosity * k**2 / frequency
         share, wall = _shares(a, b, m, n), _along_wall(m, n)
-        every = _waves(SERIES)
-        total = _along_wall(*every) @ _shares(a, b, *every)
+        count = np.arange(1, SERIES + 1, 2)
+        every = _shares(a, b, *_waves(SERIES)).reshape(len(count), -1)  # n down, m across; all are 1 at a wall's end
+        total = np.concatenate([_quarter(count) @ every.sum(axis=0), _quarter(count) @ every.sum(axis=1)])
         ratio = np.minimum(damping_scale * laminar, 0.99)
         return cls(stiffness, frequency, ratio, share, wall, total - wall @ share)
 
@@ -72,11 +73,14 @@ def _shares(a: float, b: float, m: np.ndarray, n: np.ndarray) -> np.ndarray:
     return 16 / np.pi**4 * ((a / m) ** 2 - (b / n) ** 2) / (a * b * ((m / a) ** 2 + (n / b) ** 2))
 
 
-def _along_wall(m: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """From the middle of either wall to the corner, where it is 1."""
+def _quarter(count: np.ndarray) -> np.ndarray:
+    """sin(m pi x/a), from the middle of a side to its end, where it is 1."""
     part = np.linspace(0.0, np.pi / 2, _PLACES)[:, None]
-    ends = np.sin(m * np.pi / 2), np.sin(n * np.pi / 2)
-    return np.concatenate([np.sin(part * m) * ends[0], np.sin(part * n) * ends[1]])
+    return np.sin(part * count) * np.sin(count * np.pi / 2)
+
+
+def _along_wall(m: np.ndarray, n: np.ndarray) -> np.ndarray:
+    return np.concatenate([_quarter(m), _quarter(n)])
 
 
 def turned(
