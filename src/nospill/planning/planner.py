@@ -82,7 +82,7 @@ def _planned(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
-    with log.phase("kinematics"):
+    with log.phase("ends"):
         if scene.obstacles:
             require_free_ends(scene)
         require_standing_room(scene)

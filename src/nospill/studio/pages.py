@@ -23,6 +23,7 @@ _MOST_FAULTS = 8
 _COLUMNS = (("constraint", "left"), ("of", "left"), ("use of limit", "right"), ("value", "right"), ("limit", "right"))
 _PHASES = {
     "start": "starting",
+    "ends": "ends of the path",
     "kinematics": "joint paths",
     "build": "building the problem",
     "solve": "solving",
