@@ -152,10 +152,9 @@ def figures(plan: Plan) -> dict[str, Any]:
     try:
         fine = judge(plan.trajectory, plan.scene, rate=FINE_RATE).certificate
         broken = [describe(row) for row in fine.rows if not row.ok]
-        more = max(
-            (fine_row.use - row.use, row.constraint)
-            for fine_row, row in zip(fine.rows, plan.certificate.rows, strict=True)
-        )
+        usual = {row.id: row.use for row in plan.certificate.rows}
+        # a pair of the arm that is nearer than 50 mm on one grid alone has no row on the other
+        more = max((row.use - usual[row.id], row.constraint) for row in fine.rows if row.id in usual)
         line["fine"] = {"ok": fine.ok, "grid_hz": fine.grid_hz, "broken": broken, "more": more}
     except NospillError as error:
         line["fine"] = {"ok": False, "broken": [str(error)]}
