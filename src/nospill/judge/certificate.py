@@ -28,6 +28,7 @@ from nospill.judge.traces import constraint_traces
 from nospill.judge.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, RowId
+from nospill.laws.slosh.integrate import require_converged
 from nospill.motion.holds import held_trajectory
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -138,6 +139,7 @@ def judge_motion(
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
     found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    require_converged(found.replay.slosh_error)
     controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
     of_command = [] if run.command is None else command_traces(scene, run.command)
     if run.compensated:

@@ -141,8 +141,24 @@ def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integr
         if refinement >= _LARGEST_REFINEMENT and error <= _ROUGH_TOLERANCE:
             return Integral(fine, refinement, error)
         if refinement >= _LARGEST_REFINEMENT:
-            raise ModelError(
-                f"slosh cannot be integrated along this motion (error {error * 1e3:.3g} mm with steps cut in "
-                f"{refinement}): the liquid leaves its cup"
-            )
+            raise _not_integrated(error)
         coarse = fine
+
+
+def require_converged(error: float) -> None:
+    """Refuse displacements that agree on the two finest grids within 1e-5 m but not within 1e-7 m.
+
+    What a log's noise makes rough is judged with that error; of a planned motion it says that the liquid runs away.
+
+    Raises:
+        ModelError: they do not.
+    """
+    if error > _TOLERANCE:
+        raise _not_integrated(error)
+
+
+def _not_integrated(error: float) -> ModelError:
+    return ModelError(
+        f"slosh cannot be integrated along this motion (error {error * 1e3:.3g} mm with steps cut in "
+        f"{_LARGEST_REFINEMENT}): the liquid leaves its cup"
+    )
