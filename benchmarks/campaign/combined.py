@@ -131,9 +131,9 @@ def _swing(table: Table, scene: Scene, random: np.random.Generator) -> Table:
 
 
 def _approach(table: Table, scene: Scene, random: np.random.Generator) -> Table:
-    """From joints near those of the start, with all cargo on the tray."""
-    joints = len(scene.robot.joints)
-    return table | {"approach": {"from": "home", "tray": "loaded", "acceleration": [2.0] * joints}}
+    """From the arm's home; mostly with an empty tray, since a straight line in joint space leans a loaded one."""
+    joints, tray = len(scene.robot.joints), "loaded" if random.uniform() < 0.2 else "empty"
+    return table | {"approach": {"from": "home", "tray": tray, "acceleration": [2.0] * joints}}
 
 
 def _row(table: Table, scene: Scene, random: np.random.Generator) -> Table:

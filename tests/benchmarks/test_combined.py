@@ -75,14 +75,24 @@ def test_table_counts_what_ended_how_pair_by_pair() -> None:
     cases = [
         line(1, "planned", "vessel", "carrier", "obstacle"),
         line(2, "not found", "vessel", "carrier", "controller"),
-        line(3, "refused", "speed range", "duration", "obstacle", reason="x: speed_range and duration; leave one out"),
+        line(
+            3,
+            "refused",
+            "speed range",
+            "duration",
+            "obstacle",
+            reason="x: speed_range and duration are stated together; leave one out",
+        ),
+        line(4, "refused", "vessel", "carrier", "approach", reason="path: the arm cannot stand where it starts"),
     ]
     text = list(pair_table(cases))
     carrier = next(row for row in text if row.startswith("| carrier |"))
     assert carrier.split(" | ")[1] == "1/2"
     duration = next(row for row in text if row.startswith("| duration |"))
     assert duration.split(" | ")[1 + list(FEATURES).index("speed range")] == "r"
-    assert any(row.startswith("| speed_range and duration | 1 |") and "| 3 |" in row for row in text)
+    assert any(
+        row.startswith("| speed_range and duration are stated together | 1 |") and "| 3 |" in row for row in text
+    )
 
 
 def test_a_jump_between_two_motions_is_a_false_certificate() -> None:
