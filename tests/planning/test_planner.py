@@ -162,7 +162,7 @@ def test_an_interrupt_in_another_thread_ends_that_thread(changed_scene: Changed)
 def test_progress_tells_the_story_in_order(watched: tuple[Plan, list[PlanningProgress]]) -> None:
     found, seen = watched
     phases = [phase for phase, _ in itertools.groupby(item.phase for item in seen if item.iteration is None)]
-    assert phases[:3] == ["kinematics", "build", "solve"] and phases[-2:] == ["export", "certify"]
+    assert phases[:4] == ["ends", "kinematics", "build", "solve"] and phases[-2:] == ["export", "certify"]
     stages = [stage for stage, _ in itertools.groupby(item.stage for item in seen if item.phase in ("build", "solve"))]
     assert stages[:2] == ["coarse", "fine"] and set(stages[2:]) <= {"tighten"}
     assert all(bool(item.stage) == (item.phase in ("build", "solve")) for item in seen)
