@@ -297,7 +297,7 @@ def test_the_published_run_and_its_figure() -> None:
     for name in ("c1", "c2", "c3", "c4"):
         theirs = read_heights(measured_data(f"matrix-d3/predicted-height-{name}.csv"))
         ours = np.interp(theirs.t - found.clock, found.judgement.replay.t, found.heights[name])
-        # A log without noise is taken as it is: 6.4e-5 m at worst. Splines of 50 Hz, as through a log with noise, are at
+        # A log without noise is taken as it is: 6.4e-5 m at worst. Splines of 50 Hz, as through noise, are at
         # 5.0e-5 m.
         assert np.sqrt(np.mean((ours - theirs.height) ** 2)) < 7e-5
     assert found.measured["c1"].correlation == pytest.approx(0.966, abs=0.005)

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from nospill.core.attitudes import matrices
-from nospill.errors import NoSolutionError
+from nospill.errors import NoSolutionError, ScenarioError
 from nospill.judge.certificate import certify, judge_motion
 from nospill.motion.at_speed import at_speed
 from nospill.motion.time_law import RetimedMotion, TimeLaw, retimed
 from nospill.planning.slower import SAME_ATTITUDE, SAME_PLACE, apart, slower
 from nospill.plans.plan import Plan
+from nospill.scene.limits import LimitRecord
 
 LAW = TimeLaw(1.5, 4.0, np.array([0.4, 1.3, 0.9, 1.1, 1.6, 0.7, 0.3, 0.5]))
 
@@ -70,11 +71,19 @@ def test_a_record_in_another_time_keeps_its_way_and_agrees_with_itself(plan: Pla
 
 @pytest.mark.parametrize("speed", [1.0, 0.8, 0.5])
 def test_slower_is_certified_and_on_the_way_of_the_plan(plan: Plan, speed: float) -> None:
-    found = slower(plan, speed)
-    assert found.plan.certificate.ok and certify(found.plan.trajectory, found.plan.scene).ok
-    assert 0.69 * speed < found.speed <= speed * (1.0 + 1e-9)
-    assert found.apart.is_same and found.apart.joints < 2e-3
-    assert found.law.fastest <= 1.001
+    made = slower(plan, speed)
+    assert made.certificate.ok and certify(made.trajectory, made.scene).ok
+    assert 0.69 * speed < plan.trajectory.rest_time / made.trajectory.rest_time <= speed * (1.0 + 1e-9)
+    gaps = apart(plan, made)
+    assert gaps.is_same and gaps.joints < 2e-3
+    fastest = [np.max(np.abs(each.trajectory.joint_speed), axis=0) for each in (made, plan)]
+    assert np.all(fastest[0] <= 1.01 * fastest[1] + 1e-9)
+
+
+def test_a_plan_whose_limit_is_not_at_hand_is_not_slowed_down(plan: Plan) -> None:
+    scene = plan.scene.with_constraints((), (LimitRecord("sway", "Sway"),))
+    with pytest.raises(ScenarioError, match='"sway", whose class is not at hand'):
+        slower(replace(plan, scene=scene), 0.5)
 
 
 def test_distances_of_two_ways_are_told(plan: Plan) -> None:

@@ -65,7 +65,7 @@ def _on_its_way(planned: Plan, speed: float) -> Plan:
     from nospill.planning.slower import slower
 
     try:
-        return slower(planned, speed).plan
+        return slower(planned, speed)
     except NoSolutionError as error:
         raise NoSolutionError(
             f"{error}; --another-way plans the gentlest motion that takes as long, whose poses are others"

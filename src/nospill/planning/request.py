@@ -28,13 +28,18 @@ def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constra
     if isinstance(scene, Plan):
         raise ScenarioError("a scene is needed, and this is a plan; its scene is plan.scene")
     asked = constrained(scene.require_as_read() if isinstance(scene, Scene) else load(scene), constraints)
-    if asked.unjudged:
-        limit = asked.unjudged[0]
+    require_constraints(asked)
+    return asked
+
+
+def require_constraints(scene: Scene) -> None:
+    """Raise ScenarioError where a constraint that the scene was saved with is not at hand."""
+    if scene.unjudged:
+        limit = scene.unjudged[0]
         raise ScenarioError(
-            f'{asked.name}: its plan was saved with the constraint "{limit.name}", whose class is not at hand; give '
+            f'{scene.name}: its plan was saved with the constraint "{limit.name}", whose class is not at hand; give '
             f"all that should hold, as constraints=[{limit.text}], or constraints=[] for none"
         )
-    return asked
 
 
 def ignored_constraints(ignore: Collection[str] | str, scene: Scene) -> frozenset[str]:

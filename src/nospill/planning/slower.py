@@ -29,6 +29,7 @@ from nospill.laws.like_objects import hull_objects
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.time_law import SHAPES, RetimedMotion, TimeLaw, retimed
 from nospill.motion.trajectory import Trajectory
+from nospill.planning.request import require_constraints
 from nospill.plans.approach import with_approach
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.records import PlanningReport
@@ -70,24 +71,7 @@ class Apart:
         return self.distance <= SAME_PLACE and self.angle <= SAME_ATTITUDE
 
 
-@dataclass(frozen=True, slots=True)
-class Slower:
-    """A plan at a lower speed.
-
-    Attributes:
-        plan: of it.
-        speed: part of the speed of the planned motion, in the mean.
-        law: planned time over time.
-        apart: of the two.
-    """
-
-    plan: Plan
-    speed: float
-    law: TimeLaw
-    apart: Apart
-
-
-def slower(planned: Plan, speed: float) -> Slower:
+def slower(planned: Plan, speed: float) -> Plan:
     """The plan's motion at a part of its speed or a little less, on the same way, certified.
 
     Args:
@@ -95,8 +79,10 @@ def slower(planned: Plan, speed: float) -> Slower:
         speed: above 0 and at most 1.
 
     Raises:
+        ScenarioError: the plan was saved with a limit that is not at hand.
         NoSolutionError: no time law on this way holds; says which limit is nearest to holding.
     """
+    require_constraints(planned.scene)
     began, nearest = time.perf_counter(), None
     for law, worst in _laws(planned, speed):
         if worst is not None and (nearest is None or worst.use < nearest.use):
@@ -111,8 +97,7 @@ def slower(planned: Plan, speed: float) -> Slower:
                 base_yaw=planned.report.base_yaw,
                 plan_time=time.perf_counter() - began,
             )
-            made = with_approach(judged_plan(scene, trajectory, judgement, report))
-            return Slower(made, law.length / law.duration, law, apart(planned, made))
+            return with_approach(judged_plan(scene, trajectory, judgement, report))
         nearest = judgement.certificate.worst
     least = 100 * SPEEDS[-1] * speed
     found = "" if nearest is None else f"; in the motion that comes nearest {describe(nearest)}"
