@@ -21,6 +21,8 @@ from nospill.laws.constraints.base import Range as Range
 from nospill.laws.constraints.base import Role as Role
 from nospill.laws.sample import Sample as Sample
 from nospill.motion.trajectory import Trajectory as Trajectory
+from nospill.motion_files.judging import JudgedMotion as JudgedMotion
+from nospill.motion_files.judging import judge_file as judge_file
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
 from nospill.plans.loading import load_plan as load_plan

@@ -19,7 +19,7 @@ from tests.waiting import run_python, wait_until
 GROUPS = {
     "Plan": ("plan", "examples", "robots", "schema", "studio", "slow"),
     "Look": ("view", "plot", "report", "film"),
-    "Judge": ("check", "executed", "verify"),
+    "Judge": ("judge", "check", "executed", "verify"),
     "Hand over": ("export",),
     "Laboratory": ("identify", "design-test", "measure", "simulate", "compare"),
     "Many": ("margins", "cache"),

@@ -10,6 +10,7 @@ import typer
 from nospill.cli import app
 from nospill.export import EXPORTERS
 from nospill.laws.constraints import BY_NAME
+from nospill.motion_files.receivers import RECEIVERS
 from nospill.robots.description.catalog import robot_table
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.containers import CONTAINERS
@@ -45,6 +46,11 @@ def constraints_table() -> str:
         for item in BY_NAME.values()
     ]
     return markdown_table(("constraint", "unit", "judged", "what it says", "file"), rows)
+
+
+def receivers_table() -> str:
+    """Name of every receiver of a motion file, and how it moves between the points."""
+    return markdown_table(("name", "who plays it"), [(f"`{item.name}`", item.title) for item in RECEIVERS.values()])
 
 
 def exporters_table() -> str:
@@ -173,6 +179,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "examples": examples_table,
     "exporters": exporters_table,
     "liquids": liquids_table,
+    "receivers": receivers_table,
     "robots": robots_page,
     "shapes": shapes_table,
 }

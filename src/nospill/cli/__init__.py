@@ -22,6 +22,7 @@ from nospill.cli.executing import executed
 from nospill.cli.exporting import export
 from nospill.cli.filming import film
 from nospill.cli.identifying import identify
+from nospill.cli.judging import judge
 from nospill.cli.listings import examples, robots, schema
 from nospill.cli.measuring import measure
 from nospill.cli.planning import plan, plot
@@ -36,7 +37,7 @@ from nospill.cli.viewing import view
 GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
     "Plan": (plan, examples, robots, schema, studio, slow),
     "Look": (view, plot, report, film),
-    "Judge": (check, executed, verify),
+    "Judge": (judge, check, executed, verify),
     "Hand over": (export,),
     "Laboratory": (identify, design_test, measure, simulate, compare),
     "Many": (margins, cache),

@@ -101,7 +101,7 @@ def print_certificate(certificate: Certificate, scene: Scene, *, everything: boo
     print_verdict(verdict_line(certificate), certificate.ok)
     print()
     print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
-    if not everything:
+    if not everything and certificate.record_rows():
         print(integrity_line(certificate))
     if certificate.self_collision is not None:
         print_lines(certificate.self_collision.text)

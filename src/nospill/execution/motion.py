@@ -10,9 +10,9 @@ from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 from nospill.execution.sampling import Sampling, sampling_of
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints, smooth_joints
+from nospill.judge.plausibility import lean_at
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.trajectory import Trajectory
-from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 
 REST = 1e-3
@@ -176,10 +176,7 @@ def _check_speeds(log: JointLog, scene: Scene, t: np.ndarray, speed: np.ndarray)
 
 
 def _check_level(found: RecordedMotion, scene: Scene) -> None:
-    position = found.smooth(np.array([found.begin]))
-    rest = np.zeros_like(position)
-    up = kinematics(scene.robot).motions(position, rest, rest, tool=scene.tray.tool).rotation[0, 2, 2]
-    lean = float(np.arccos(np.clip(up, -1.0, 1.0)))
+    lean = lean_at(found.smooth(np.array([found.begin]))[0], scene)
     if lean > _LEANS:
         raise ScenarioError(
             f"{found.log.origin}: the tray leans by {np.degrees(lean):.3g} deg before the motion, where it carries "

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from nospill.core.files import atomic_folder
-from nospill.errors import MissingExtraError, PlanFolderError
+from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter
 from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
@@ -64,6 +64,28 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
         for file in list(inner.iterdir()):
             file.rename(partial / file.name)
         inner.rmdir()
+
+
+def joint_trajectory_messages(path: Path) -> list[dict[str, Any]]:
+    """Every JointTrajectory of a bag of ROS 1 or 2 as a table with `joint_names` and `points`.
+
+    Raises:
+        MissingExtraError: rosbags is not installed.
+        ScenarioError: it is damaged, or no bag.
+    """
+    store = _typestore()
+    from rosbags.highlevel import AnyReader
+
+    try:
+        with AnyReader([path], default_typestore=store) as bag:
+            chosen = [connection for connection in bag.connections if connection.msgtype == MESSAGE_TYPE]
+            return [
+                _plain(bag.deserialize(data, connection.msgtype))
+                for connection, _, data in (bag.messages(connections=chosen) if chosen else ())
+            ]
+    except Exception as error:  # the library lets whatever a damaged file provokes through
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ScenarioError(f"{path}: damaged, or not a ROS bag ({reason[:120]})") from error
 
 
 def _read(path: Path, scene: Scene) -> JointSamples:

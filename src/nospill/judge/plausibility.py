@@ -8,7 +8,9 @@ from numbers import Real
 import numpy as np
 
 from nospill.errors import ScenarioError
+from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
+from nospill.scene.scene import Scene
 
 LONGEST = 600.0
 """s; of a motion: no arm carries a tray for longer between two rests."""
@@ -28,18 +30,19 @@ def require_rate(rate: object) -> None:
         )
 
 
-def unlikely_units(t: np.ndarray, position: np.ndarray, robot: Robot) -> str | None:
+def unlikely_units(t: np.ndarray, position: np.ndarray, robot: Robot, *, coarsest: float = COARSEST) -> str | None:
     """The sentence that says why samples are in other units than s and rad, or None.
 
     Args:
         t: (m,) increasing, s.
         position: (m, n) of the joints, rad.
         robot: whose joints.
+        coarsest: s; longest usual distance of samples.
     """
     length, usual = float(t[-1] - t[0]), float(np.median(np.diff(t)))
-    if length > LONGEST or usual > COARSEST:
+    if length > LONGEST or usual > coarsest:
         return (
-            f"a motion of {length:g} s with samples {usual:g} s apart, where {LONGEST:g} s and {COARSEST:g} s are the "
+            f"a motion of {length:g} s with samples {usual:g} s apart, where {LONGEST:g} s and {coarsest:g} s are the "
             "most that is judged: times look like milliseconds; give them in s"
         )
     beyond = np.maximum(position - robot.upper, robot.lower - position)
@@ -51,3 +54,10 @@ def unlikely_units(t: np.ndarray, position: np.ndarray, robot: Robot) -> str | N
             "in rad"
         )
     return None
+
+
+def lean_at(position: np.ndarray, scene: Scene) -> float:
+    """Angle between the tray's normal and the vertical where the joints stand at a position (n,) rad; rad."""
+    rest = np.zeros((1, len(position)))
+    up = kinematics(scene.robot).motions(position[None], rest, rest, tool=scene.tray.tool).rotation[0, 2, 2]
+    return float(np.arccos(np.clip(up, -1.0, 1.0)))

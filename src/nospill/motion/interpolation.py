@@ -113,6 +113,48 @@ def _quintic_hermite(samples: JointSamples) -> JointMotion:
     return HeldMotion(Pieces(samples.t, np.stack(coefficients)), float(samples.t[0]), float(samples.t[-1]))
 
 
+def _cubic_hermite(samples: JointSamples) -> JointMotion:
+    """Per segment the cubic that has positions and speeds of both its ends; its acceleration jumps at the samples.
+
+    With d = q1 - q0 of a segment of length h: q0 + v0 u + (3 d/h - 2 v0 - v1) u^2/h + (v0 + v1 - 2 d/h) u^3/h^2.
+    """
+    if samples.speed is None:
+        raise ValueError("the cubic of a segment needs speeds of the samples")
+    h = np.diff(samples.t)[:, None]
+    (q0, v0), (q1, v1) = (
+        [column[part] for column in (samples.position, samples.speed)] for part in (slice(None, -1), slice(1, None))
+    )
+    mean = (q1 - q0) / h
+    coefficients = [(v0 + v1 - 2 * mean) / h**2, (3 * mean - 2 * v0 - v1) / h, v0, q0]
+    return HeldMotion(Pieces(samples.t, np.stack(coefficients)), float(samples.t[0]), float(samples.t[-1]))
+
+
+def _cubic_spline(samples: JointSamples) -> JointMotion:
+    """The cubic spline through the positions that stands still at both ends."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(samples.t, samples.position, bc_type="clamped")
+    return HeldMotion(Pieces(samples.t, spline.c), float(samples.t[0]), float(samples.t[-1]))
+
+
+def linear_at(rate: float) -> Interpolation:
+    """Straight lines between the positions, as a controller asks its drives for them at a rate in Hz.
+
+    The speed of straight lines jumps where they meet. An arm under position control that is given a sample each period
+    takes a period for it: that is the quintic spline through the samples of the lines at this rate.
+    """
+
+    def motion(samples: JointSamples) -> JointMotion:
+        start, stop = float(samples.t[0]), float(samples.t[-1])
+        t = start + np.arange(int(np.ceil((stop - start) * rate - 1e-6)) + 1) / rate
+        lines = [np.interp(t, samples.t, joint) for joint in samples.position.T]
+        return _quintic_spline(JointSamples(t, np.column_stack(lines)))
+
+    return Interpolation(
+        f"lines at {rate:g} Hz", f"straight lines between the positions, a sample every {1e3 / rate:g} ms", motion
+    )
+
+
 QUINTIC_SPLINE = Interpolation(
     "quintic spline",
     "one quintic spline through the positions: an arm under position control that is given a sample each period",
@@ -124,5 +166,14 @@ QUINTIC_HERMITE = Interpolation(
     _quintic_hermite,
 )
 
-INTERPOLATIONS: dict[str, Interpolation] = {item.name: item for item in (QUINTIC_SPLINE, QUINTIC_HERMITE)}
-"""Every way from samples to a motion."""
+CUBIC_HERMITE = Interpolation(
+    "cubic hermite", "a cubic polynomial per segment through position and speed of both its ends", _cubic_hermite
+)
+CUBIC_SPLINE = Interpolation(
+    "cubic spline", "one cubic spline through the positions, at rest at both ends", _cubic_spline
+)
+
+INTERPOLATIONS: dict[str, Interpolation] = {
+    item.name: item for item in (QUINTIC_SPLINE, QUINTIC_HERMITE, CUBIC_HERMITE, CUBIC_SPLINE)
+}
+"""Every way from samples to a motion, but for straight lines, which need a rate."""

@@ -1,0 +1,104 @@
+"""judge: a motion that somebody planned, as the arm plays it, judged as a plan is."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from nospill.cli.checking import check, print_certificate
+from nospill.cli.reporting import only_stderr, print_json
+from nospill.cli.run_options import Unit
+from nospill.cli.tables import print_lines, print_verdict, say
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.motion_files.judging import JudgedMotion
+
+
+def judge(
+    motion: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MOTION", help="JointTrajectory as YAML, JSON or ROS bag; arrays as .npz; CSV; or a plan folder."
+        ),
+    ],
+    scenario: Annotated[
+        str | None,
+        typer.Option("--scenario", metavar="SCENARIO", help="What it must keep to: a file, an example, a plan folder."),
+    ] = None,
+    receiver: Annotated[
+        str | None,
+        typer.Option(
+            "--as",
+            metavar="RECEIVER",
+            help="Who plays the points: jtc, linear, cubic, quintic, servoj or fci.",
+            show_default="by its columns",
+        ),
+    ] = None,
+    unit: Unit = "rad",
+    rate: Annotated[
+        float | None, typer.Option("--rate", metavar="HZ", help="Rows a second, of a table without times.")
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Print every row.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the verdict as JSON and nothing else.")] = False,
+) -> int:
+    """Judge a motion of any origin before it runs: limits of the arm, spilling, sliding, tipping, clearances.
+
+    Points are taken as they are, and played as their receiver plays them. Exit code 0 only if every row holds. What an
+    arm did is judged by executed, which knows noise.
+    """
+    from nospill.errors import ScenarioError
+    from nospill.motion_files.judging import judge_file
+    from nospill.plans.names import is_plan_folder
+    from nospill.scenario import load
+
+    if motion.is_dir() and is_plan_folder({item.name for item in motion.iterdir()}):
+        if scenario is not None or receiver is not None:
+            raise ScenarioError(
+                f"{motion}: is a plan folder, judged by its own scenario; leave --scenario and --as out"
+            )
+        return check([motion], everything=everything)
+    if scenario is None:
+        raise ScenarioError("--scenario SCENARIO is needed: what the motion must keep to")
+    with only_stderr() if as_json else nullcontext():
+        judged = judge_file(motion, load(scenario), receiver=receiver, unit=unit, rows_per_second=rate)
+    if as_json:
+        print_json(_table(judged))
+    else:
+        _print(judged, everything=everything)
+    return 0 if judged.certificate.ok else 1
+
+
+def _table(judged: JudgedMotion) -> dict[str, Any]:
+    from nospill.motion_files.judging import NOT_JUDGED
+
+    certificate = judged.certificate
+    return {
+        "scenario": judged.scene.name,
+        "motion": judged.file.origin,
+        "read": judged.file.read,
+        "played_as": judged.played.name,
+        "not_judged": NOT_JUDGED,
+        "ok": certificate.ok,
+        "failures": judged.failures(),
+        "certificate": certificate.to_dict(),
+    }
+
+
+def _print(judged: JudgedMotion, *, everything: bool) -> None:
+    from nospill.judge.wording import finding
+    from nospill.motion_files.judging import NOT_JUDGED
+
+    print_lines(f"read: {judged.file.read}", f"played as {judged.played.title}")
+    print_certificate(judged.certificate, judged.scene, everything=everything)
+    print_lines(f"not judged: {NOT_JUDGED}")
+    for failure in judged.failures():
+        print_lines(
+            f"{failure['code']} of {failure['subject']}: first at t = {failure['first_s']:.3f} s, "
+            f"after point {failure['point']}"
+        )
+    if not judged.certificate.ok:
+        say(f"Not certified: {finding(judged.certificate)}.")
+    print_verdict(f"{judged.file.origin}: {judged.certificate.word}", judged.certificate.ok)
