@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.reporting import only_stderr, print_json
-from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, ScenarioName, Unit, assigned, read_run
+from nospill.cli.run_options import (
+    Log,
+    Measured,
+    Offset,
+    PlanFolder,
+    Rate,
+    ScenarioName,
+    Topic,
+    Unit,
+    assigned,
+    read_run,
+)
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -27,6 +38,7 @@ def executed(
     offset: Offset = None,
     unit: Unit = "rad",
     rate: Rate = None,
+    topic: Topic = None,
     bandwidth: Annotated[
         float,
         typer.Option("--bandwidth", metavar="HZ", help="Motion that is followed; what is faster counts as noise."),
@@ -51,7 +63,7 @@ def executed(
     if output is not None:
         require_replaceable(output, replaceable=_only_ours)
     with only_stderr() if as_json else nullcontext():
-        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
+        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate, topic)
         files = assigned("--measured", measured or (), "FILE.csv")
         heights = {name: read_heights(text) for name, text in files.items()}
         found = judged(recorded, scene, plan=planned, measured=heights, bandwidth=bandwidth)

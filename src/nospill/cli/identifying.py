@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.reporting import only_stderr, print_json
-from nospill.cli.run_options import Log, Measured, Offset, PlanFolder, Rate, ScenarioName, Unit, assigned, read_run
+from nospill.cli.run_options import (
+    Log,
+    Measured,
+    Offset,
+    PlanFolder,
+    Rate,
+    ScenarioName,
+    Topic,
+    Unit,
+    assigned,
+    read_run,
+)
 from nospill.cli.tables import print_lines, print_table
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -34,6 +45,7 @@ def identify(
     offset: Offset = None,
     unit: Unit = "rad",
     rate: Rate = None,
+    topic: Topic = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="FILE.toml", help="Write the tables here.", show_default=False),
@@ -50,7 +62,7 @@ def identify(
 
     files = assigned("--measured", measured or (), "FILE.csv")
     with only_stderr() if as_json else nullcontext():
-        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate)
+        recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate, topic)
         heights = {name: read_heights(text) for name, text in files.items()}
         found = identified(recorded, scene, plan=planned, measured=heights, stayed=stayed or (), slid=slid or ())
         if output is not None:
@@ -58,6 +70,7 @@ def identify(
     if as_json:
         print_json(identified_table(found))
         return 0
+    print_lines(f"read: {recorded.read}")
     _print(found)
     print(scenario_text(found), end="")
     if output is not None:

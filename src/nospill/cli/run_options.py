@@ -49,12 +49,24 @@ Offset = Annotated[
 Unit = Annotated[str, typer.Option("--unit", metavar="rad|deg", help="Of angles whose columns do not name it.")]
 Rate = Annotated[
     float | None,
-    typer.Option("--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500"),
+    typer.Option(
+        "--rate", metavar="HZ", help="Rows a second, of a log without times.", show_default="500 without a header"
+    ),
+]
+Topic = Annotated[
+    str | None,
+    typer.Option("--topic", metavar="NAME", help="Of a bag.", show_default="the one with the robot's joints"),
 ]
 
 
 def read_run(
-    log: Path, plan: Path | None, scenario: str | None, offset: Sequence[str], unit: str, rate: float | None
+    log: Path,
+    plan: Path | None,
+    scenario: str | None,
+    offset: Sequence[str],
+    unit: str,
+    rate: float | None,
+    topic: str | None,
 ) -> tuple[JointLog, Scene, Plan | None]:
     """A log with the scene that it is judged by, and its plan if there is one.
 
@@ -73,7 +85,7 @@ def read_run(
     offsets = {name: quantity(text, "angle") for name, text in assigned("--offset", offset, '"180 deg"').items()}
     planned = None if plan is None else load_plan(plan)
     scene = read_scenario(str(scenario)) if planned is None else planned.scene
-    return read_log(log, scene.robot, offsets=offsets, rate=rate, unit=unit), scene, planned
+    return read_log(log, scene.robot, offsets=offsets, rate=rate, unit=unit, topic=topic), scene, planned
 
 
 def assigned(option: str, given: Sequence[str], example: str) -> dict[str, str]:

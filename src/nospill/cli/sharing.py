@@ -82,7 +82,7 @@ def _judged_run(log: Path, folder: Path, measured: Sequence[str], offset: Sequen
     from nospill.execution.executed import executed
     from nospill.simulation.motion_file import read_heights
 
-    recorded, scene, plan = read_run(log, folder, None, offset, unit, None)
+    recorded, scene, plan = read_run(log, folder, None, offset, unit, None, None)
     heights = {name: read_heights(text) for name, text in assigned("--measured", measured, "FILE.csv").items()}
     return executed(recorded, scene, plan=plan, measured=heights)
 

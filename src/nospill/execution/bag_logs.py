@@ -5,11 +5,14 @@ The library rosbags reads them without a ROS installation; it comes with the ext
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from nospill.core.units import listed
 from nospill.errors import MissingExtraError, ScenarioError
 from nospill.execution.log import RawLog
 
@@ -20,15 +23,21 @@ _MEASURED, _ASKED = ("feedback", "actual"), ("reference", "desired")
 """Fields of a controller's state, by their names since ROS 2 Humble and before."""
 
 
-def read_bag(path: Path) -> RawLog:
-    """Read the joint positions of a bag: of the topic of a controller's state, else of the topic of joint states.
+def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> RawLog:
+    """Read the joint positions of a bag: of the topic of a controller's state, else of one of joint states.
 
-    Time is that of the messages' headers where they have one, of their recording else. A controller's state has what
-    was asked for too.
+    Of several topics the one is taken whose messages hold the robot's joints, the one with most of them; messages
+    without them, as of a gripper on the same topic, are left out. Time is that of the messages' headers where they have
+    one, of their recording else. A controller's state has what was asked for too.
+
+    Args:
+        path: of the bag.
+        joints: names of the robot's joints.
+        topic: to read; found where left out.
 
     Raises:
         MissingExtraError: rosbags is not installed.
-        ScenarioError: the bag cannot be read, or has no such messages.
+        ScenarioError: the bag cannot be read, has no such topic or no message with these joints.
     """
     try:
         from rosbags.highlevel import AnyReader
@@ -37,28 +46,59 @@ def read_bag(path: Path) -> RawLog:
         raise MissingExtraError(
             "a ROS bag needs the library rosbags; install it with pip install 'nospill[ros]'"
         ) from error
+    by_topic: dict[str, list[tuple[int, Any]]] = {}
+    kinds: dict[str, str] = {}
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            of_kind = ([c for c in bag.connections if c.msgtype == kind] for kind in (CONTROLLER_STATE, JOINT_STATE))
-            usable = next((found for found in of_kind if found), [])
-            chosen = [connection for connection in usable if connection.topic == usable[0].topic]
-            messages = [
-                (stamp, bag.deserialize(data, connection.msgtype))
-                for connection, stamp, data in (bag.messages(connections=chosen) if chosen else ())
-            ]
+            usable = [c for c in bag.connections if c.msgtype in (CONTROLLER_STATE, JOINT_STATE)]
+            for connection, stamp, data in bag.messages(connections=usable) if usable else ():
+                kinds[connection.topic] = connection.msgtype
+                message = bag.deserialize(data, connection.msgtype)
+                by_topic.setdefault(connection.topic, []).append((stamp, message))
     except Exception as error:  # the library lets whatever a damaged file provokes through
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ScenarioError(f"{path}: damaged, or not a ROS bag ({reason[:120]})") from error
-    if not messages:
+    if not by_topic:
         raise ScenarioError(f"{path}: holds no message {JOINT_STATE} or {CONTROLLER_STATE}")
-    rows = [_row(message) for _, message in messages]
-    names = sorted(rows[0])
-    if any(sorted(row) != names for row in rows):
-        raise ScenarioError(f"{path}: its messages are of different joints; record the topic of one robot")
-    t = np.array([_stamp(message, recorded) for recorded, message in messages])
+    if topic is not None and topic not in by_topic:
+        raise ScenarioError(f"--topic {topic}: {path} has no such topic of joints; choose {listed(tuple(by_topic))}")
+    candidates = [topic] if topic is not None else sorted(by_topic, key=lambda name: kinds[name] != CONTROLLER_STATE)
+    found = {name: _with_joints(by_topic[name], joints) for name in candidates}
+    best = max(found, key=lambda name: (kinds[name] == CONTROLLER_STATE and bool(found[name]), len(found[name])))
+    if not found[best]:
+        named = sorted({name for rows in by_topic.values() for _, message in rows for name in _row(message)})
+        shown = ", ".join(named)[:160] or "none"
+        raise ScenarioError(f"{path}: no message has the {len(joints)} joints {', '.join(joints)}; found: {shown}")
+    return _raw(path, best, found[best], len(by_topic[best]), [name for name in candidates if found[name]])
+
+
+def _with_joints(messages: Sequence[tuple[int, Any]], joints: Sequence[str]) -> list[tuple[int, Any, dict[str, float]]]:
+    """The messages that hold the robot's joints, with their rows; by names, else by numbers."""
+    rows = [(stamp, message, _row(message)) for stamp, message in messages]
+    wanted = {name.lower() for name in joints}
+    named = [row for row in rows if wanted <= {name.lower() for name in row[2]}]
+    if named:
+        return named
+    numbered = re.compile(r".*?_?\d+")
+    return [row for row in rows if len(joints) == sum(bool(numbered.fullmatch(name)) for name in row[2])]
+
+
+def _raw(
+    path: Path, topic: str, rows: Sequence[tuple[int, Any, dict[str, float]]], count: int, others: Sequence[str]
+) -> RawLog:
+    t = np.array([_stamp(message, recorded) for recorded, message, _ in rows])
     order = np.argsort(t, kind="stable")
-    columns = {name.lower(): np.array([row[name] for row in rows])[order] for name in names}
-    return RawLog(str(path), t[order] - t[order[0]], columns)
+    names = [name for name in rows[0][2] if all(name in row for _, _, row in rows)]
+    columns = {name.lower(): np.array([row[name] for _, _, row in rows])[order] for name in names}
+    headers = any(message.header.stamp.sec or message.header.stamp.nanosec for _, message, _ in rows[:1])
+    said = [f"topic {topic}, time from {'headers' if headers else 'the recorder'}"]
+    if count > len(rows):
+        said.append(f"{count - len(rows):,} messages without these joints left out")
+    if len(others) > 1:
+        said.append(f"{listed([name for name in others if name != topic], last='and')} not read (--topic)")
+    t = t[order] - t[order[0]]
+    infinite = {name: np.where(np.isfinite(values), values, np.nan) for name, values in columns.items()}
+    return RawLog(str(path), infinite, {name: "rad" for name in infinite}, t, ", ".join(said))
 
 
 def _row(message: Any) -> dict[str, float]:

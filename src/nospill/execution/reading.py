@@ -22,6 +22,7 @@ def read_log(
     offsets: Mapping[str, float] | None = None,
     rate: float | None = None,
     unit: str = "rad",
+    topic: str | None = None,
 ) -> JointLog:
     """Read the joint log of a robot.
 
@@ -29,8 +30,9 @@ def read_log(
         path: a table of text, or a ROS bag (`.bag`, `.mcap`, or the folder of a ROS 2 bag).
         robot: whose joints.
         offsets: rad, by joint: added to what was recorded.
-        rate: rows a second of a table without times, Hz; 500 where left out.
+        rate: rows a second of a table without times, Hz; 500 of one without a header where left out.
         unit: "rad" or "deg", of the angles of a table whose names say nothing.
+        topic: of a bag; the one with the robot's joints where left out.
 
     Raises:
         ScenarioError: no such file, no such columns, or another unit or rate than there can be.
@@ -44,5 +46,5 @@ def read_log(
     if not place.exists():
         raise ScenarioError(f"{place}: no such file; give a joint log as CSV or as a ROS bag")
     joints = robot.joints
-    raw = read_table(place, joints=len(joints), rate=rate, unit=unit) if is_table(place) else read_bag(place)
-    return log_of_joints(raw, joints, offsets)
+    raw = read_table(place, joints=len(joints)) if is_table(place) else read_bag(place, joints, topic)
+    return log_of_joints(raw, joints, offsets, rate=rate, unit=unit)

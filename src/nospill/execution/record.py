@@ -75,7 +75,11 @@ def log_lines(found: Executed) -> list[str]:
     recorded, sampling = found.recorded, found.recorded.sampling
     log, rows = recorded.log, len(recorded.log.t)
     moves = f"the arm moves from {recorded.begin:.3f} s to {recorded.end:.3f} s"
-    lines = [f"log: {log.origin}, {rows} rows, {1.0 / sampling.period:.2f} Hz, {log.t[-1] - log.t[0]:.3f} s; {moves}"]
+    read = [f"read: {log.read}"] if log.read else []
+    lines = [
+        *read,
+        f"log: {log.origin}, {rows} rows, {1.0 / sampling.period:.2f} Hz, {log.t[-1] - log.t[0]:.3f} s; {moves}",
+    ]
     if sampling.jitter > 1e-7:
         taken = (
             "which the positions do not follow: the samples are even"
@@ -132,6 +136,7 @@ def executed_table(found: Executed) -> dict[str, Any]:
     return {
         "scenario": found.scene.name,
         "log": recorded.log.origin,
+        "read": recorded.log.read,
         "ok": found.ok,
         "outcome": found.outcome,
         "begin_s": recorded.begin,

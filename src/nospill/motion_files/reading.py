@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from nospill.errors import PlanFolderError, ScenarioError
@@ -37,20 +38,21 @@ def read_motion(path: str | Path, scene: Scene, *, unit: str = "rad", rate: floa
     own = _exporter(place)
     if own is not None:
         return _of_exporter(own, place, scene)
-    return motion_of(_points(place, scene, unit, rate), scene.robot)
-
-
-def _points(place: Path, scene: Scene, unit: str, rate: float | None) -> NamedPoints:
     suffix = place.suffix.lower()
+    if is_table(place) and suffix not in (*messages.SUFFIXES, *arrays.SUFFIXES):
+        log = read_log(place, scene.robot, unit=unit, rate=rate)
+        points = NamedPoints(log.origin, log.t, log.joints, {POSITION: log.position}, "")
+        return replace(motion_of(points, scene.robot), read=log.read)
+    return motion_of(_points(place, suffix), scene.robot)
+
+
+def _points(place: Path, suffix: str) -> NamedPoints:
     if suffix == ".json" and arrays.has_arrays(place):
         return arrays.read_json_arrays(place)
     if suffix in messages.SUFFIXES:
         return messages.read_message(place)
     if suffix in arrays.SUFFIXES:
         return arrays.read_arrays(place)
-    if is_table(place):
-        log = read_log(place, scene.robot, unit=unit, rate=rate)
-        return NamedPoints(log.origin, log.t, log.joints, {POSITION: log.position}, "time from the table")
     found = [table for table in joint_trajectory_messages(place) if table["points"]]
     if len(found) != 1:
         raise ScenarioError(f"{place}: holds {len(found)} messages JointTrajectory with points, one is needed; {_LOG}")
