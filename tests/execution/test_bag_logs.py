@@ -56,3 +56,61 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.bag").write_bytes(b"no bag")
     with pytest.raises(ScenarioError, match=r"run.bag: damaged, or not a ROS bag"):
         read_bag(tmp_path / "run.bag", ("joint_a", "joint_b"))
+
+
+def several(place: Path, messages: list[tuple[str, list[str], np.ndarray]]) -> Path:
+    """A ROS 2 bag of joint states of several topics, 2 ms between the messages of each round."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types: Any = store.types
+    with Writer(place, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
+        topics: dict[str, Any] = {}
+        for index, (topic, names, row) in enumerate(messages):
+            if topic not in topics:
+                topics[topic] = bag.add_connection(topic, JOINT_STATE, typestore=store)
+            stamp = types["builtin_interfaces/msg/Time"](sec=5, nanosec=index * 1_000_000)
+            header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="")
+            message = types[JOINT_STATE](
+                header=header, name=names, position=row, velocity=np.zeros(0), effort=np.zeros(0)
+            )
+            bag.write(topics[topic], 5_000_000_000 + index * 1_000_000, store.serialize_cdr(message, JOINT_STATE))
+    return place
+
+
+@pytest.mark.parametrize("gripper", ["/gripper/joint_states", "/joint_states"])
+def test_the_messages_that_hold_the_arm_s_joints(tmp_path: Path, gripper: str) -> None:
+    """A gripper's topic comes first, or it speaks on the arm's; one message is empty."""
+    rows = [
+        message
+        for row in POSITION
+        for message in ((gripper, ["finger"], np.array([0.01])), ("/joint_states", NAMES, row))
+    ]
+    rows.insert(7, ("/joint_states", [], np.zeros(0)))
+    raw = read_bag(several(tmp_path / "run", rows), ("joint_a", "joint_b"))
+    found = log_of_joints(raw, ("joint_a", "joint_b"))
+    assert found.position == pytest.approx(POSITION[:, ::-1])
+    assert "topic /joint_states, time from headers" in found.read
+    left_out = 1 if gripper.startswith("/gripper") else 41
+    assert f"{left_out} messages without these joints left out" in found.read
+
+
+def test_a_message_that_is_not_a_number_is_left_out(tmp_path: Path) -> None:
+    position = POSITION.copy()
+    position[11] = np.nan
+    raw = read_bag(several(tmp_path / "run", [("/js", NAMES, row) for row in position]), ("joint_a", "joint_b"))
+    found = log_of_joints(raw, ("joint_a", "joint_b"))
+    assert len(found.t) == 39 and "1 rows without a number left out" in found.read
+    assert found.position == pytest.approx(np.delete(POSITION, 11, axis=0)[:, ::-1])
+
+
+def test_a_topic_is_chosen_by_its_name(tmp_path: Path) -> None:
+    rows = [m for row in POSITION for m in (("/left", NAMES, row), ("/right", NAMES, row + 1.0))]
+    place = several(tmp_path / "run", rows)
+    found = log_of_joints(read_bag(place, ("joint_a", "joint_b"), "/right"), ("joint_a", "joint_b"))
+    assert found.position == pytest.approx(POSITION[:, ::-1] + 1.0)
+    either = log_of_joints(read_bag(place, ("joint_a", "joint_b")), ("joint_a", "joint_b"))
+    assert "/right not read (--topic)" in either.read or "/left not read (--topic)" in either.read
+    with pytest.raises(ScenarioError, match=r"--topic /up: .* has no such topic of joints; choose /left or /right"):
+        read_bag(place, ("joint_a", "joint_b"), "/up")
