@@ -88,3 +88,12 @@ def test_pieces_of_b_splines_equal_scipys(degree, inside, outside, clamped, seed
     for order in range(degree):
         expected = theirs(places, order)
         np.testing.assert_allclose(pieces(places, order), expected, atol=1e-9 * max(np.abs(expected).max(), 1.0))
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_each_column_at_places_of_its_own(order: int) -> None:
+    random = np.random.default_rng(order)
+    spline = interpolating_spline(np.linspace(0.0, 1.0, 12), random.normal(size=(12, 3)), 5)
+    places = random.uniform(-0.1, 1.1, (50, 3))
+    own = np.column_stack([spline(places[:, column], order)[:, column] for column in range(3)])
+    assert np.array_equal(spline.by_columns(places, order), own)

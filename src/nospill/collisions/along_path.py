@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.collisions.box_bounds import box_bounds
+from nospill.collisions.bodies import Body
+from nospill.collisions.box_bounds import ball_bounds, box_bounds
 from nospill.collisions.capsule_distances import are_capsules, capsule_distances
-from nospill.collisions.distances import ball_gap, distances_of
+from nospill.collisions.distances import ball_gaps, distances_of
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import tray_poses
@@ -104,7 +105,7 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
     """
     frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     pairs = scene_pairs(scene)
-    for pair, room in zip(pairs, room_bounds(pairs, frames), strict=True):
+    for pair, room in zip(pairs, room_bounds(pairs, frames, enough=max(within, 0.0)), strict=True):
         # of the arm with itself and its load only what is broken counts: bounds do until then
         near = np.flatnonzero(room < (0.0 if pair.of_arm else within))
         if len(near) and not are_capsules(pair.first, pair.second):
@@ -115,6 +116,8 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
 
 def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     """What comes nearest in that configuration in which there is most room; None where no pair is judged.
+
+    Where it is above zero, some bound on the room; the configuration is then one that has room.
 
     Of the arm with itself, its load and the obstacles; of tray and cargo with obstacles the path decides, not the arm.
 
@@ -127,7 +130,7 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     if not pairs:
         return None
     frames = joint_frames(arm_chain(scene.robot), q)
-    room = room_bounds(pairs, frames)
+    room = room_bounds(pairs, frames, enough=0.0)
     for pair, own in zip(pairs, room, strict=True):
         near = np.flatnonzero(own < 0.0)
         if len(near) and not are_capsules(pair.first, pair.second):
@@ -138,18 +141,29 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     return Nearness(pairs[int(worst[best])], float(least[best]), s)
 
 
-def room_bounds(pairs: Sequence[Pair], frames: JointFrames) -> np.ndarray:
+def room_bounds(pairs: Sequence[Pair], frames: JointFrames, *, enough: float = np.inf) -> np.ndarray:
     """Bounds (k, m) on the room of pairs, m: of two capsules the room itself.
 
     Of what the arm carries and a link, by the box about the one; of others by the balls about both.
+
+    Args:
+        pairs: k of them.
+        frames: of the arm at m configurations.
+        enough: room, m, from which on the balls about both do for every pair.
     """
-    found = np.empty((len(pairs), frames.position.shape[1]))
-    capsules = np.array([are_capsules(pair.first, pair.second) for pair in pairs], dtype=bool)
-    carried = np.array([pair.of_arm for pair in pairs], dtype=bool) & ~capsules
-    chosen = [
-        [(pair.first, pair.second) for pair, own in zip(pairs, of, strict=True) if own] for of in (capsules, carried)
-    ]
-    found[capsules], found[carried] = capsule_distances(chosen[0], frames), box_bounds(chosen[1], frames)[0]
-    for index in np.flatnonzero(~(capsules | carried)).tolist():
-        found[index] = ball_gap(pairs[index].first, pairs[index].second, frames)
-    return found - np.array([pair.limit for pair in pairs])[:, None]
+    if not pairs:
+        return np.zeros((0, frames.position.shape[1]))
+    bodies, limits = [(pair.first, pair.second) for pair in pairs], np.array([[pair.limit] for pair in pairs])
+    found = ball_gaps(bodies, frames) - limits
+
+    def near(chosen: Iterable[int]) -> tuple[list[int], list[tuple[Body, Body]]]:
+        indices = [index for index in chosen if enough == np.inf or float(np.min(found[index])) < enough]
+        return indices, [bodies[index] for index in indices]
+
+    capsules, own = near(index for index, pair in enumerate(bodies) if are_capsules(*pair))
+    found[capsules] = capsule_distances(own, frames) - limits[capsules]
+    carried, own = near(index for index, pair in enumerate(pairs) if pair.of_arm and not are_capsules(*bodies[index]))
+    found[carried] = np.maximum(found[carried], ball_bounds(own, frames) - limits[carried])
+    carried, own = near(carried)
+    found[carried] = np.maximum(found[carried], box_bounds(own, frames)[0] - limits[carried])
+    return found

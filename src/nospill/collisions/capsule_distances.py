@@ -33,19 +33,21 @@ class CapsuleDistances:
 
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
-        gaps = nearest_gaps(*(_ends([body], frames, samples)[0] for body in (self.first, self.second)))
-        lengths = np.linalg.norm(gaps, axis=1)
-        away = np.where(lengths[:, None] > _SHORTEST, gaps / np.maximum(lengths, _SHORTEST)[:, None], [0.0, 0.0, 1.0])
-        return lengths - self._radii, away
+        lengths, away = _lengths(nearest_gaps(*(_ends([body], frames, samples) for body in (self.first, self.second))))
+        return lengths[0] - self._radii, away[0]
 
 
 def capsule_distances(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.ndarray:
     """Distances (k, m), m, of k pairs of capsules at m configurations."""
+    return capsules_apart(pairs, frames)[0]
+
+
+def capsules_apart(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple[np.ndarray, np.ndarray]:
+    """The same, and unit directions (k, m, 3) from the first capsules to the second."""
     if not pairs:
-        return np.zeros((0, frames.position.shape[1]))
-    gaps = nearest_gaps(*(_ends([pair[index] for pair in pairs], frames) for index in (0, 1)))
-    radii = np.array([one.shape.ball + two.shape.ball for one, two in pairs])
-    return np.linalg.norm(gaps, axis=-1) - radii[:, None]
+        return np.zeros((0, frames.position.shape[1])), np.zeros((0, frames.position.shape[1], 3))
+    lengths, away = _lengths(nearest_gaps(*(_ends([pair[index] for pair in pairs], frames) for index in (0, 1))))
+    return lengths - np.array([one.shape.ball + two.shape.ball for one, two in pairs])[:, None], away
 
 
 def nearest_gaps(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -58,6 +60,13 @@ def nearest_gaps(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     squares = np.sum(gaps * gaps, axis=-1)
     nearest = np.argmin(np.where(np.isnan(squares), np.inf, squares), axis=-1)
     return np.take_along_axis(gaps, nearest[..., None, None], axis=-2)[..., 0, :]
+
+
+def _lengths(gaps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lengths (...,) and directions (..., 3) of vectors (..., 3); any direction where there is none."""
+    lengths = np.linalg.norm(gaps, axis=-1)
+    away = np.where(lengths[..., None] > _SHORTEST, gaps / np.maximum(lengths, _SHORTEST)[..., None], [0.0, 0.0, 1.0])
+    return lengths, away
 
 
 def _ends(bodies: Sequence[Body], frames: JointFrames, samples: np.ndarray | slice = slice(None)) -> np.ndarray:

@@ -7,6 +7,7 @@ support functions.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from types import ModuleType
 from typing import Any
@@ -71,12 +72,18 @@ def distances_of(first: Body, second: Body) -> Distances | CapsuleDistances:
     return CapsuleDistances(first, second) if are_capsules(first, second) else Distances(first, second)
 
 
-def ball_gap(first: Body, second: Body, frames: JointFrames) -> np.ndarray:
-    """A bound (m,) on the distance of two bodies by the balls about them, m; of a half-space none."""
-    if second.shape.kind == "halfspace":
-        return np.full(frames.position.shape[1], -np.inf)
-    one, two = (frames.position[body.joint] + frames.rotation[body.joint] @ body.centre for body in (first, second))
-    return np.linalg.norm(one - two, axis=1) - first.radius - second.radius
+def ball_gaps(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.ndarray:
+    """Bounds (k, m) on the distances of k pairs by the balls about both, m; of a half-space none."""
+    if not pairs:
+        return np.zeros((0, frames.position.shape[1]))
+    numbers: dict[Body, int] = {}
+    first, second = (
+        np.array([numbers.setdefault(body, len(numbers)) for body in column]) for column in zip(*pairs, strict=True)
+    )
+    joints, points = [body.joint for body in numbers], np.array([body.centre for body in numbers])
+    centres = frames.position[joints] + (frames.rotation[joints] @ points[:, None, :, None])[..., 0]
+    radii = np.array([body.radius for body in numbers])
+    return np.linalg.norm(centres[first] - centres[second], axis=2) - (radii[first] + radii[second])[:, None]
 
 
 def separation(

@@ -23,7 +23,7 @@ import numpy as np
 
 from nospill.collisions.bodies import Body
 from nospill.collisions.box_bounds import box_bounds
-from nospill.collisions.capsule_distances import CapsuleDistances
+from nospill.collisions.capsule_distances import CapsuleDistances, are_capsules, capsules_apart
 from nospill.collisions.distances import Distances, distances_of, separation
 from nospill.collisions.motion_bounds import SampledMotion
 from nospill.collisions.pairs import Pair
@@ -119,8 +119,25 @@ class _Search:
         self.partitions: dict[int, _Blocks] = {}
         first = self.blocks(_BLOCK)
         frames, _ = first.frames(np.arange(len(first.middle)))
-        self.balls = [_ball(body, frames) for body in bodies]
-        self.away = _directions(pairs, frames) if beyond < np.inf else {}
+        self.low = dict(zip(pairs, self._of_balls(frames, first), strict=True))
+        self.middle: dict[Pair, np.ndarray] = {}
+        if beyond < np.inf:
+            self._look_at_the_near(frames, first)
+
+    def _look_at_the_near(self, frames: JointFrames, first: _Blocks) -> None:
+        """Better bounds over the first blocks, from directions found for many pairs at once.
+
+        Two capsules are nearest in closed form; of what the arm carries it is the box about it that is near a link.
+        """
+        near = [pair for pair in self.pairs if float(np.min(self.low[pair])) < self.beyond]
+        capsules = [pair for pair in near if are_capsules(pair.first, pair.second)]
+        carried = [pair for pair in near if pair.of_arm and pair.first.on_path]
+        distances, between = capsules_apart([(pair.first, pair.second) for pair in capsules], frames)
+        _, away = box_bounds([(pair.first, pair.second) for pair in carried], frames)
+        self.middle = dict(zip(capsules, distances, strict=True))
+        every = np.arange(len(first.middle))
+        for pair, directions in zip([*capsules, *carried], [*between, *away], strict=True):
+            self.low[pair] = np.maximum(self.low[pair], self._of_directions(pair, first, every, directions))
 
     def blocks(self, size: int) -> _Blocks:
         """The partition in blocks of so many samples."""
@@ -144,9 +161,7 @@ class _Search:
         Where it cannot be below a known distance, m, it is some distance that is not below it either.
         """
         size, blocks = _BLOCK, self.blocks(_BLOCK)
-        low = self._of_balls(pair, blocks)
-        if float(np.min(low)) < min(known, self.beyond) and pair in self.away:
-            low = np.maximum(low, self._of_directions(pair, blocks, np.arange(len(low)), self.away[pair]))
+        low = self.low[pair]
         if float(np.min(low)) >= min(known, self.beyond):
             return float(np.min(low)), float(self.motion.t[int(np.argmin(low)) * _BLOCK])
         measure = distances_of(pair.first, pair.second)
@@ -176,6 +191,8 @@ class _Search:
         self, pair: Pair, measure: Distances | CapsuleDistances, blocks: _Blocks, chosen: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distances (k,) in the middle of some blocks, and bounds (k,) over the whole of each, m."""
+        if pair in self.middle and blocks is self.partitions[_BLOCK]:
+            return self.middle[pair][chosen], self.low[pair][chosen]
         frames, places = blocks.frames(chosen)
         distance, directions = measure.at(frames, places)
         return distance, self._of_directions(pair, blocks, chosen, directions)
@@ -183,22 +200,27 @@ class _Search:
     def _of_directions(self, pair: Pair, blocks: _Blocks, chosen: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Bounds (k,) over the whole of some blocks, m, by a direction (k, 3) for each that separates the bodies."""
         frames, places = blocks.frames(chosen)
-        time, drift = blocks.time[chosen], self._drift(pair, blocks)[chosen]
-        bounds = [separation(pair.first, pair.second, frames, places, directions, sign * time) for sign in (-1.0, 1.0)]
-        return np.minimum(*bounds) - drift
+        time, both = blocks.time[chosen], np.concatenate([places, places])
+        ends = np.concatenate([-time, time])
+        bounds = separation(pair.first, pair.second, frames, both, np.concatenate([directions, directions]), ends)
+        return np.min(bounds.reshape(2, -1), axis=0) - self._drift(pair, blocks)[chosen]
 
-    def _of_balls(self, pair: Pair, blocks: _Blocks) -> np.ndarray:
-        """Bounds (k,) over the first blocks by the balls about the bodies, m."""
-        (centre, speed), (other, pull) = (self.balls[self.number[body]] for body in (pair.first, pair.second))
-        if pair.second.shape.kind == "halfspace":
-            direction, radii = -np.broadcast_to(pair.second.rotation[:, 2], centre.shape), pair.first.radius
-        else:
-            gap = other - centre
-            length = np.linalg.norm(gap, axis=1, keepdims=True)
-            direction, radii = gap / np.maximum(length, 1e-12), pair.first.radius + pair.second.radius
-        apart = np.sum(direction * (other - centre), axis=1)
-        closing = np.abs(np.sum(direction * (pull - speed), axis=1)) * blocks.time
-        return apart - radii - closing - self._drift(pair, blocks)
+    def _of_balls(self, frames: JointFrames, blocks: _Blocks) -> np.ndarray:
+        """Bounds (p, k) of all pairs over the first blocks by the balls about the bodies, m."""
+        balls = [_ball(body, frames) for body in self.number]
+        centre, speed = (np.array([ball[part] for ball in balls]) for part in (0, 1))
+        first = np.array([self.number[pair.first] for pair in self.pairs])
+        second = np.array([self.number[pair.second] for pair in self.pairs])
+        gap = centre[second] - centre[first]
+        direction = gap / np.maximum(np.linalg.norm(gap, axis=2, keepdims=True), 1e-12)
+        radii = np.array([pair.first.radius + pair.second.radius for pair in self.pairs])
+        for index, pair in enumerate(self.pairs):
+            if pair.second.shape.kind == "halfspace":
+                direction[index], radii[index] = -pair.second.rotation[:, 2], pair.first.radius
+        apart = np.sum(direction * gap, axis=2)
+        closing = np.abs(np.sum(direction * (speed[second] - speed[first]), axis=2)) * blocks.time
+        drift = blocks.drift[:, first] + blocks.drift[:, second]
+        return apart - radii[:, None] - closing - drift.T
 
     def _drift(self, pair: Pair, blocks: _Blocks) -> np.ndarray:
         return blocks.drift[:, self.number[pair.first]] + blocks.drift[:, self.number[pair.second]]
@@ -206,13 +228,6 @@ class _Search:
     def _enough(self, best: float, limit: float) -> float:
         """Bound from which on a block needs no closer look, where the least distance found is `best`."""
         return min(best - max(_EXACT, _SHARE * (best - limit)), self.beyond)
-
-
-def _directions(pairs: Sequence[Pair], frames: JointFrames) -> dict[Pair, np.ndarray]:
-    """Directions (k, 3) in which a box about what the arm carries is nearest to the capsules of its links."""
-    carried = [pair for pair in pairs if pair.of_arm and pair.first.on_path]
-    _, away = box_bounds([(pair.first, pair.second) for pair in carried], frames)
-    return dict(zip(carried, away, strict=True))
 
 
 def _ball(body: Body, frames: JointFrames) -> tuple[np.ndarray, np.ndarray]:

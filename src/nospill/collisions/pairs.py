@@ -156,7 +156,7 @@ def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
 
 def pair_table(scene: Scene) -> tuple[SampledPair, ...]:
     """Every pair of parts of the arm that move against each other, by name."""
-    return tuple(_sampled(scene.robot, _parts(scene)).values())
+    return tuple(_table(scene).values())
 
 
 def self_collision(scene: Scene) -> SelfCollision:
@@ -171,7 +171,7 @@ def self_collision(scene: Scene) -> SelfCollision:
 
 @lru_cache(maxsize=8)
 def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
-    bodies = scene_bodies(scene, loaded=loaded)
+    bodies = _bodies(scene, loaded)
     own = [body for body in bodies if body.obstacle is None]
     around = [
         Pair(body, item, item.obstacle.clearance)
@@ -180,11 +180,12 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
         for body in own
         if body.joint
     ]
-    load, sides = region_bodies(scene, loaded=loaded)
-    around += [Pair(load, item, 0.0) for item in sides]
+    if scene.regions:
+        load, sides = region_bodies(scene, loaded=loaded)
+        around += [Pair(load, item, 0.0) for item in sides]
     if not scene.robot.self_collision:
         return tuple(around)
-    table = _sampled(scene.robot, _parts(scene))
+    table = _table(scene)
     may_enter = _OF_RADIUS if are_estimated(scene.robot) else 0.0
     against = []
     for first, second in combinations(own, 2):
@@ -195,9 +196,15 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     return (*around, *against)
 
 
-def _parts(scene: Scene) -> tuple[Body, ...]:
-    """Links and holder, each a capsule or more."""
-    return tuple(body for body in scene_bodies(scene, loaded=False) if body.of_arm)
+@lru_cache(maxsize=8)
+def _bodies(scene: Scene, loaded: bool) -> tuple[Body, ...]:
+    return scene_bodies(scene, loaded=loaded)
+
+
+@lru_cache(maxsize=8)
+def _table(scene: Scene) -> Mapping[tuple[str, str], SampledPair]:
+    """Links and holder, each a capsule or more, against each other."""
+    return _sampled(scene.robot, [body for body in _bodies(scene, True) if body.of_arm])
 
 
 def _sampled(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:

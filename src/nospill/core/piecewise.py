@@ -35,6 +35,16 @@ class Pieces:
             result += (math.perm(degree - index, order) * self.coefficients[index]).take(span, axis=0)
         return result
 
+    def by_columns(self, x: np.ndarray, order: int = 0) -> np.ndarray:
+        """The same, shape (n, k), each column at its own places: x (n, k)."""
+        span = np.searchsorted(self.breaks[1:-1], x, side="right")
+        offset, degree = x - self.breaks[span], self.coefficients.shape[0] - 1
+        result = np.zeros(x.shape)
+        for index in range(degree - order + 1):
+            result *= offset
+            result += math.perm(degree - index, order) * np.take_along_axis(self.coefficients[index], span, axis=0)
+        return result
+
 
 def bspline_pieces(points: np.ndarray, degree: int, knots: np.ndarray) -> Pieces:
     """The B-spline's spans within [0, 1] as Taylor polynomials.

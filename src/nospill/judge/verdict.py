@@ -12,6 +12,7 @@ import numpy as np
 from nospill.collisions.pairs import SelfCollision
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import OF_OBJECTS, Constraint, EvaluationPoint, Role, RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.scene.limits import LimitRecord
 
 APPROACH = "approach "
@@ -70,8 +71,11 @@ class Row:
 
     @property
     def label(self) -> str:
-        """Subject with its variant, as in messages: "c1 at fill +2 mm"."""
-        return f"{self.subject} at {self.variant}" if self.variant else self.subject
+        """Subject with its variant, as in messages: "c1 at fill +2 mm", "holder to link_4 (estimated capsules)"."""
+        if not self.variant:
+            return self.subject
+        of_bodies = self.constraint.removeprefix(APPROACH) == Clearance.name
+        return f"{self.subject} ({self.variant})" if of_bodies else f"{self.subject} at {self.variant}"
 
     @cached_property
     def use(self) -> float:

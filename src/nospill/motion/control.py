@@ -115,15 +115,21 @@ class _Lagged:
     left: np.ndarray
 
     def __call__(self, t: np.ndarray, order: int) -> np.ndarray:
-        place = np.clip(np.searchsorted(self.steady.breaks, t, side="right") - 1, 0, len(self.left) - 1)
-        since = t - self.steady.breaks[place]
-        values = self.steady(t, order)
-        values[t >= self.steady.breaks[-1]] = 0.0 if order else self.rest
+        """The derivative of this order, each joint at its own times: t is (m, n), s."""
+        breaks = self.steady.breaks
+        place = np.maximum(np.searchsorted(breaks, t, side="right") - 1, 0)
+        values = np.where(t >= breaks[-1], 0.0 if order else self.rest, self.steady.by_columns(t, order))
+        if not np.any(self.lag):
+            return values
         lag = np.where(self.lag > 0.0, self.lag, 1.0)
-        return values + self.left[place] * (-1.0 / lag) ** order * np.exp(-since[:, None] / lag)
+        left = np.take_along_axis(self.left, place, axis=0)
+        return values + left * (-1.0 / lag) ** order * np.exp((breaks[place] - t) / lag)
 
 
 def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
+    rest = pieces(pieces.breaks[[0, -1]])
+    if not np.any(lag):
+        return _Lagged(pieces, rest[1], lag, np.zeros((len(pieces.breaks), len(lag))))
     degree = pieces.coefficients.shape[0] - 1
     derived, steady = pieces.coefficients, pieces.coefficients.copy()
     for order in range(1, degree + 1):
@@ -137,14 +143,13 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     for row in steady:
         last = last * widths[:, None] + row
     first = np.concatenate([steady[-1, 1:], last[-1:]])  # after the last break the command rests
-    rest = Pieces(pieces.breaks, pieces.coefficients)(pieces.breaks[[0, -1]])
     first[-1] = rest[1]
     decay = np.where(lag > 0.0, np.exp(-widths[:, None] / np.where(lag > 0.0, lag, 1.0)), 0.0)
     left = np.empty((len(widths) + 1, len(lag)))
     left[0] = np.where(lag > 0.0, rest[0] - steady[-1, 0], 0.0)
+    jumps = np.where(lag > 0.0, last - first, 0.0)
     for index in range(len(widths)):
-        jump = np.where(lag > 0.0, last[index] - first[index], 0.0)
-        left[index + 1] = left[index] * decay[index] + jump
+        left[index + 1] = left[index] * decay[index] + jumps[index]
     return _Lagged(found, rest[1], lag, left)
 
 
@@ -159,12 +164,6 @@ class _Followed:
 
     def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
         """The derivative of this order at times t (m,), s."""
-        own = self.controller
-        columns = []
-        for joint, delay in enumerate(own.delay):
-            at = t + (own.latest - delay)
-            values = self.lagged(np.maximum(at, self.start), order)[:, joint]
-            if order:
-                values = np.where(at < self.start, 0.0, values)
-            columns.append(values)
-        return np.column_stack(columns)
+        at = t[:, None] + (self.controller.latest - self.controller.delay)
+        values = self.lagged(np.maximum(at, self.start), order)
+        return np.where(at < self.start, 0.0, values) if order else values

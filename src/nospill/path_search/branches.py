@@ -18,8 +18,8 @@ from nospill.scene.scene import Scene
 _ENDS = {0.0: "start", 1.0: "end"}
 _PLACES = (11, 201)
 """Numbers of places at which a joint path among obstacles is looked at, one after the other."""
-_ALONE = (11, 51)
-"""The same of an arm that keeps from itself and its load alone, which the certificate looks at between them."""
+_ALONE = (51,)
+"""The same of an arm that keeps from itself and its load alone: so few cost no more than fewer would."""
 
 
 def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:

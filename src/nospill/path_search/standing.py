@@ -152,11 +152,7 @@ def _turned_path(scene: Scene) -> Iterator[tuple[Scene, Change]]:
     for turn in _TURNS.tolist():
         values = [f"{math.degrees(value):.6g} deg" for value in (yaw + turn).tolist()]
         text = f"path.yaw = [{', '.join(values)}], the tray turned by {math.degrees(turn):.0f} deg"
-        change = Change.of_limit(Clearance.name, "tray", "path.yaw", values, text)
-        try:
-            yield scene.changed(change.values), change
-        except ScenarioError:
-            continue
+        yield from _changed(scene, Change.of_limit(Clearance.name, "tray", "path.yaw", values, text))
 
 
 def _moved_base(scene: Scene) -> Iterator[tuple[Scene, Change]]:
@@ -167,11 +163,15 @@ def _moved_base(scene: Scene) -> Iterator[tuple[Scene, Change]]:
         position = [float(base[0]), float(base[1]), float(base[2]) - lower]
         where = "lower" if lower > 0.0 else "higher"
         text = f"robot.base_position = {_lengths(np.array(position))}, {1e3 * abs(lower):.0f} mm {where}"
-        change = Change.of_limit(Clearance.name, "robot", "robot.base_position", position, text)
-        try:
-            yield scene.changed(change.values), change
-        except ScenarioError:
-            continue
+        yield from _changed(scene, Change.of_limit(Clearance.name, "robot", "robot.base_position", position, text))
+
+
+def _changed(scene: Scene, change: Change) -> Iterator[tuple[Scene, Change]]:
+    """The scene with a change, and the change; nothing where another limit of the scenario is in the way."""
+    try:
+        yield scene.changed(change.values), change
+    except ScenarioError:
+        return
 
 
 def _stands_free(scene: Scene) -> bool:
