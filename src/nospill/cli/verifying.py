@@ -88,14 +88,14 @@ def verify(
 
 def _print_verification(report: VerifyReport) -> None:
     """Print the figures of every object and the verdict."""
-    found = report.to_dict()
+    table = report.to_dict()
     keys = ("name", "slide_mm", "slide_at_s", "rotation_deg", "tilt_deg", "lift_off_mm", "moved_at_s")
     columns = ("object", "slide mm", "at s", "rotation deg", "tilt deg", "lift-off mm", "moves from s")
     still = "every object stays" if all(item.ok for item in report.objects) else "not every object stays"
     touching = ", ".join(f"{item.body} touches {item.obstacle}" for item in report.touches)
-    verdict = f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg"
+    verdict = f"{still} within {table['threshold_mm']:g} mm and {table['threshold_deg']:g} deg"
     verdict += f"; {touching}" if touching else ""
-    objects = found["objects"]
+    objects = table["objects"]
     print_verdict(verdict, report.ok)
     print()
     print_table(

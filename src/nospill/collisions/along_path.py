@@ -102,15 +102,15 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
 
     Where it is above `within`, m, or above zero of the arm with itself and its load, it is a bound.
     """
-    frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
+    frames, least = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     pairs = scene_pairs(scene)
     for pair, room in zip(pairs, room_bounds(pairs, frames), strict=True):
         # of the arm with itself and its load only what is broken counts: bounds do until then
         near = np.flatnonzero(room < (0.0 if pair.of_arm else within))
         if len(near) and not are_capsules(pair.first, pair.second):
             room[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
-        found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
-    return found
+        least[pair.subject] = min(float(np.min(room)), least.get(pair.subject, np.inf))
+    return least
 
 
 def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
@@ -128,10 +128,10 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
         return None
     frames = joint_frames(arm_chain(scene.robot), q)
     room = room_bounds(pairs, frames)
-    for pair, own in zip(pairs, room, strict=True):
-        near = np.flatnonzero(own < 0.0)
+    for pair, slack in zip(pairs, room, strict=True):
+        near = np.flatnonzero(slack < 0.0)
         if len(near) and not are_capsules(pair.first, pair.second):
-            own[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
+            slack[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
     worst = np.argmin(room, axis=0)
     least = room[worst, np.arange(len(q))]
     best = int(np.argmax(least))
@@ -143,13 +143,13 @@ def room_bounds(pairs: Sequence[Pair], frames: JointFrames) -> np.ndarray:
 
     Of what the arm carries and a link, by the box about the one; of others by the balls about both.
     """
-    found = np.empty((len(pairs), frames.position.shape[1]))
+    distance = np.empty((len(pairs), frames.position.shape[1]))
     capsules = np.array([are_capsules(pair.first, pair.second) for pair in pairs], dtype=bool)
     carried = np.array([pair.of_arm for pair in pairs], dtype=bool) & ~capsules
     chosen = [
         [(pair.first, pair.second) for pair, own in zip(pairs, of, strict=True) if own] for of in (capsules, carried)
     ]
-    found[capsules], found[carried] = capsule_distances(chosen[0], frames), box_bounds(chosen[1], frames)[0]
+    distance[capsules], distance[carried] = capsule_distances(chosen[0], frames), box_bounds(chosen[1], frames)[0]
     for index in np.flatnonzero(~(capsules | carried)).tolist():
-        found[index] = ball_gap(pairs[index].first, pairs[index].second, frames)
-    return found - np.array([pair.limit for pair in pairs])[:, None]
+        distance[index] = ball_gap(pairs[index].first, pairs[index].second, frames)
+    return distance - np.array([pair.limit for pair in pairs])[:, None]

@@ -127,13 +127,13 @@ def _on_path(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     position, rotation = chain.flange_position + axes @ tool.position, axes @ tool.rotation
     up, (length, width) = rotation[:, 2], scene.tray.size
     board = box_shape((float(length), float(width), TRAY_THICKNESS))
-    found = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
+    bodies = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
     for item in cargo:
         turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
         place, off = position + rotation @ item.place, _place_tolerance(item, cargo)
         shape = cargo_shape(item, place_tolerance=off)
-        found.append(Body(item.name, last, shape, place, turn, on_path=True, place_tolerance=off))
-    return found
+        bodies.append(Body(item.name, last, shape, place, turn, on_path=True, place_tolerance=off))
+    return bodies
 
 
 def _place_tolerance(item: Cargo, cargo: Sequence[Cargo]) -> float:

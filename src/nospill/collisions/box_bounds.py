@@ -30,8 +30,8 @@ def box_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple
     if not pairs:
         return np.zeros((0, frames.position.shape[1])), np.zeros((0, frames.position.shape[1], 3))
     low, high = np.array([box_about(body.shape) for body, _ in pairs]).transpose(1, 0, 2)[:, :, None]
-    joints, own = [body.joint for body, _ in pairs], np.array([body.rotation for body, _ in pairs])
-    axes = frames.rotation[joints] @ own[:, None]
+    joints, box_axes = [body.joint for body, _ in pairs], np.array([body.rotation for body, _ in pairs])
+    axes = frames.rotation[joints] @ box_axes[:, None]
     origin = frames.position[joints] + _turned(frames.rotation[joints], np.array([body.position for body, _ in pairs]))
     others = [capsule.joint for _, capsule in pairs]
     ends = np.array([capsule.points[[0, -1]] for _, capsule in pairs])

@@ -59,13 +59,13 @@ class Configurations:
 
     def _look_around(self, free: np.ndarray, frames: JointFrames, spare: np.ndarray) -> None:
         wanted = self._limits[:, None] + spare
-        joints, points, own, first, second = self._bodies
+        joints, points, body_axes, first, second = self._bodies
         turns, at = frames.rotation[joints], frames.position[joints]
         centres, origins = (at + (turns @ part[:, None, :, None])[..., 0] for part in points)
-        axes = turns @ own[:, None]
+        axes = turns @ body_axes[:, None]
         low, high, radii = self._sizes
         # what stands still has the same axes everywhere
-        local = (centres[first] - origins[second]) @ own[second]
+        local = (centres[first] - origins[second]) @ body_axes[second]
         beyond = np.maximum(np.maximum(low - local, local - high), 0.0)
         gaps = np.sqrt(np.einsum("kmi,kmi->km", beyond, beyond)) - radii
         pairs, looks = np.nonzero(gaps < wanted)

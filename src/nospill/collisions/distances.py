@@ -53,9 +53,9 @@ class Distances:
         (positions, rotations), (others, turns) = (_placed(body, frames, samples) for body in (self.first, self.second))
         back = np.swapaxes(turns, 1, 2)
         gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
-        found, normals = np.empty(len(samples)), np.empty((len(samples), 3))
+        distance, normals = np.empty(len(samples)), np.empty((len(samples), 3))
         for index, (gap, turn) in enumerate(zip(gaps, turned, strict=True)):
-            found[index] = self.between(turn, gap)
+            distance[index] = self.between(turn, gap)
             normals[index] = self._result.normal
         if self.second.shape.kind == "halfspace":
             directions = -turns[:, :, 2]
@@ -63,7 +63,7 @@ class Distances:
             directions = (turns @ normals[:, :, None])[:, :, 0]
         lengths = np.linalg.norm(directions, axis=1, keepdims=True)
         # what gives no direction gives no bound either: any will do
-        return found, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
+        return distance, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
 
 
 def distances_of(first: Body, second: Body) -> Distances | CapsuleDistances:

@@ -69,8 +69,8 @@ def least_distances(
     if not subjects:
         return ()
     search = _Search(motion, pairs, beyond)
-    found = [(group, *search.least_of(group)) for group in subjects.values()]
-    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in found)
+    nearest = [(group, *search.least_of(group)) for group in subjects.values()]
+    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in nearest)
 
 
 class _Blocks:

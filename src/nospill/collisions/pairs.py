@@ -172,12 +172,12 @@ def self_collision(scene: Scene) -> SelfCollision:
 @lru_cache(maxsize=8)
 def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     bodies = scene_bodies(scene, loaded=loaded)
-    own = [body for body in bodies if body.obstacle is None]
+    moving = [body for body in bodies if body.obstacle is None]
     around = [
         Pair(body, item, item.obstacle.clearance)
         for item in bodies
         if item.obstacle is not None
-        for body in own
+        for body in moving
         if body.joint
     ]
     load, sides = region_bodies(scene, loaded=loaded)
@@ -187,7 +187,7 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     table = _sampled(scene.robot, _parts(scene))
     may_enter = _OF_RADIUS if are_estimated(scene.robot) else 0.0
     against = []
-    for first, second in combinations(own, 2):
+    for first, second in combinations(moving, 2):
         if first.joint == second.joint or (second.of_arm and not table[second.name, first.name].judged):
             continue
         depth = may_enter * sum(body.shape.ball for body in (first, second) if body.of_arm and body.name != HOLDER)
@@ -229,6 +229,6 @@ def _sampled_anew(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], 
         names = first.name, second.name
         touching[names] = touching.get(names, False) | (distances < 0.0)
     return {
-        names: SampledPair(*names, float(np.mean(own[:SAMPLES])), bool(np.any(own[SAMPLES:])))
-        for names, own in touching.items()
+        names: SampledPair(*names, float(np.mean(touches[:SAMPLES])), bool(np.any(touches[SAMPLES:])))
+        for names, touches in touching.items()
     }

@@ -142,7 +142,7 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
     buffer, evaluate_now = mapped.buffer()
     for first in range(0, whole, chunk):
         part = slice(first, first + chunk)
-        _connect(mapped, buffer, [*(own[part] for own in inputs), parameters], result[part])
+        _connect(mapped, buffer, [*(input[part] for input in inputs), parameters], result[part])
         evaluate_now()
     return result[:count].T
 

@@ -96,8 +96,8 @@ class _Expansion:
         widths = [knots[degree + 1 : last - order] - knots[order + 1 : last - degree] for order in range(degree)]
         # between knots repeated beyond the degree stands a control point that governs no span
         factors = tuple(
-            np.divide(degree - order, own, out=np.zeros_like(own), where=own > 0.0)[:, None]
-            for order, own in enumerate(widths)
+            np.divide(degree - order, width, out=np.zeros_like(width), where=width > 0.0)[:, None]
+            for order, width in enumerate(widths)
         )
         return cls(span - degree, basis, factors)
 

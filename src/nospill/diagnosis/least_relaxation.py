@@ -27,12 +27,12 @@ def is_helped(helped: list[tuple[float, Change]], relaxation: Relaxation) -> boo
     return any(change.place == place for _, change in helped)
 
 
-def least_share(trials: Trials, relaxation: Relaxation, found: Found, share: float) -> float | None:
+def least_share(trials: Trials, relaxation: Relaxation, motion: Found, share: float) -> float | None:
     """Least share of a relaxation that makes the fastest motion fast enough, by secants in logarithms; else None."""
     limit, best = trials.limit, None
-    points = [(0.0, found.duration)]
+    points = [(0.0, motion.duration)]
     for _ in range(_SOLVES):
-        trial = _with_relaxation(trials, relaxation, share, found)
+        trial = _with_relaxation(trials, relaxation, share, motion)
         if trial is not None:
             points.append((share, trial.duration))
             if trial.duration <= WITHIN * limit:

@@ -139,10 +139,10 @@ def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:
     scene, usual = trials.run.scene, 120.0
     now = scene.planning.max_solve_time
     patient = replace(scene, planning=replace(scene.planning, max_solve_time=usual))
-    found = trials.fastest(patient)
+    motion = trials.fastest(patient)
     text = f"max_solve_time {usual:.4g} s instead of {now:.3g} s"
     change = Change("solver", "planning.max_solve_time", usual, text)
-    changes = (change,) if found is not None and found.duration <= trials.limit else ()
+    changes = (change,) if motion is not None and motion.duration <= trials.limit else ()
     return NoSolutionError(
         f"No motion found: {last.status} ({now:.3g} s, {last.iterations} iterations). "
         + advice(changes, "Give it more time."),

@@ -18,11 +18,11 @@ from nospill.scene.scene import Scene
 def relaxed_friction(scene: Scene, constraint: str, subject: str, sensitivities: Sensitivities) -> list[Relaxation]:
     """The object's own friction if it has one, else the tray's, which is that of all without their own."""
     names = [cargo.name for cargo in scene.cargo]
-    own = "friction" in entry_of(scene, subject)
+    has_friction = "friction" in entry_of(scene, subject)
     now = scene.cargo[names.index(subject)].friction
-    alike = [index for index, name in enumerate(names) if name == subject or not own]
-    alike = [index for index in alike if own or "friction" not in entry_of(scene, names[index])]
-    place, whose = (f"cargo.{subject}.friction", subject) if own else ("tray.friction", "tray")
+    alike = [index for index, name in enumerate(names) if name == subject or not has_friction]
+    alike = [index for index in alike if has_friction or "friction" not in entry_of(scene, names[index])]
+    place, whose = (f"cargo.{subject}.friction", subject) if has_friction else ("tray.friction", "tray")
 
     def change(share: float) -> Change:
         value = now * (1.0 + share)

@@ -236,12 +236,12 @@ def _both_ways(now: float, what: str, place: str, moved: Callable[[float], Task]
 
 def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
     """The limit that is passed, where the scenario and not the robot has set it."""
-    robot, own = scene.robot, own_robot(scene)
+    robot, described = scene.robot, own_robot(scene)
     joint, excess = robot.joints.index(reason.subject), reason.excess or 0.0
     task = _task(scene)
     options = []
     for key, limits, sign in (("upper", robot.upper, 1.0), ("lower", robot.lower, -1.0)):
-        room = math.inf if own is None else float(sign * (getattr(own, key) - limits)[joint])
+        room = math.inf if described is None else float(sign * (getattr(described, key) - limits)[joint])
         if room < 1e-6:
             continue
         most = min(room, 4.0 * excess + math.radians(5.0))

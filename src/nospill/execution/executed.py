@@ -167,7 +167,7 @@ def executed(
     judgement = judge_joints(record, scene, motion=motion)
     distances = [row for row in judgement.certificate.rows if row.constraint == Clearance.name]
     rough = _traces(motion, scene, span, distances)
-    drawn = [_followed(played(own), scene, span, distances) for own in _draws(recorded)]
+    drawn = [_followed(played(comparison), scene, span, distances) for comparison in _draws(recorded)]
     smoothing = smoothing_errors(rough, _followed(played(recorded.coarser), scene, span, distances))
     if plan is not None:
         asked = HeldMotion(plan.trajectory.motion, span.start, span.stop)
@@ -188,8 +188,8 @@ def executed(
         planned=None if plan is None else judge(plan.trajectory, plan.scene),
         peaks=() if plan is None else _peaks(motion, rough, plan.trajectory.motion, scene, span),
         measured={
-            name: compare(_from_rest(judgement.replay.t, heights[name], _longer(own, recorded)), own)
-            for name, own in given.items()
+            name: compare(_from_rest(judgement.replay.t, heights[name], _longer(comparison, recorded)), comparison)
+            for name, comparison in given.items()
         },
     )
 
@@ -201,11 +201,11 @@ def _tracking(recorded: RecordedMotion, scene: Scene, plan: Plan | None) -> Trac
         kept = recorded.sampling.kept
         command = QUINTIC_SPLINE.motion(JointSamples(recorded.sampling.t, log.command[kept]))
     if plan is not None:
-        found = tracking(recorded, scene, plan.trajectory.motion, plan.duration)
+        against_plan = tracking(recorded, scene, plan.trajectory.motion, plan.duration)
         if command is None:
-            return found
+            return against_plan
         of_command = followed_command(recorded, scene, command)
-        return replace(found, delay=of_command.delay, of_command=True)
+        return replace(against_plan, delay=of_command.delay, of_command=True)
     return None if command is None else followed_command(recorded, scene, command)
 
 

@@ -108,7 +108,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
                 f"{log.origin}: the log {word} midway: {log.joints[fastest]} moves at {speed[index, fastest]:.3g} "
                 f"rad/s at t = {t[index]:.3f} s; record from rest to rest, since the liquids are known at rest only"
             )
-    found = RecordedMotion(
+    motion = RecordedMotion(
         log,
         sampling,
         smooth,
@@ -118,8 +118,8 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
         begin=float(t[moving[0]]),
         end=float(t[moving[-1]]),
     )
-    _check_level(found, scene)
-    return found
+    _check_level(motion, scene)
+    return motion
 
 
 def _smoothed(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
@@ -129,9 +129,9 @@ def _smoothed(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tup
     def fitted(bandwidth: float) -> SmoothJoints:
         return smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
 
-    found = fitted(highest)
-    if np.max(found.noise) <= _NO_SENSOR:
-        return found, fitted(0.5 * highest), highest
+    splines = fitted(highest)
+    if np.max(splines.noise) <= _NO_SENSOR:
+        return splines, fitted(0.5 * highest), highest
     bandwidth = min(bandwidth, highest)
     return fitted(bandwidth), fitted(0.5 * bandwidth), bandwidth
 

@@ -158,9 +158,9 @@ def _followed(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np
         return 0.0
     even = ticks[_FOURTH:] - ticks[:-_FOURTH] == _FOURTH
     speed = np.gradient(position, period * ticks, axis=0)
-    found = np.diff(position, _FOURTH, axis=0)[even]
+    differences = np.diff(position, _FOURTH, axis=0)[even]
     expected = np.diff(speed * off[:, None], _FOURTH, axis=0)[even]
     # A leap of the arm itself says nothing: it would weigh more than all the rest.
-    usual = np.abs(found) <= 6.0 * np.median(np.abs(found), axis=0) + 1e-12
+    usual = np.abs(differences) <= 6.0 * np.median(np.abs(differences), axis=0) + 1e-12
     square = float(np.sum(np.where(usual, expected, 0.0) ** 2))
-    return float(np.sum(np.where(usual, expected * found, 0.0))) / square if square > 0.0 else 0.0
+    return float(np.sum(np.where(usual, expected * differences, 0.0))) / square if square > 0.0 else 0.0

@@ -192,10 +192,10 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
 def nearest(canvas: Canvas, triangles: Triangles) -> Surface:
     """What is seen of opaque triangles."""
     corners = canvas.project(triangles.corners)
-    found = fragments(canvas, corners)
-    depth = ((1.0 - np.clip(found.inverse * NEAREST, 0.0, 1.0)) * _DEPTHS).astype(np.int64)
+    pieces = fragments(canvas, corners)
+    depth = ((1.0 - np.clip(pieces.inverse * NEAREST, 0.0, 1.0)) * _DEPTHS).astype(np.int64)
     keys = np.full(canvas.width * canvas.height, _EMPTY)
-    np.minimum.at(keys, found.pixel, (depth << _NUMBERS) | found.triangle)
+    np.minimum.at(keys, pieces.pixel, (depth << _NUMBERS) | pieces.triangle)
     pixel = np.flatnonzero(keys != _EMPTY)
     number = keys[pixel] & ((1 << _NUMBERS) - 1)
     inverse = np.zeros(len(keys))
@@ -210,9 +210,9 @@ def layer(canvas: Canvas, triangles: Triangles, surface: Surface) -> tuple[np.nd
         Pixels (f,), labels (f,) and shades (f,).
     """
     corners = canvas.project(triangles.corners)
-    found = fragments(canvas, corners)
-    seen = found.inverse > surface.inverse[found.pixel]
-    pixel, number = found.pixel[seen], found.triangle[seen]
+    pieces = fragments(canvas, corners)
+    seen = pieces.inverse > surface.inverse[pieces.pixel]
+    pixel, number = pieces.pixel[seen], pieces.triangle[seen]
     return pixel, triangles.label[number], _at(canvas, corners, triangles.shade, pixel, number)
 
 

@@ -40,16 +40,16 @@ def peaks_between(
     Returns:
         Traces of one instant each, between two of the grid.
     """
-    found: list[Trace] = []
+    peaks: list[Trace] = []
     for point, near in _NEAR.items():
-        own = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
-        intervals = _beside_peaks(played, own, near)
+        evaluated = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
+        intervals = _beside_peaks(played, evaluated, near)
         if len(intervals):
             t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
             looked_at = between(played, scene, motion, t)
             inputs = {point: motion_inputs(trajectory, scene, looked_at)[point]}
-            found += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
-    return tuple(found)
+            peaks += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
+    return tuple(peaks)
 
 
 def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:

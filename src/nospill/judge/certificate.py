@@ -138,26 +138,26 @@ def judge_motion(
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
-    found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
-    require_converged(found.replay.slosh_error)
-    controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
+    judged = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    require_converged(judged.replay.slosh_error)
+    controls = () if alone else constraint_traces(held, scene, judged.replay, points=[EvaluationPoint.CONTROL])
     of_command = [] if run.command is None else command_traces(scene, run.command)
     if run.compensated:
-        of_record = record_traces(trajectory, held, scene, found.replay)
+        of_record = record_traces(trajectory, held, scene, judged.replay)
     else:  # without its liquids, since the record is not about what the joints did
         asked = replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
         of_record = [replace(trace, variant=COMMAND) for trace in record_traces(trajectory, held, scene, asked)]
-        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, found.replay))
+        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, judged.replay))
     rows = (
-        *condensed([*found.certificate.rows, *map(worst_row, (*controls, *of_command))]),
+        *condensed([*judged.certificate.rows, *map(worst_row, (*controls, *of_command))]),
         *map(worst_row, of_record),
     )
     return replace(
-        found,
-        certificate=replace(found.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
-        traces=(*found.traces, *controls),
+        judged,
+        certificate=replace(judged.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
+        traces=(*judged.traces, *controls),
         end_time=trajectory.end_time,
-        fullest=fullest([*found.fullest.values(), *controls, *of_command, *of_record]),
+        fullest=fullest([*judged.fullest.values(), *controls, *of_command, *of_record]),
     )
 
 

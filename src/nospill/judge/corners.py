@@ -82,14 +82,14 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
         motion = motion or trajectory.motion
-        own = replay(trajectory, scene, motion=motion, rate=rate)
-        traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
-        traces = with_peaks(traces, peaks_between(trajectory, scene, own, traces, motion))
+        played = replay(trajectory, scene, motion=motion, rate=rate)
+        traces = constraint_traces(trajectory, scene, played, points=OF_OBJECTS)
+        traces = with_peaks(traces, peaks_between(trajectory, scene, played, traces, motion))
         traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
     else:
         scene = replace(scene, cargo=hull_objects(scene))
-        slow, own = _slowed(trajectory, scene, speed, motion, rate)
-        traces = constraint_traces(slow, scene, own, points=OF_OBJECTS)
+        slow, played = _slowed(trajectory, scene, speed, motion, rate)
+        traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
         joints = None if motion is None else SlowedMotion(motion, speed)
         traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
         traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
@@ -114,9 +114,9 @@ def _torques(
 
     Under the worst load where masses may be off.
     """
-    slow, own = _slowed(trajectory, replace(scene, cargo=()), least, motion, rate)
-    traces = constraint_traces(slow, scene, own, points=[EvaluationPoint.JOINT])
-    traces = (*traces, *worst_load_traces(scene, own)) if is_uncertain(scene) else traces
+    slow, played = _slowed(trajectory, replace(scene, cargo=()), least, motion, rate)
+    traces = constraint_traces(slow, scene, played, points=[EvaluationPoint.JOINT])
+    traces = (*traces, *worst_load_traces(scene, played)) if is_uncertain(scene) else traces
     for trace in traces:
         if trace.constraint == JointTorque.name:
             yield replace(trace, t=trace.t * least, variant=speed_text(least))
@@ -133,14 +133,14 @@ def _at_speeds(
         for speed in between(use):
             asking.setdefault(speed, set()).add(row.subject)
     grid = sorted({corner.speed for corner in corners})
-    found = []
+    chosen = []
     for speed, names in asking.items():
-        nearest = min(grid, key=lambda own: abs(own - speed))
-        for own in (corner for corner in corners if corner.speed == nearest):
-            cargo = tuple(item for item in own.scene.cargo if item.name in names.intersection(own.texts))
+        nearest = min(grid, key=lambda tried: abs(tried - speed))
+        for tried in (corner for corner in corners if corner.speed == nearest):
+            cargo = tuple(item for item in tried.scene.cargo if item.name in names.intersection(tried.texts))
             if cargo:
-                found.append(replace(own, scene=replace(own.scene, cargo=cargo), speed=speed))
-    return found
+                chosen.append(replace(tried, scene=replace(tried.scene, cargo=cargo), speed=speed))
+    return chosen
 
 
 def closer(use: Mapping[float, float]) -> set[float]:
@@ -156,12 +156,12 @@ def closer(use: Mapping[float, float]) -> set[float]:
 
 def vertices(use: Mapping[float, float]) -> set[float]:
     """Speeds at which a use just below its limit is largest: vertices of parabolas, from the uses at some speeds."""
-    found, speeds = set[float](), sorted(use)
+    between, speeds = set[float](), sorted(use)
     for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
         before, most, after = (use[speed] for speed in (first, middle, last))
         if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
             below, above = (middle - first) * (most - after), (last - middle) * (most - before)
             vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
             if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
-                found.add(round(vertex, 6))
-    return found
+                between.add(round(vertex, 6))
+    return between

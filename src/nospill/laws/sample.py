@@ -102,8 +102,8 @@ def sample_objects(
     for object_structure, object_numbers, states in zip(structure.objects, numbers.objects, slosh, strict=True):
         motion = object_motion(object_numbers, tray)
         wrench = contact_wrench(structure.fidelity, object_numbers, object_structure, motion, states)
-        own, corrected = (object_numbers, object_structure, motion, states), structure.fidelity == "full"
-        surface, added = surface_vector(*own, corrected=corrected), yaw_heights(*own, corrected=corrected)
+        arguments, corrected = (object_numbers, object_structure, motion, states), structure.fidelity == "full"
+        surface, added = surface_vector(*arguments, corrected=corrected), yaw_heights(*arguments, corrected=corrected)
         samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states, added))
     return tuple(samples)
 

@@ -125,12 +125,12 @@ def margins(
         done += len(range(*part.indices(total)))
         if progress is not None:
             progress(done, total)
-    found = [
+    all_margins = [
         _figures(cargo.name, own, objects)
         for cargo, own, objects in zip(scene.cargo, zip(*parts, strict=True), changed, strict=True)
     ]
     drawn = slice(0, samples)
-    worst = 1.0 - np.max([use for item in found for use in _during(item).values()], axis=0)
+    worst = 1.0 - np.max([use for item in all_margins for use in _during(item).values()], axis=0)
     return MarginsReport(
         scenario=scene.name,
         ranges={cargo.name: own for cargo, own in zip(scene.cargo, used, strict=True)},
@@ -141,13 +141,15 @@ def margins(
         nominal=float(worst[-1]),
         worst_margin=worst[drawn],
         draws=draws,
-        spill=probability(np.any([_spilt(item) for item in found], axis=0)[drawn]),
-        over_limit=probability(_broken(found, (SloshHeight.name,))[drawn]),
-        slide=probability(_broken(found, (Slip.name, Twist.name, Lift.name))[drawn]),
-        tip=probability(_broken(found, (Tip.name,))[drawn]),
-        any_limit=probability(_broken(found, tuple({name: None for item in found for name in item.use}))[drawn]),
-        constraints=_risks(found, drawn),
-        influences=_influences(found, labels, samples),
+        spill=probability(np.any([_spilt(item) for item in all_margins], axis=0)[drawn]),
+        over_limit=probability(_broken(all_margins, (SloshHeight.name,))[drawn]),
+        slide=probability(_broken(all_margins, (Slip.name, Twist.name, Lift.name))[drawn]),
+        tip=probability(_broken(all_margins, (Tip.name,))[drawn]),
+        any_limit=probability(
+            _broken(all_margins, tuple({name: None for item in all_margins for name in item.use}))[drawn]
+        ),
+        constraints=_risks(all_margins, drawn),
+        influences=_influences(all_margins, labels, samples),
     )
 
 
@@ -270,10 +272,10 @@ def _written(factor: str, value: float) -> str:
     return f"{1e3 * value:+.3g} mm" if factor == "fill" else f"{1e2 * value:+.3g} %"
 
 
-def _influences(found: list[_Found], labels: list[tuple[str, str]], samples: int) -> tuple[Influence, ...]:
+def _influences(figures: list[_Found], labels: list[tuple[str, str]], samples: int) -> tuple[Influence, ...]:
     influences, places = [], [*(place for _, place in labels), "as planned"]
     for measure, wanted in MEASURES.items():
-        owned = [(item, name) for item in found for name in wanted if name in item.use]
+        owned = [(item, name) for item in figures for name in wanted if name in item.use]
         if not owned:
             continue
         swept = 1.0 - np.array([item.use[name][samples:] for item, name in owned])

@@ -17,10 +17,10 @@ def recorded_freedom(trajectory: Trajectory, scene: Scene) -> list[np.ndarray]:
         that of the path there (m, 1), rad.
     """
     rules, pose = scene.motion, scene.path.at(trajectory.s)
-    found = [trajectory.tilt] if rules.tilt_free else []
+    parts = [trajectory.tilt] if rules.tilt_free else []
     if rules.corridor is not None:
-        found.append(trajectory.tray_position - pose[:, :3])
+        parts.append(trajectory.tray_position - pose[:, :3])
     if rules.yaw_free:
         yaw = yaw_of(matrices(trajectory.tray_quaternion))
-        found.append(np.unwrap(yaw - pose[:, 3])[:, None])
-    return found
+        parts.append(np.unwrap(yaw - pose[:, 3])[:, None])
+    return parts

@@ -130,7 +130,7 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
         powers = np.arange(degree, -1, -1.0)[:, None, None]
         derived = np.concatenate([np.zeros_like(derived[:1]), (derived * powers)[:-1]])
         steady = steady + (-lag) ** order * derived
-    found = Pieces(pieces.breaks, steady)
+    course = Pieces(pieces.breaks, steady)
     # At every break the lag is continuous, and the polynomials differ by their fifth derivatives.
     widths = np.diff(pieces.breaks)
     last = np.zeros_like(steady[-1])
@@ -145,7 +145,7 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     for index in range(len(widths)):
         jump = np.where(lag > 0.0, last[index] - first[index], 0.0)
         left[index + 1] = left[index] * decay[index] + jump
-    return _Lagged(found, rest[1], lag, left)
+    return _Lagged(course, rest[1], lag, left)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,10 +159,10 @@ class _Followed:
 
     def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
         """The derivative of this order at times t (m,), s."""
-        own = self.controller
+        controller = self.controller
         columns = []
-        for joint, delay in enumerate(own.delay):
-            at = t + (own.latest - delay)
+        for joint, delay in enumerate(controller.delay):
+            at = t + (controller.latest - delay)
             values = self.lagged(np.maximum(at, self.start), order)[:, joint]
             if order:
                 values = np.where(at < self.start, 0.0, values)

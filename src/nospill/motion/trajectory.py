@@ -161,8 +161,8 @@ class Trajectory:
         if not isinstance(order, int | np.integer) or order not in range(4):
             raise ScenarioError(f"order {order!r} of a motion: 0 (position), 1 (speed), 2 (acceleration) or 3 (jerk)")
         times = self.require_times(t)
-        found = self.motion(np.atleast_1d(times), int(order))
-        return found if times.ndim else found[0]
+        values = self.motion(np.atleast_1d(times), int(order))
+        return values if times.ndim else values[0]
 
     def require_times(self, t: ArrayLike) -> np.ndarray:
         """Times as an array, () or (m,), within the record but for rounding.

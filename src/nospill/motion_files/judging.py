@@ -56,14 +56,14 @@ class JudgedMotion:
 
         The code is the name of the constraint with hyphens, as "slosh-height".
         """
-        found = []
+        failures = []
         for row in self.certificate.rows:
             if row.ok:
                 continue
             first = _first_failing(self.judgement.fullest.get(row.id), row.at_s)
             # the judged times have the first point at 0
             point = int(np.searchsorted(self.file.samples.t, first, side="right"))
-            found.append(
+            failures.append(
                 {
                     "code": row.constraint.replace(" ", "-"),
                     "subject": row.subject,
@@ -75,7 +75,7 @@ class JudgedMotion:
                     "use": row.use,
                 }
             )
-        return found
+        return failures
 
 
 def judge_file(

@@ -64,9 +64,9 @@ def fastest_clear_path(scene: Scene) -> Scene:
     if not scene.has_surroundings:
         ways = feasible_paths(scene)
         clear = (way.scene for way in ways if not scene.keeps_distances or any(are_clear(scene, way.paths)))
-        found = next(clear, None)
-        if found is not None:
-            return found
+        fastest = next(clear, None)
+        if fastest is not None:
+            return fastest
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
     in_order = clear_candidates(scene)
@@ -78,8 +78,8 @@ def fastest_clear_path(scene: Scene) -> Scene:
         if any(are_clear(scene, paths)):
             is_fastest = number == 0 and straight_is_open
             return item if is_fastest else _or_sampled(item, paths[0].speed_figure, scene)
-    found = fastest_sampled_path(scene)
-    return _least_blocked(scene) if found is None else found[1]
+    fastest = fastest_sampled_path(scene)
+    return _least_blocked(scene) if fastest is None else fastest[1]
 
 
 def clear_candidates(scene: Scene) -> list[PathCandidate]:
@@ -219,9 +219,9 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPa
     points = np.column_stack([way.poses * METRIC, LEVER * way.q @ direction])
     along_it = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     dense = np.linspace(0.0, along_it[-1], _DENSE)
-    points, q = (np.column_stack([np.interp(dense, along_it, own) for own in of.T]) for of in (points, way.q))
+    points, q = (np.column_stack([np.interp(dense, along_it, column) for column in of.T]) for of in (points, way.q))
     widest = min((_OF_RADIUS * item.radius for item in scene.motion.via), default=_SMOOTHINGS[0])
-    for smoothing in dict.fromkeys(min(own, widest) for own in _SMOOTHINGS):
+    for smoothing in dict.fromkeys(min(column, widest) for column in _SMOOTHINGS):
         curve = smooth_curve(points, smoothing)
         if curve is None:
             continue
@@ -235,17 +235,17 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPa
         poses[[0, -1], :3] = arm.ends[:, :3]
         joints = None
         if arm.redundant is not None:
-            near = np.column_stack([np.interp(at, curve.s, own) for own in q.T])
+            near = np.column_stack([np.interp(at, curve.s, column) for column in q.T])
             joints = arm.joints_at(poses, near, Held(direction, values[:, 4] / LEVER))
             if joints is None:
                 continue
         try:
-            found = with_path(scene, poses[:, :3], poses[:, 3], joints)
+            smooth_scene = with_path(scene, poses[:, :3], poses[:, 3], joints)
         except ScenarioError:  # between its points it passes a place too far away
             continue
-        if not tray_is_clear(scene, found.path):
+        if not tray_is_clear(scene, smooth_scene.path):
             continue
-        paths = tried_along(found).paths
+        paths = tried_along(smooth_scene).paths
         path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
         if path is not None:
             return _SmoothPath(float(f"{path.speed_figure:.6g}"), poses[:, :3], poses[:, 3], joints)

@@ -98,11 +98,11 @@ class LevelArm:
             # the nearest positions at which there is a closed form: making one takes as long as ten solutions
             given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
         tool, turns = self.scene.tray.tool, _turned(poses[:, 3])
-        found = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
-        q = np.concatenate(found)
+        solutions = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
+        q = np.concatenate(solutions)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
         inside = np.all(self._turning | (q <= self.robot.upper), axis=1)
-        ends = np.cumsum([len(some) for some in found])[:-1]
+        ends = np.cumsum([len(some) for some in solutions])[:-1]
         return [some[kept] for some, kept in zip(np.split(q, ends), np.split(inside, ends), strict=True)]
 
     def clear(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -168,21 +168,21 @@ class LevelArm:
         turn = 0.0 if self.redundant is None else float(np.abs(self.apart(joints, q)).max())
         steps = max(1, int(np.ceil(max(np.linalg.norm((goal - pose) * METRIC) / STEP, turn / _TURN))))
         poses = pose + np.linspace(0.0, 1.0, steps + 1)[1:, None] * (goal - pose)
-        found = np.zeros((0, len(self.robot.joints)))
+        reached = np.zeros((0, len(self.robot.joints)))
         lost = False
-        while len(found) < steps and not lost:
-            ahead = poses[len(found) : len(found) + _AT_ONCE]
+        while len(reached) < steps and not lost:
+            ahead = poses[len(reached) : len(reached) + _AT_ONCE]
             if self.redundant is None:
                 chunk = self._on_branch(ahead, q)
             else:
-                share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(found))
+                share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(reached))
                 chunk = self._beside(ahead, q, q + share * self.apart(joints, q))
             clear = self.clear(ahead[: len(chunk)], chunk)
             count = len(clear) if clear.all() else int(np.argmin(clear))
-            found = np.concatenate([found, chunk[:count]])
+            reached = np.concatenate([reached, chunk[:count]])
             lost = count < len(ahead)
-            q = found[-1] if len(found) else q
-        return poses[: len(found)], found, not lost
+            q = reached[-1] if len(reached) else q
+        return poses[: len(reached)], reached, not lost
 
     def _on_branch(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The configurations (k, n) of six joints at the first k of poses (m, 4), on the branch of the one before."""
@@ -200,7 +200,7 @@ class LevelArm:
         They come after q (n,), each near the one before and within the limits.
         """
         tool = self.scene.tray.tool
-        found, error = newton(
+        solved, error = newton(
             kinematics(self.robot),
             poses[:, :3],
             _turned(poses[:, 3]),
@@ -209,14 +209,14 @@ class LevelArm:
             max_iterations=_CORRECTIONS,
             enough=_ENOUGH,
         )
-        steps = np.abs(np.diff(found, axis=0, prepend=q[None])).max(axis=1)
-        inside = np.all(self._turning | ((found >= self.robot.lower) & (found <= self.robot.upper)), axis=1)
+        steps = np.abs(np.diff(solved, axis=0, prepend=q[None])).max(axis=1)
+        inside = np.all(self._turning | ((solved >= self.robot.lower) & (solved <= self.robot.upper)), axis=1)
         good = inside & (error < _LEVEL) & (steps < _JUMP)
-        return found if good.all() else found[: int(np.argmin(good))]
+        return solved if good.all() else solved[: int(np.argmin(good))]
 
     def _levelled(self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Along a straight line of the joints, brought back to a level tray look by look."""
-        poses, found, there = [pose[None]], [q[None]], False
+        poses, configurations, there = [pose[None]], [q[None]], False
         while not there:
             gap = self.apart(goal, q)
             left = float(np.abs(gap).max())
@@ -236,12 +236,12 @@ class LevelArm:
             clear = self.clear(at[:count], looks[:count])
             count = count if clear.all() else int(np.argmin(clear))
             poses.append(at[:count])
-            found.append(looks[:count])
+            configurations.append(looks[:count])
             if count < ahead:
                 there = False
                 break
             pose, q = at[-1], looks[-1]
-        return np.concatenate(poses)[1:], np.concatenate(found)[1:], there
+        return np.concatenate(poses)[1:], np.concatenate(configurations)[1:], there
 
     def _level(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The nearest configurations with a level tray (m, n), and whether each is one within the limits (m,)."""

@@ -102,10 +102,12 @@ class _Draws:
         pose = self._random.uniform(low, high)
         # few positions of a redundant joint let an arm hold a level tray at a given pose
         tries = self._random.choice(self._arm.held, min(_TRIES, len(self._arm.held)))
-        found = next((some for some in self._arm.solutions(np.tile(pose, (len(tries), 1)), tries) if len(some)), None)
-        if found is None:
+        solutions = next(
+            (some for some in self._arm.solutions(np.tile(pose, (len(tries), 1)), tries) if len(some)), None
+        )
+        if solutions is None:
             return None
-        q = found[int(self._random.integers(len(found)))]
+        q = solutions[int(self._random.integers(len(solutions)))]
         return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
@@ -122,7 +124,7 @@ def sample_path(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | No
         From the start to the first place on the way, from there to the next and so on, each from the configuration in
         which the one before ends.
     """
-    random, found = np.random.default_rng(seed), list[SampledPath]()
+    random, legs = np.random.default_rng(seed), list[SampledPath]()
     start, goal = arm.ends
     first, last = arm.scene.path.ends
     here = _rooted(arm, start[None], first)
@@ -133,10 +135,10 @@ def sample_path(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | No
         leg = _connect(arm, random, here, _rooted(arm, poses), samples, over)
         if leg is None:
             return None
-        found.append(leg)
+        legs.append(leg)
         here = _Tree(leg.poses[-1:], leg.q[-1:])
     leg = _connect(arm, random, here, _rooted(arm, goal + turned, last), samples, over)
-    return None if leg is None else [*found, leg]
+    return None if leg is None else [*legs, leg]
 
 
 def _connect(
@@ -165,9 +167,9 @@ def _connect(
             ways = [tree.back(node) for tree, node in ((here, tip), (there, other))]
             nodes = [(here, node) for node in ways[0][::-1]] + [(there, node) for node in ways[1][1:]]
             nodes = nodes if here is roots[0] else nodes[::-1]
-            found = _looked_at(arm, [(tree.poses[node], tree.q[node]) for tree, node in nodes])
-            if found is not None:
-                return found
+            connection = _looked_at(arm, [(tree.poses[node], tree.q[node]) for tree, node in nodes])
+            if connection is not None:
+                return connection
     return None
 
 
@@ -188,13 +190,13 @@ def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) 
     held = arm.held if stated is None else np.array([arm.held_of(stated)])
     each = np.repeat(poses, len(held), axis=0)
     choices = arm.solutions(each, np.tile(held, len(poses)))
-    found = [(pose, q) for pose, some in zip(each, choices, strict=True) for q in some]
+    roots = [(pose, q) for pose, some in zip(each, choices, strict=True) for q in some]
     if stated is not None:
-        found = [(pose, q) for pose, q in found if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
-    if not found:
+        roots = [(pose, q) for pose, q in roots if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
+    if not roots:
         return _Tree(np.zeros((0, 4)), np.zeros((0, len(arm.robot.joints))))
-    clear = arm.clear(np.array([pose for pose, _ in found]), np.array([q for _, q in found]))
-    kept = [item for item, free in zip(found, clear, strict=True) if free]
+    clear = arm.clear(np.array([pose for pose, _ in roots]), np.array([q for _, q in roots]))
+    kept = [item for item, free in zip(roots, clear, strict=True) if free]
     return _Tree(np.array([pose for pose, _ in kept]), np.array([q for _, q in kept]))
 
 
@@ -246,12 +248,12 @@ def shorten(arm: LevelArm, way: SampledPath, *, seed: int, tries: int) -> Sample
         # no piece takes less time than its ends are apart
         if last - first < 2 or arm.time(q[first], q[last]) >= taken:
             continue
-        straight, found, there = arm.towards(poses[first], q[first], poses[last], q[last])
-        if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
+        straight, shortcut, there = arm.towards(poses[first], q[first], poses[last], q[last])
+        if not there or np.abs(arm.apart(shortcut[-1], q[last])).max() > _SAME:
             continue
-        if time_along(arm, np.vstack([q[first], found])) < taken:
+        if time_along(arm, np.vstack([q[first], shortcut])) < taken:
             poses = np.vstack([poses[: first + 1], straight, poses[last + 1 :]])
-            q = np.vstack([q[: first + 1], found, q[last + 1 :]])
+            q = np.vstack([q[: first + 1], shortcut, q[last + 1 :]])
     return SampledPath(poses, q)
 
 

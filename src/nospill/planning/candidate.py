@@ -141,10 +141,10 @@ def solved(
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
     log.solutions.append(replace(solution, pivot_order=None))  # as large as the factor
-    expected, found = active.expected or start.duration, solution.stages.duration
-    if usable(solution) and jerk_cost_dominates(active.scene, expected, found):
+    expected, duration = active.expected or start.duration, solution.stages.duration
+    if usable(solution) and jerk_cost_dominates(active.scene, expected, duration):
         options = {**options, **near_optimum(BARRIERS[1])}
-        again = solved(replace(active, expected=found), solution.stages, log, options, tightens=tightens)
+        again = solved(replace(active, expected=duration), solution.stages, log, options, tightens=tightens)
         if usable(again.solution):
             return again
     return Candidate(active, solution, problem)

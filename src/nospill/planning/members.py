@@ -203,15 +203,15 @@ def tightened(
         backoff: of every row that may.
         slack: part of its budget that each left unused.
     """
-    joining, found = set[RowId](), dict(backoff)
+    joining, raised = set[RowId](), dict(backoff)
     for row in condensed(rows):
         key = row.id
         if key in active:
             excess = row.shortfall / row.size
-            found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), at_end=row.at_end)
-        elif key in found:
+            raised[key] = tightened_backoff(raised[key], excess, slack.get(key, 0.0), at_end=row.at_end)
+        elif key in raised:
             joining.add(key)
-    return found, frozenset(joining)
+    return raised, frozenset(joining)
 
 
 def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:

@@ -99,13 +99,13 @@ def _planned(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         fallbacks=fallbacks(judged.candidate, log, instead),
     )
-    found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
-    answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
+    planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
+    answer, limits = judged.candidate, longest_held(planned.maxima.time_at_limit)
     saved = savings(answer.problem, answer.solution, limits) if answer.has_converged else {}
     with log.phase("approach") if scene.approach is not None else nullcontext():
-        found = with_approach(found)
+        planned = with_approach(planned)
     report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
-    return replace(found, report=report), judged.candidate
+    return replace(planned, report=report), judged.candidate
 
 
 def _offers(
@@ -118,15 +118,15 @@ def _offers(
     """
     scene = task.scene
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
-    if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
-        yield found
+    if warm is not None and alike and (candidate := restarted(task, warm, last, log)) is not None:
+        yield candidate
         if log.out_of_time:
             return
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = advised_free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
-        yield found
+    if warm is not None and not alike and (candidate := restarted_on(task, warm, joint_path, log)) is not None:
+        yield candidate
         if log.out_of_time:
             return
     searches = passage_searches(task, joint_path)

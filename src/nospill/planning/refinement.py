@@ -82,9 +82,9 @@ def _converged(
         if log.out_of_time:
             break
         options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
-        found = solved(active, start, log, options, tightens=tightens)
-        if found.has_converged:
-            return found
+        candidate = solved(active, start, log, options, tightens=tightens)
+        if candidate.has_converged:
+            return candidate
     return None
 
 
@@ -113,9 +113,9 @@ def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
     if saving_of(last.problem, last.solution, relaxed.backoff) > _WORTH_A_SOLVE * end:
         with suppress(NoSolutionError):
             again = _tightened(last, relaxed, log)
-            found = again and _refined_until_certified(again, log)
-            if found and found.judgement.certificate.ok and found.trajectory.end_time < end:
-                return found
+            refined = again and _refined_until_certified(again, log)
+            if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
+                return refined
     return judged
 
 

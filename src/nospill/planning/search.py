@@ -122,10 +122,10 @@ def found_motion(searches: Sequence[PassageSearch], log: Log, search: Search = P
         NoSolutionError: there is none; names the constraint in the way.
     """
     *first, last = searches
-    for own in first:
-        passage = own.task.passage
+    for attempt in first:
+        passage = attempt.task.passage
         try:
-            coarse = search(own, log)
+            coarse = search(attempt, log)
         except NoSolutionError:
             if not passage.brief:
                 raise
@@ -162,7 +162,7 @@ def _overlooked(task: Task, joint_path: JointPath, last: Candidate | None, log: 
         NoSolutionError: there is none; names the constraint in the way.
     """
     tried = last and Answer(last.solution, last.problem)
-    found = diagnosis.last_resort(searcher(task, log), joint_path, tried)
-    log.starts.append(found.solution.stages.duration)
-    active = ActiveSet.of(task, joint_path.q).with_rows(place.row for place in found.problem.places)
-    return Candidate(active, found.solution, found.problem)
+    motion = diagnosis.last_resort(searcher(task, log), joint_path, tried)
+    log.starts.append(motion.solution.stages.duration)
+    active = ActiveSet.of(task, joint_path.q).with_rows(place.row for place in motion.problem.places)
+    return Candidate(active, motion.solution, motion.problem)

@@ -121,8 +121,8 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [_refined(item, modes) if item.name in refined and item.id in members else item for item in own]
-            for own in self.variants
+            [_refined(item, modes) if item.name in refined and item.id in members else item for item in variants]
+            for variants in self.variants
         ]
         return scene_of(scene, families, members)
 
@@ -132,12 +132,12 @@ def _refined(variant: Variant, modes: int) -> Variant:
 
     A mode of frequency omega answers there to what one of omega / v answers to at the planned speed.
     """
-    found = replace(variant, cargo=with_modes(variant.cargo, modes))
-    greatest = _EXCITED * variant.speed * _fastest(found.cargo)
-    while modes > 1 and _fastest(found.cargo) > greatest:
+    refined = replace(variant, cargo=with_modes(variant.cargo, modes))
+    greatest = _EXCITED * variant.speed * _fastest(refined.cargo)
+    while modes > 1 and _fastest(refined.cargo) > greatest:
         modes -= 1
-        found = replace(variant, cargo=with_modes(variant.cargo, modes))
-    return found
+        refined = replace(variant, cargo=with_modes(variant.cargo, modes))
+    return refined
 
 
 def _fastest(cargo: Cargo) -> float:

@@ -40,8 +40,8 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
             active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
-            if (found := _solved_again(active, last.stages, log, warm=last)) is not None:
-                return found
+            if (candidate := _solved_again(active, last.stages, log, warm=last)) is not None:
+                return candidate
     return _restarted_from(task, earlier, earlier.trajectory, log)
 
 
@@ -91,9 +91,9 @@ def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate
     broken = is_broken(problem, start)
     if broken:
         start = slow_enough(problem, start)
-    found = solved(active, start, log, _SLOWED if broken else _WARM, warm, problem)
-    if not found.solution.converged:
-        found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS), problem=problem)
-    succeeded = found.has_converged and found.keeps_branch
-    log.starts.append(found.stages.duration if succeeded else None)
-    return found if succeeded else None
+    candidate = solved(active, start, log, _SLOWED if broken else _WARM, warm, problem)
+    if not candidate.solution.converged:
+        candidate = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS), problem=problem)
+    succeeded = candidate.has_converged and candidate.keeps_branch
+    log.starts.append(candidate.stages.duration if succeeded else None)
+    return candidate if succeeded else None

@@ -144,12 +144,12 @@ def _wrists(evidence: Evidence, instants: np.ndarray) -> list[np.ndarray]:
     played = evidence.judgement.replay
     frames = joint_frames(arm_chain(evidence.plan.scene.robot), played.joint_position[instants])
     lines = np.stack([played.tray.position[instants], *frames.position[:0:-1]], axis=1)
-    found = []
+    wrists = []
     for line in lines:
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
         stops = np.append(gone[gone < _SHOWN], _SHOWN)
-        found.append(np.column_stack([np.interp(stops, gone, line[:, axis]) for axis in range(3)]))
-    return found
+        wrists.append(np.column_stack([np.interp(stops, gone, line[:, axis]) for axis in range(3)]))
+    return wrists
 
 
 def _on_tray(evidence: Evidence, index: int, outline: np.ndarray) -> np.ndarray:

@@ -77,7 +77,7 @@ def _deepest(first: Cargo, second: Cargo) -> tuple[float, float]:
     heights, shares = _sections(first.container, second.container, (first.seat, second.seat))
     if not len(heights):
         return -np.inf, 0.0
-    depth = np.array([_overlap(first, second, own, other) for own, other in shares])
+    depth = np.array([_overlap(first, second, part, other) for part, other in shares])
     at = int(np.argmax(depth))
     return float(depth[at]), float(heights[at])
 

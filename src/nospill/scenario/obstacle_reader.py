@@ -46,7 +46,7 @@ def read_obstacles(
     Raises:
         ScenarioError: an entry contradicts itself or the rest; names it.
     """
-    found: list[Obstacle] = []
+    obstacles: list[Obstacle] = []
     faults: list[Fault] = []
     owners = {item.name: f"cargo {as_written(item.name)}" for item in cargo} | {
         name: f"the {name}" for name in RESERVED_NAMES
@@ -65,10 +65,10 @@ def read_obstacles(
             continue
         fault = _fault(obstacle, robot, path) or _held_place(obstacle, passed)
         faults += [(place, fault)] if fault else []
-        found.append(obstacle)
+        obstacles.append(obstacle)
     if faults:
         raise report(label, faults)
-    return tuple(found)
+    return tuple(obstacles)
 
 
 def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:

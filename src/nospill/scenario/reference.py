@@ -95,12 +95,12 @@ def _union(brackets: str, objects: list[Schema]) -> Iterator[Section]:
     if shared:
         yield Section(f"Every `{brackets}`", "", shared, required)
     for item in objects:
-        own = {name: value for name, value in item["properties"].items() if name not in shared}
-        tags = [f'`{name} = "{value["const"]}"`' for name, value in own.items() if "const" in value]
+        of_kind = {name: value for name, value in item["properties"].items() if name not in shared}
+        tags = [f'`{name} = "{value["const"]}"`' for name, value in of_kind.items() if "const" in value]
         yield Section(
             f"`{brackets}` with {', '.join(tags)}" if tags else f"`{brackets}`: {item.get('title', '')}",
             item.get("description", ""),
-            own,
+            of_kind,
             frozenset(item.get("required", ())),
         )
 

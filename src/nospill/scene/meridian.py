@@ -56,21 +56,21 @@ class Meridian:
 
     def wetted(self, level: float) -> list[np.ndarray]:
         """The pieces below `level` (m): coefficients (k, 4, 2) of k cubics each, powers of a parameter from 0 to 1."""
-        found = []
+        pieces = []
         for piece in _cubics(self):
             above = np.flatnonzero(piece.sum(axis=1)[:, 1] >= level)
             if not len(above):
-                found.append(piece)
+                pieces.append(piece)
                 continue
             last = int(above[0])
             end = _reached(piece[last], level)
             if end > 0.0:
                 cut = piece[last] * (end ** np.arange(4.0))[:, None]
-                found.append(np.concatenate([piece[:last], cut[None]]))
+                pieces.append(np.concatenate([piece[:last], cut[None]]))
             elif last:
-                found.append(piece[:last])
+                pieces.append(piece[:last])
             break
-        return found
+        return pieces
 
     def radius(self, level: float) -> float:
         """Radius of the inside at a height in m, m; beyond its ends that at the end."""

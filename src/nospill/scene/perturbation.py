@@ -113,16 +113,16 @@ def _in_carrier(item: Cargo, by: Perturbation, *, certain: bool, fidelity: Fidel
     if item.filling is None or (allowed is None and not certain):
         return item
     if allowed is None:
-        own = replace(by, friction=0.0, position=(0.0, 0.0), mass=0.0)
-        return perturbed(item, own, fidelity=fidelity)
+        within = replace(by, friction=0.0, position=(0.0, 0.0), mass=0.0)
+        return perturbed(item, within, fidelity=fidelity)
     low, high = allowed.damping
-    own = Perturbation(
+    within = Perturbation(
         liquid_height=float(np.clip(by.liquid_height, -allowed.liquid_height, allowed.liquid_height)),
         damping=float(np.clip(by.damping, low, high)),
         pinned=by.pinned and allowed.pinned,
         contact_angle=float(np.clip(by.contact_angle, -allowed.contact_angle, allowed.contact_angle)),
     )
-    return perturbed(item, own, fidelity=fidelity)
+    return perturbed(item, within, fidelity=fidelity)
 
 
 def _heavier(body: MassProperties, added: float, container: Container) -> MassProperties:
@@ -166,13 +166,13 @@ def _swing(cargo: Cargo, filling: Filling, by: Perturbation) -> Swing | None:
     stated = filling.initial_swing
     if stated is None:
         return None
-    found = stated.of(by.of_liquid)
-    if found is None:
+    swing = stated.of(by.of_liquid)
+    if swing is None:
         raise ModelError(
             f"initial_swing is not known of {cargo.name} with {by.text(cargo)}: give it in initial_swing.variant, as "
             "`nospill plan --after` does, or leave that tolerance out"
         )
-    return found
+    return swing
 
 
 def without_swing(cargo: Cargo) -> Cargo:

@@ -59,14 +59,14 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
         return
     by_object = variants_by_object(scene)
     for speed in (1.0, *scene.motion.speeds):
-        families = [[item for item in own if item.speed == speed] for own in by_object]
+        families = [[item for item in variants if item.speed == speed] for variants in by_object]
         for number in range(max(map(len, families))):
             chosen = tuple(
-                own[min(number, len(own) - 1)].cargo if own else stated
-                for own, stated in zip(families, scene.cargo, strict=True)
+                variants[min(number, len(variants) - 1)].cargo if variants else stated
+                for variants, stated in zip(families, scene.cargo, strict=True)
             )
-            texts = {own[number].name: own[number].text for own in families if number < len(own)}
-            same = all(own is stated for own, stated in zip(chosen, scene.cargo, strict=True))
+            texts = {variants[number].name: variants[number].text for variants in families if number < len(variants)}
+            same = all(variants is stated for variants, stated in zip(chosen, scene.cargo, strict=True))
             yield Corner(scene if same else replace(scene, cargo=chosen), texts, speed)
 
 

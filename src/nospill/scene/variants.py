@@ -197,7 +197,7 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
         count: of changes on each side at which the frequency is looked at.
         finest: to which they are rounded.
     """
-    found: list[float] = []
+    between: list[float] = []
     for end in (-most, most):
         changes = np.linspace(0.0, end, count)
         frequencies = [frequency(by) for by in changes.tolist()]
@@ -205,8 +205,8 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
         wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
         order = np.argsort(frequencies)
         levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
-        found += [round(float(level) / finest) * finest for level in levels]
-    return tuple(found)
+        between += [round(float(level) / finest) * finest for level in levels]
+    return tuple(between)
 
 
 def _slowest(cargo: Cargo, filling: Filling) -> float:

@@ -114,14 +114,14 @@ def stage_functions(structure: Structure) -> StageFunctions:
         tray, tray_variables(layout), np.array(tray_rows), parameters.of_tray(), path=path, breaks=breaks
     )
     objects = []
-    for index, (block, end, own) in enumerate(zip(blocks, ends, structure.slosh_slices, strict=True)):
-        variables = object_variables(layout, own)
+    for index, (block, end, modes) in enumerate(zip(blocks, ends, structure.slosh_slices, strict=True)):
+        variables = object_variables(layout, modes)
         objects.append(
             PlacedObject(
                 block,
                 end,
                 variables,
-                rows=np.concatenate([equality_rows(layout, own, equalities), rows.places[index]]),
+                rows=np.concatenate([equality_rows(layout, modes, equalities), rows.places[index]]),
                 end_rows=end_rows.places[index],
                 parameters=parameters.of_object(index, variables, rows.subjects[index], EvaluationPoint.OBJECT),
                 end_parameters=parameters.of_object(

@@ -79,11 +79,11 @@ def name_boxes(
     """Lower middles (m, n, 2) of all names in the picture, m at 1 m, and sizes (m, n, 2) for letters 1 m high."""
     longest = max(films, key=lambda film: len(film.t))
     moments = longest.t[:: max(1, len(longest.t) // _MOMENTS)]
-    found = [
+    boxes = [
         _boxes(film, title, place, view, camera, [film.index(t) for t in moments])
         for film, title, place in zip(films, titles, places, strict=True)
     ]
-    centres, sizes = zip(*found, strict=True)
+    centres, sizes = zip(*boxes, strict=True)
     return np.concatenate(centres, axis=1), np.concatenate(sizes, axis=1)
 
 

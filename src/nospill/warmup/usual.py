@@ -69,8 +69,8 @@ def usual_parts() -> Iterator[Part]:
             scenes = {tray: _scene(cargo, tray, fidelity=fidelity) for tray in _TRAYS}
             yield from _judged_parts(structure_of(scenes[_TRAYS[0]]), cargo, fidelity)
             for count in modes or (0,):
-                own = {tray: structure_of(_with_modes(scene, count)) for tray, scene in scenes.items()}
-                yield from _planned_parts(own, cargo, f"{count} modes, {fidelity}" if count else fidelity)
+                structures = {tray: structure_of(_with_modes(scene, count)) for tray, scene in scenes.items()}
+                yield from _planned_parts(structures, cargo, f"{count} modes, {fidelity}" if count else fidelity)
 
 
 def _tray_parts(structure: Structure, label: str) -> Iterator[Part]:

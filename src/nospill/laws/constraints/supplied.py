@@ -108,13 +108,13 @@ class Supplied(Constraint):
         """
         if not self.is_of_objects:
             return self._budgets(sample, self.count)
-        found = list[tuple[Budget, ...]]()
+        budgets = list[tuple[Budget, ...]]()
         for item in sample.objects:
             if self in item.structure.constraints:
                 structure = replace(sample.structure, objects=(item.structure,))
                 numbers = replace(sample.numbers, objects=(item.numbers,))
-                found += self._budgets(Sample(structure, numbers, objects=(item,)), 1)
-        return tuple(found)
+                budgets += self._budgets(Sample(structure, numbers, objects=(item,)), 1)
+        return tuple(budgets)
 
     def _budgets(self, sample: Sample, count: int) -> tuple[tuple[Budget, ...], ...]:
         held = _ALWAYS + PARTS[self.evaluated_at]

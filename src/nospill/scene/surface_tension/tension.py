@@ -96,7 +96,7 @@ def _many(container: Container, liquid: Liquid, level: float, count: int) -> Slo
     radius = container.section(level).radius
     like = Cylinder(radius, 10 * radius).slosh_modes(liquid, 5 * radius, wanted, damping=0.0).oscillators
     pairs = [pair for pair in zip(known.oscillators, like, strict=False) if pair[0].number > known.count // 2]
-    ratios = [own.surface_gain**2 / own.mass / (other.surface_gain**2 / other.mass) for own, other in pairs]
+    ratios = [mode.surface_gain**2 / mode.mass / (other.surface_gain**2 / other.mass) for mode, other in pairs]
     factor = math.sqrt(float(np.median(ratios)))
     higher = (replace(item, surface_gain=factor * item.surface_gain) for item in like[known.count :])
     return replace(known, oscillators=(*known.oscillators, *higher))
@@ -126,24 +126,24 @@ def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float,
     """Modes below the curved surface at rest, with the damping of the flat one; the rest of the liquid follows."""
     from nospill.scene.surface_tension.curved_modes import curved_modes  # only few vessels need the solver
 
-    found = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
-    squares = STANDARD_GRAVITY * (found.pinned if pinned else found.curvature + found.tension)
-    masses = liquid.density * found.volume
-    heights = np.where(masses > _UNMOVED * modes.liquid_mass, found.height, modes.liquid_height)
+    solved = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
+    squares = STANDARD_GRAVITY * (solved.pinned if pinned else solved.curvature + solved.tension)
+    masses = liquid.density * solved.volume
+    heights = np.where(masses > _UNMOVED * modes.liquid_mass, solved.height, modes.liquid_height)
     oscillators = tuple(
         _bounded(
             replace(
                 item,
                 frequency=math.sqrt(squares[n]),
-                tension=float(squares[n] - STANDARD_GRAVITY * found.curvature[n]),
+                tension=float(squares[n] - STANDARD_GRAVITY * solved.curvature[n]),
                 mass=float(masses[n]),
                 height=float(heights[n]),
-                surface_gain=float(found.surface_gain[n]),
+                surface_gain=float(solved.surface_gain[n]),
             )
         )
         for n, item in enumerate(modes.oscillators)
     )
-    gain = read_only(np.full(2, found.quasi_static_gain))
+    gain = read_only(np.full(2, solved.quasi_static_gain))
     return replace(modes.with_oscillators(oscillators), quasi_static_gain=gain)
 
 

@@ -63,12 +63,14 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     if warm is not None and len(warm.multipliers) == len(transcription.lower):
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
         order = warm.pivot_order
-    (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
-    result, stats, order = _attempt(problem, settings | own, arguments, options, order)
-    for other, own in others:
+    (linear_solver, options_of_it), *others = candidates(problem.scene.planning.linear_solver)
+    result, stats, order = _attempt(problem, settings | options_of_it, arguments, options, order)
+    for other, options_of_it in others:
         if stats["return_status"] not in UNSOLVED:
             break
-        result, stats, order = _attempt(problem, settings | own, arguments, options, None)  # one that failed is dropped
+        result, stats, order = _attempt(
+            problem, settings | options_of_it, arguments, options, None
+        )  # one that failed is dropped
         linear_solver = f"{other} after {linear_solver}"
     variables, values = result["x"], result["g"]
     return Solution(
