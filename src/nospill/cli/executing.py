@@ -1,4 +1,4 @@
-"""executed: a joint log judged as a plan is, beside the plan it is of."""
+"""executed: a joint log judged as a plan is, compared with the plan it is of."""
 
 from __future__ import annotations
 

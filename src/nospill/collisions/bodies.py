@@ -37,7 +37,7 @@ class Body:
         position: (3,) origin of that frame in the joint's frame, m.
         rotation: (3, 3) axes of the same.
         obstacle: of which it is the solid; None for what the arm is and carries.
-        of_region: whether it is beside a side of a region, from which tray and cargo keep away, as one.
+        of_region: whether it is beyond a side of a region, from which tray and cargo keep away, as one.
         on_path: whether it is the tray or stands on it, and so goes where the path leads whatever the arm does.
         place_tolerance: how far the object may be off its place, m, either side in x and y of the tray; the body holds
             all of it.
@@ -75,7 +75,7 @@ class Body:
 
 
 def region_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, tuple[Body, ...]]:
-    """Tray and cargo as one body, their hull, and the half-spaces beside the sides of all regions."""
+    """Tray and cargo as one body, their hull, and the half-spaces beyond the sides of all regions."""
     parts = _on_path(scene, scene.cargo if loaded else ())
     tray = parts[0]
     points = [(item.points - tray.position) @ tray.rotation for item in parts]

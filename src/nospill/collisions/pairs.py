@@ -62,7 +62,7 @@ class Pair:
 
     @property
     def note(self) -> str:
-        """What the distance rests on beside the numbers of the scenario, in words; empty where on nothing."""
+        """What the distance rests on in addition to the numbers of the scenario, in words; empty where on nothing."""
         off = max(self.first.place_tolerance, self.second.place_tolerance)
         notes = [f"position +-{1e3 * off:.4g} mm"] if off else []
         return ", ".join([*notes, "estimated capsules"] if self.limit < 0.0 else notes)
@@ -148,7 +148,7 @@ class SelfCollision:
 def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
     """The pairs that are judged.
 
-    Everything that moves with every obstacle; tray and cargo, as one, with what is beside each side of every region;
+    Everything that moves with every obstacle; tray and cargo, as one, with what is beyond each side of every region;
     the arm with itself and its load.
     """
     return _pairs(scene, loaded)

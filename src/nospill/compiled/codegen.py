@@ -7,7 +7,7 @@ library is put in place last (see `cache_folder` for who may).
 
 What is not compiled is interpreted on many columns at once where the interpreter can be had (see `interpreter`), and by
 CasADi's virtual machine otherwise. In the background functions are compiled when a plan is there
-(`compiles_afterwards`) or the process ends: beside a plan the compilers made it twice as slow.
+(`compiles_afterwards`) or the process ends: while a plan is made the compilers made it twice as slow.
 """
 
 from __future__ import annotations
@@ -211,7 +211,7 @@ def source_digest() -> str:
     """Of the source that decides what functions are built."""
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
-    for file in sorted(file for room in _SOURCES for file in (package / room).rglob("*.py")):
+    for file in sorted(file for folder in _SOURCES for file in (package / folder).rglob("*.py")):
         digest.update(file.relative_to(package).as_posix().encode())
         digest.update(file.read_bytes())
     return digest.hexdigest()

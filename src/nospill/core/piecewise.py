@@ -118,7 +118,7 @@ class _Expansion:
 
 
 def interpolating_spline(x: np.ndarray, values: np.ndarray, degree: int) -> Pieces:
-    """Not-a-knot spline through values: no break beside the ends, so that n conditions suffice [de Boor, ch. XIII].
+    """Not-a-knot spline through values: no break next to the ends, so that n conditions suffice [de Boor, ch. XIII].
 
     CasADi solves for the control points: loading SciPy for its `make_interp_spline`, which does the same, takes a third
     of a second.
@@ -162,8 +162,8 @@ class _Interpolation:
 @lru_cache(maxsize=8)
 def _interpolation(places: bytes, degree: int) -> _Interpolation:
     """Of places (n,) as bytes: motions, tilt and progress of one record are splines on the same ones."""
-    x, beside = np.frombuffer(places), (degree + 1) // 2
-    inner = x[beside:-beside] if len(x) > degree + 1 else x[:0]
+    x, ends = np.frombuffer(places), (degree + 1) // 2
+    inner = x[ends:-ends] if len(x) > degree + 1 else x[:0]
     knots = np.concatenate([np.repeat(x[0], degree + 1), inner, np.repeat(x[-1], degree + 1)])
     breaks = np.concatenate([x[:1], inner, x[-1:]])
     span = _span_of(x, knots, degree)

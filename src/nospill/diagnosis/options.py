@@ -241,10 +241,10 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
     task = _task(scene)
     options = []
     for key, limits, sign in (("upper", robot.upper, 1.0), ("lower", robot.lower, -1.0)):
-        room = math.inf if described is None else float(sign * (getattr(described, key) - limits)[joint])
-        if room < 1e-6:
+        spare = math.inf if described is None else float(sign * (getattr(described, key) - limits)[joint])
+        if spare < 1e-6:
             continue
-        most = min(room, 4.0 * excess + math.radians(5.0))
+        most = min(spare, 4.0 * excess + math.radians(5.0))
 
         def moved(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> Task:
             values = limits.copy()
@@ -260,6 +260,6 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
 
         amounts = tuple(most * part / 8.0 for part in range(1, 9))
         options.append(
-            Option(amounts, 1.0 / math.pi, moved, change, lambda amount, room=room: min(amount + _SPARE_ANGLE, room))
+            Option(amounts, 1.0 / math.pi, moved, change, lambda amount, spare=spare: min(amount + _SPARE_ANGLE, spare))
         )
     return options

@@ -1,4 +1,4 @@
-"""The verdict on what was executed, beside what was planned, with the band that the noise of the log leaves."""
+"""The verdict on what was executed, compared with what was planned, with the band that the noise of the log leaves."""
 
 from __future__ import annotations
 

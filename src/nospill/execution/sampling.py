@@ -20,7 +20,7 @@ _ROUNDING = 1e-13
 _ON_GRID, _ON_ONE_GRID = 0.02, 0.98
 """Multiples of the least difference count as whole within the first; of a resolution, so many of them are."""
 _PARTS = 4
-_APART, _BESIDE = 20, 21
+_APART, _AROUND = 20, 21
 """Rows between the stamps from which the usual step is taken, and rows on either side of a gap from which it is told:
 their median is right to a tenth of a period where the stamps are off by a third of it."""
 _GAP = 0.1
@@ -116,7 +116,7 @@ def _ticks(steps: np.ndarray, usual: float, new: np.ndarray) -> np.ndarray:
     for row in long[
         np.argsort(-steps[long - 1], kind="stable")
     ]:  # wide gaps first, which would pass for narrow ones beside them
-        behind = np.median(late[row : row + _BESIDE]) - np.median(late[max(0, row - _BESIDE) : row])
+        behind = np.median(late[row : row + _AROUND]) - np.median(late[max(0, row - _AROUND) : row])
         missing = int(np.round(behind / usual))
         if missing > 0:
             advance[row - 1] += missing

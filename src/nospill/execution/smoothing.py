@@ -160,7 +160,7 @@ def _fit(
     def unlikely_or_none(exponent: float) -> float:
         try:
             return solved(exponent)[0]
-        except LinAlgError:  # knots without a sample, or a penalty beside which the samples are rounding
+        except LinAlgError:  # knots without a sample, or a penalty against which the samples are rounding
             return np.inf
 
     best: Any = minimize_scalar(unlikely_or_none, bounds=_WEIGHTS, method="bounded", options={"xatol": 0.05})

@@ -1,4 +1,4 @@
-"""What was executed beside what was asked for: the two clocks, the delay of every joint, the distance on the way."""
+"""Executed motion compared with its command: the two clocks, the delay of every joint, the distance on the way."""
 
 from __future__ import annotations
 

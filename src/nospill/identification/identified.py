@@ -23,7 +23,7 @@ from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.simulation.motion_file import Heights
 
-_BESIDE = 0.02
+_AROUND = 0.02
 """s; of rest that is judged before the motion, and ten times as much after it."""
 
 
@@ -139,7 +139,7 @@ def _command(recorded: RecordedMotion, plan: Plan | None) -> tuple[JointMotion, 
 def _frictions(
     recorded: RecordedMotion, scene: Scene, stayed: Collection[str], slid: Collection[str]
 ) -> tuple[FrictionBound, ...]:
-    span = Span(recorded.begin - _BESIDE, recorded.begin, recorded.end, recorded.end + 10.0 * _BESIDE)
+    span = Span(recorded.begin - _AROUND, recorded.begin, recorded.end, recorded.end + 10.0 * _AROUND)
     record = samples(recorded.held(), scene.robot.joints, span, 500.0)
     rows = judge_joints(record, scene, motion=recorded.held()).certificate.rows
     uses = {row.subject: row.worst_value for row in rows if row.constraint == Slip.name}

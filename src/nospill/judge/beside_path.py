@@ -1,4 +1,4 @@
-"""Where on its path the tray is, by the record or as the nearest place, and how far beside it by the played joints."""
+"""Place of the tray on its path, by the record or as the nearest one, and its deviation by the replayed joints."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def peaks_between(
     peaks: list[Trace] = []
     for point, near in _NEAR.items():
         evaluated = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
-        intervals = _beside_peaks(played, evaluated, near)
+        intervals = _intervals_at_peaks(played, evaluated, near)
         if len(intervals):
             t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
             looked_at = between(played, scene, motion, t)
@@ -65,7 +65,7 @@ def _merged(trace: Trace, peak: Trace) -> Trace:
     return replace(trace, t=t, value=value, limit=limit, margin=margin)
 
 
-def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
+def _intervals_at_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
     """Numbers of the grid's intervals on both sides of every peak."""
     peaks = np.zeros(len(played.t), dtype=bool)
     for trace in traces:
@@ -75,8 +75,8 @@ def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.nd
         rises, falls = np.append(True, use[1:] >= use[:-1]), np.append(use[:-1] >= use[1:], True)
         peaks |= (use > near) & rises & falls
     at = np.flatnonzero(peaks)
-    beside = np.unique(np.concatenate([at - 1, at]))
-    return beside[(beside >= 0) & (beside < len(played.t) - 1)]
+    adjacent = np.unique(np.concatenate([at - 1, at]))
+    return adjacent[(adjacent >= 0) & (adjacent < len(played.t) - 1)]
 
 
 def _worst_instant(trace: Trace) -> Trace:

@@ -96,7 +96,7 @@ def certify(
     Args:
         trajectory: the record.
         scene: what it must keep to.
-        constraints: limits of your own classes, beside those of the scenario; those that the scene has from its
+        constraints: limits of your own classes, added to those of the scenario; those that the scene has from its
             planning when left out.
         motion: what the receiver's joints do; the quintic spline through the recorded positions when left out.
         rate: Hz, the least rate of the grid; a second, finer certificate is one at a higher rate (8 kHz, say).
@@ -204,7 +204,7 @@ def judge_joints(
     Args:
         trajectory: the joints as samples (`Trajectory.of_joints`), from rest to rest.
         scene: what they must keep to.
-        motion: what they do between and beside the samples.
+        motion: what they do between and outside of the samples.
         rate: Hz, the least rate of the grid.
     """
     return _judged(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)

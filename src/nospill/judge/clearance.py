@@ -31,7 +31,7 @@ def clearance_rows(
 ) -> list[Row]:
     """The distances that bodies keep at least.
 
-    One row for each pair with an obstacle, or with what is beside a region. Of the arm with itself and with its load,
+    One row for each pair with an obstacle, or with what is beyond a region. Of the arm with itself and with its load,
     one for each pair that comes nearer than `NEAR`, and one for all others, with the nearest of them.
 
     Args:

@@ -1,4 +1,4 @@
-"""What is judged beside the scene as stated: variants of its objects, and the motion at other speeds."""
+"""What is judged in addition to the scene as stated: variants of its objects, and the motion at other speeds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OF_SLOWED = 0.25
 """Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
 
 _NEAR = 0.03
-"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it beside that (1.6 % seen)."""
+"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it near that (1.6 % seen)."""
 
 _CLOSE, _LOOKS, _SAME = 0.0045, 2, 3e-5
 """Between speeds v that come near a limit: distance of their 1/v in the first look; further looks, each at the vertices
@@ -127,7 +127,7 @@ def _at_speeds(
     uses: Mapping[RowId, Mapping[float, float]],
     between: Callable[[Mapping[float, float]], Iterable[float]],
 ) -> list[Corner]:
-    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried beside it."""
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby."""
     asking: dict[float, set[str]] = {}
     for row, use in uses.items():
         for speed in between(use):

@@ -79,12 +79,12 @@ def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[
     liquids = [played.slosh_displacement.T, played.slosh_velocity.T]
     return {
         EvaluationPoint.OBJECT: (played.t, [played.body, *liquids]),
-        EvaluationPoint.JOINT: (played.t, [*joints, *_beside_path(trajectory, scene, played)]),
+        EvaluationPoint.JOINT: (played.t, [*joints, *_path_deviation(trajectory, scene, played)]),
         EvaluationPoint.TRAY: (played.t, [played.tray.position.T, played.tray.velocity.T, played.tray.acceleration.T]),
     }
 
 
-def _beside_path(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
+def _path_deviation(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
     """Offset and, where the corridor's width changes along the path, s; nothing where the tray keeps to its path."""
     if scene.motion.corridor is None:
         return []

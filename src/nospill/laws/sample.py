@@ -61,7 +61,7 @@ class Sample:
         tray_position, tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m, m/s, m/s^2.
         path_parameter: s; only where the tray may leave its path.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
-            (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
+            (rad/s^3), of the offset along each axis (m/s^3), of the yaw relative to the path's (rad/s^3).
     """
 
     structure: Structure

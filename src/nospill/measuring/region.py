@@ -19,7 +19,7 @@ _TO_CENTRE = 0.5
 """Pixels; AprilTag counts from the corner of a pixel, the rest of OpenCV from its centre."""
 _MARGIN = 1.0 / 6.0
 """Of the marker's side: the white border, one square, on which the paper stands."""
-_BESIDE = 1.1
+_MARGIN_OF_RADIUS = 1.1
 """Radii to either side of the axis that are looked at."""
 
 
@@ -87,8 +87,8 @@ class Finder:
         low, high = vessel.marker * _MARGIN, vessel.marker * (1.0 + _MARGIN)
         square = np.array([[-half, high], [half, high], [half, low], [-half, low]])
         to_frame = cv2.getPerspectiveTransform(square.astype(np.float32), corners.astype(np.float32))
-        columns, rows = round(2.0 * _BESIDE * vessel.radius / scale), round(vessel.height / scale)
-        first = vessel.axis - _BESIDE * vessel.radius
+        columns, rows = round(2.0 * _MARGIN_OF_RADIUS * vessel.radius / scale), round(vessel.height / scale)
+        first = vessel.axis - _MARGIN_OF_RADIUS * vessel.radius
         to_plane = np.array(
             [[scale, 0.0, first + 0.5 * scale], [0.0, -scale, vessel.height - 0.5 * scale], [0.0, 0.0, 1.0]]
         )

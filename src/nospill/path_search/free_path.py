@@ -36,7 +36,7 @@ _SMOOTHINGS = (0.1, 0.05, 0.02, 0.01, 0.004)
 _OF_RADIUS = 0.8
 """Part of the radius about a place on the way that smoothing may take at most."""
 _SPARES = (0.015, 0.0)
-"""m; room that sampled ways keep from obstacles beside what must be kept, so that there is room for a smooth curve."""
+"""m; slack that sampled ways keep from obstacles beyond the clearance, which leaves space for a smooth curve."""
 _DENSE = 161
 """Points of a sampled way by which a smooth curve is fitted."""
 _POINTS = 41
@@ -53,13 +53,13 @@ def fastest_clear_path(scene: Scene) -> Scene:
 
     It is the fastest of the plain ways and detours on which nothing is in the way of the level tray, or a much faster
     one that is found by sampling where the straight one or a faster one is blocked; where none is clear, the fastest of
-    those that are found by sampling; where there is none either, the one with most room, and the certificate decides
+    those that are found by sampling; where there is none either, the one with most slack, and the certificate decides
     then.
 
     Raises:
         ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there.
         NoSolutionError: the arm can follow no way; or none is clear, and the tray is level: tells of the one with most
-            room.
+            slack.
     """
     if not scene.has_surroundings:
         ways = feasible_paths(scene)
@@ -137,7 +137,7 @@ def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
 
 
 def _least_blocked(scene: Scene) -> Scene:
-    """The scene with the way that has most room, as far as the motion may leave it; raises where it may not."""
+    """The scene with the way that has most slack, as far as the motion may leave it; raises where it may not."""
     try:
         candidates = feasible_paths(scene)
     except NoSolutionError as error:
@@ -190,7 +190,7 @@ def _shortened_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> Samp
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SmoothPath:
-    """A smooth clear curve beside a sampled way.
+    """A smooth clear curve near a sampled way.
 
     Attributes:
         speed_figure: of the fastest joint path along it, s.
@@ -210,7 +210,7 @@ class _SmoothPath:
 
 
 def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPath) -> _SmoothPath | None:
-    """The smoothest clear curve beside a way; None where none is clear.
+    """The smoothest clear curve near a way; None where none is clear.
 
     Where the way passes over the axis of the base, so does the curve.
     """

@@ -41,12 +41,12 @@ _LEVEL = 1e-6
 _ENOUGH = 1e-8
 """m and rad; distance from it below which no further step is made."""
 _HELD = 481
-"""Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
-places it has a range of a degree."""
+"""Positions of the redundant joint over its range at which configurations are looked for, besides stated ones: in
+narrow places it has a range of a degree."""
 _SPARSE = 12
 """Every so many of them are looked at first."""
 _NEAR_ENDS = 0.15
-"""m; from an end up to which the spare room grows to what it is elsewhere."""
+"""m; from an end up to which the further slack grows to what it is elsewhere."""
 _AT_ONCE = 12
 """Looks that are taken together."""
 METRIC = np.array([1.0, 1.0, 1.0, LEVER])
@@ -61,7 +61,7 @@ class LevelArm:
 
         Args:
             scene: with obstacles, or without.
-            spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends and near
+            spare: slack that is kept from obstacles beyond the clearance, m; less and less near the ends and near
                 places on the way.
             by_joints: whether straight is what is straight for the joints, and not for the tray; seven joints only.
         """
@@ -176,7 +176,7 @@ class LevelArm:
                 chunk = self._on_branch(ahead, q)
             else:
                 share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(reached))
-                chunk = self._beside(ahead, q, q + share * self.apart(joints, q))
+                chunk = self._solve_poses(ahead, q, q + share * self.apart(joints, q))
             clear = self.clear(ahead[: len(chunk)], chunk)
             count = len(clear) if clear.all() else int(np.argmin(clear))
             reached = np.concatenate([reached, chunk[:count]])
@@ -194,7 +194,7 @@ class LevelArm:
             found.append(near)
         return np.array(found).reshape(-1, len(q))
 
-    def _beside(self, poses: np.ndarray, q: np.ndarray, near: np.ndarray) -> np.ndarray:
+    def _solve_poses(self, poses: np.ndarray, q: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The configurations (k, n) at the first k of poses (m, 4) that are nearest to given ones (m, n).
 
         They come after q (n,), each near the one before and within the limits.

@@ -99,9 +99,9 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
     """What part of its budget every row leaves on a motion, whether it takes part or not."""
-    room = active.task.clearance_slack(node_positions(active.scene, motion))
-    of_table = row_slack(problem_about(active.with_rows(active.possible - room.keys()), motion), motion)
-    return of_table | {row: own - active.backoff[row] for row, own in room.items()}
+    of_clearance = active.task.clearance_slack(node_positions(active.scene, motion))
+    of_table = row_slack(problem_about(active.with_rows(active.possible - of_clearance.keys()), motion), motion)
+    return of_table | {row: slack - active.backoff[row] for row, slack in of_clearance.items()}
 
 
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:

@@ -13,7 +13,7 @@ _COARSER = 0.75
 def on_path_instead(why: str) -> str:
     """That the tray keeps to its path though it may leave it; `why` the first other motion was not certified."""
     reason = why.removesuffix(".")
-    return f"no faster motion beside the path was certified: {reason}; the motion on the path itself was taken"
+    return f"no faster motion off the path was certified: {reason}; the motion on the path itself was taken"
 
 
 def fallbacks(taken: Candidate, log: Log, *sentences: str) -> tuple[str, ...]:

@@ -77,7 +77,7 @@ class Members:
         planned = [row for row in of_objects if not self._is_slowed(row) and _variant(row) not in self.names]
         contacts = [row for row in slowed if not row.of_liquid]
         liquids = [row for row in slowed if row.of_liquid]
-        in_vain = self._beside_spent(liquids, backoff)
+        in_vain = self._next_to_saturated(liquids, backoff)
         alone = set(outer).difference(name for name, _ in self.names)
         with_liquid = self._with_liquid
         solids = {row for row in contacts if row.subject not in with_liquid}  # they bring no states
@@ -125,7 +125,7 @@ class Members:
                     yield replace(row, subject=self.names[member], variant="")
 
     def spent_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
-        """Rows on the final state whose back-off is so large that more would not do at the speeds beside, and of whom.
+        """Rows on the final state whose back-off is so large that more would not do at adjacent speeds, and of whom.
 
         Of slowed members alone.
 
@@ -148,7 +148,7 @@ class Members:
         """The slowed members at the speeds next to that of a row."""
         return adjacent_members(self.speeds[_variant(row)], self.names, self.speeds)
 
-    def _beside_spent(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
+    def _next_to_saturated(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
         """Rows on the final state of slowed liquids next to a member whose back-off is spent."""
         spent = set(self.spent_at_end(backoff).values())
         at_end = (row for row in liquids if spent and row.at_end)
@@ -171,7 +171,7 @@ class Members:
 
         Args:
             liquids: their rows.
-            in_vain: those beside which back-off has been in vain.
+            in_vain: those next to which back-off has been in vain.
             clearly: the use that is far over a limit.
             t: (m,) s, of the motion.
         """

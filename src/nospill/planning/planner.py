@@ -28,7 +28,7 @@ from nospill.planning.refinement import Judged, certified_by_refinement
 from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
 from nospill.planning.search import PassageSearch, Search, found_motion, passage_searches, searcher
 from nospill.planning.task import Task
-from nospill.planning.warm_start import restarted, restarted_on, started_beside
+from nospill.planning.warm_start import restarted, restarted_on, started_off_path
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, preferred_path
@@ -49,7 +49,7 @@ def plan(
 
     Args:
         scene: the task, or what `load` takes.
-        constraints: limits of your own classes, beside those of the scenario; the plan's scene has them from then on.
+        constraints: limits of your own classes, added to those of the scenario; the plan's scene has them from then on.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
@@ -131,14 +131,14 @@ def _offers(
             return
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
-        yield from _beside_path(task, joint_path, searches, log)
+        yield from _off_path(task, joint_path, searches, log)
         return
     yield found_motion(searches, log)
     if not log.out_of_time:
         yield found_motion(searches, log, PassageSearch.further)
 
 
-def _beside_path(
+def _off_path(
     task: Task, joint_path: JointPath, searches: Sequence[PassageSearch], log: Log
 ) -> Iterator[Candidate | Judged | NoSolutionError]:
     """`_offers` where the tray may leave its path: the motion on the path is a start, and taken where all else fails.
@@ -150,7 +150,7 @@ def _beside_path(
     if log.out_of_time:
         return
     given = certified_by_refinement(found_motion(passage_searches(task.on_path, joint_path), log), log)
-    if (again := started_beside(task, given, log)) is not None:
+    if (again := started_off_path(task, given, log)) is not None:
         yield again
     if not log.out_of_time:
         yield _found_or_why(searches, log, PassageSearch.further)

@@ -10,7 +10,7 @@ from nospill import diagnosis
 from nospill.errors import ModelError, NoSolutionError
 from nospill.judge.certificate import Judgement, judge_motion
 from nospill.judge.tracks import judged_tracks, variant_tracks
-from nospill.laws.constraints import BESIDE_JERK_NAMES, LIQUID_NAMES
+from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
@@ -45,7 +45,9 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     coarse = replace(coarse, active=replace(coarse.active, expected=coarse.stages.duration))
     active, stages = coarse.active, coarse.stages
     wanted = fine_intervals(active.scene, stages.duration)
-    jerks = {row for row in active.possible if row.constraint in BESIDE_JERK_NAMES}  # that a coarse grid does not show
+    jerks = {
+        row for row in active.possible if row.constraint in DEVIATION_JERK_NAMES
+    }  # that a coarse grid does not show
     rows = active.near(coarse.solution.slack) | jerks
     first = _with_modes(coarse, rows, log) or _refined(coarse, wanted, rows, log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
@@ -98,7 +100,7 @@ class Judged:
 
 
 def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
-    """Judge everything, solve some, add what is violated, until the certificate holds with room for a finer grid.
+    """Judge everything, solve some, add what is violated, until the certificate holds with a margin for a finer grid.
 
     A certified motion is solved once more with less back-off where the multipliers say that it is worth that.
 

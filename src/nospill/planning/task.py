@@ -89,7 +89,7 @@ class Task:
         if not self.keeps_apart:
             return {}
         found = least_slack(self.scene, q, within=Clearance.least_size)
-        return {RowId(Clearance.name, subject): room / Clearance.least_size for subject, room in found.items()}
+        return {RowId(Clearance.name, subject): slack / Clearance.least_size for subject, slack in found.items()}
 
     @property
     def around_solids(self) -> frozenset[RowId]:

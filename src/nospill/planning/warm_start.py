@@ -69,7 +69,7 @@ def _restarted_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> 
     return _solved_again(active, started_from(active, motion, log), log, warm=None)
 
 
-def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
+def started_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active
     active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)

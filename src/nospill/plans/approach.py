@@ -49,7 +49,7 @@ def starts_alike(first: Scene, second: Scene) -> bool:
 
 
 def judged_motion(plan: Plan) -> Judgement:
-    """The judgement of a plan's motion, with what the full model sees beside it.
+    """The judgement of a plan's motion, with what the full model sees in addition to it.
 
     The one at hand from planning, otherwise a new one; never the certificate that a folder holds.
 

@@ -31,7 +31,7 @@ _ARM, _SHOWN = "#C3C8CE", 0.32
 """Colour of the arm below the tray, and how much of it is drawn, m."""
 _OBSTACLE = (*(channel / 255 for channel in OBSTACLE), 0.22)
 """Colour of obstacles, through which the rest is seen."""
-_ROOM = 0.45
+_MARGIN = 0.45
 """in; kept free round the box for ticks and labels."""
 
 
@@ -130,7 +130,7 @@ def _given(scene: Scene) -> np.ndarray | None:
 
 
 def _instants(evidence: Evidence) -> np.ndarray:
-    """Indices into the replay at equal steps of the path parameter, as many as leave room between the trays."""
+    """Indices into the replay at equal steps of the path parameter, as many as leave space between the trays."""
     trajectory, scene = evidence.plan.trajectory, evidence.plan.scene
     count = int(np.clip(scene.path.length // (1.2 * float(np.max(scene.tray.size))) + 1, 2, 6))
     times = np.interp(np.linspace(0.0, 1.0, count), np.maximum.accumulate(trajectory.s), trajectory.t)
@@ -209,8 +209,8 @@ def _fit(
     across, up, _ = proj3d.proj_transform(x, y, z, axes.get_proj())
     pixels = axes.transData.transform(np.column_stack([across, up])) / figure.dpi
     size = np.array(figure.get_size_inches())
-    room = np.array(place[2:]) * size - 2 * _ROOM
-    zoom = float(np.min(room / np.ptp(pixels, axis=0)))
+    space = np.array(place[2:]) * size - 2 * _MARGIN
+    zoom = float(np.min(space / np.ptp(pixels, axis=0)))
     axes.set_box_aspect(high - low, zoom=zoom)
     # Zooming is about the middle of the axes; move that so that the box's middle falls into the middle of the place.
     middle = axes.get_position().get_points().mean(axis=0) * size

@@ -19,7 +19,7 @@ from nospill.scene.scene import Scene
 _HOUR = 3600.0
 _MOST_LIQUIDS = 6
 MOST_IN_A_ROW = 9
-"""Tiles for which a sheet has room beside each other; the last ones are left out."""
+"""Tiles for which a sheet has space in a row; the last ones are left out."""
 
 
 @dataclass(frozen=True, slots=True)

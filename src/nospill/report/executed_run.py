@@ -39,7 +39,7 @@ class ExecutedRun:
 
 
 def executed_run(run: Executed) -> ExecutedRun:
-    """The section of a log that was judged beside its plan."""
+    """The section of a log that was judged and compared with its plan."""
     certificate = run.judgement.certificate
     line = verdict(run)
     detail = f"{line[:1].upper()}{line[1:]}. Nearest to its limit: {describe(certificate.worst)}."

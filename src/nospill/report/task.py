@@ -208,7 +208,7 @@ def _jerks(scene: Scene) -> str:
     rules = scene.motion
     found = [f"third derivative of the path parameter up to {rules.path_jerk_limit:.4g} 1/s³"]
     if rules.corridor is not None:
-        found.append(f"of the way beside the path up to {rules.path_jerk_limit * scene.path_length:.4g} m/s³")
+        found.append(f"of the offset from the path up to {rules.path_jerk_limit * scene.path_length:.4g} m/s³")
     angles = [name for name, free in (("the tilt angles", rules.tilt_free), ("the yaw", rules.yaw_free)) if free]
     if angles:
         found.append(f"of {' and '.join(angles)} up to {rules.tilt_jerk_limit:.4g} rad/s³")
@@ -228,7 +228,7 @@ def _tray_limits(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _given_limits(scene: Scene) -> list[tuple[str, str]]:
-    """Limits beside those of the scenario, with their numbers."""
+    """Limits in addition to those of the scenario, with their numbers."""
     given = [(limit.record, "") for limit in scene.constraints] + [(one, ", not judged") for one in scene.unjudged]
     return [(f"limit: {record.name}", f"{record.text}{note}") for record, note in given]
 

@@ -172,9 +172,9 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     stated = f"liquid_height {_mm(level)}"
     if entry.liquid_volume is not None:
         stated = f"liquid_volume {_ml(entry.liquid_volume)} (height {_mm(level)})"
-    room = rim - level
-    if room <= 0.0:
-        where = "above" if room < 0.0 else "at"
+    freeboard = rim - level
+    if freeboard <= 0.0:
+        where = "above" if freeboard < 0.0 else "at"
         raise ScenarioError(
             f"{stated} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup", reason
         )
@@ -184,15 +184,15 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         limit = default_slosh_height(container, liquid, level, reserve=reserve, contact_line=line, contact_angle=angle)
     if limit <= 0.0:
         raise ScenarioError(
-            f"{stated} is {_mm(room)} below the rim, and the liquid at rest reaches it at the wall"
+            f"{stated} is {_mm(freeboard)} below the rim, and the liquid at rest reaches it at the wall"
             f"{_at_rest(container, liquid, level, angle)}; lower the fill, or state max_slosh_height",
             reason,
         )
-    if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+    if limit > freeboard * (1.0 + 1e-9):  # rounding of the three lengths
         stands = _at_rest(container, liquid, level, angle) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
-            "is too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(freeboard)} from the liquid to the rim{stands}: "
+            "the cup is too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(

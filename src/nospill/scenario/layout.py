@@ -83,7 +83,7 @@ def _deepest(first: Cargo, second: Cargo) -> tuple[float, float]:
 
 
 def _overlap(first: Cargo, second: Cargo, own: float, other: float) -> float:
-    """How far two horizontal sections overlap that are so large beside their footprints, m."""
+    """How far two horizontal sections overlap that are so large in comparison with their footprints, m."""
     rounding = own * first.container.footprint.rounding + other * second.container.footprint.rounding
     return rounding - _distance(footprint_core(first, own), footprint_core(second, other))
 

@@ -193,11 +193,11 @@ def _highest(cargo: Cargo, filling: Filling, level: float, contact_angle: float 
         contact_line=filling.contact_line,
     )
     stated, before = filling.max_slosh_height, cargo.container.height - filling.liquid_height
-    room = cargo.container.height - level
+    freeboard = cargo.container.height - level
     if stated >= (1.0 - _ROUNDING) * before:
-        return room
+        return freeboard
     if abs(stated - default(filling.liquid_height, contact_angle=filling.contact_angle)) > _ROUNDING * before:
-        return min(stated, room)
+        return min(stated, freeboard)
     highest = default(level, contact_angle=contact_angle)
     if highest <= 0.0:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: the liquid at rest reaches the rim at the wall")

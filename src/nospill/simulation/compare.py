@@ -1,4 +1,4 @@
-"""A predicted height beside a measured one: their clocks aligned, their differences in figures."""
+"""A predicted height compared with a measured one: their clocks aligned, their differences in figures."""
 
 from __future__ import annotations
 

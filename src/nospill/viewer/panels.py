@@ -112,7 +112,7 @@ def _height_limits(film: Film) -> tuple[tuple[Limit, ...], str]:
     heights = {titles[name]: track.limit for name, track in film.liquids.items()}
     rows = [row for row in film.judgement.certificate.rows if row.constraint == ResidualHeight.name]
     later = _grouped({titles.get(row.subject, row.label): row.limit for row in rows}, len(film.liquids))
-    # The end has no room for names, and the limits there are near each other.
+    # The end has no space for names, and the limits there are near each other.
     limits = (
         *(Limit(value, name) for value, name in _grouped(heights, len(film.liquids))),
         *(Limit(value, "", film.end_time) for value, _ in later),

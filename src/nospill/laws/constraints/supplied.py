@@ -1,4 +1,4 @@
-"""Limits given from Python beside those of the table: checked, and with errors of their own reported as theirs."""
+"""Limits given from Python in addition to the table's: checked, and with errors of their own reported as theirs."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ _WIDENING = 2.0
 """Growth of the funnel over the way along the path. With 2 no motion that passes the place is shut out: where it is at
 the distance d from the place, s may be where the path is as far from it, so that the offset is at most 2 d."""
 _FLAT = 0.05
-"""Part of the path beside the place up to which the funnel grows more slowly, so that the nodes next to it count."""
+"""Part of the path around the place up to which the funnel grows more slowly, so that the nodes next to it count."""
 
 
 class PassedPlace(Constraint):

@@ -118,7 +118,7 @@ class YawModes:
 
     @property
     def fixed_inertia(self) -> float:
-        """Of what is left beside the moving masses, kg m^2; with all of them in place it is `inertia`."""
+        """Of what is left besides the moving masses, kg m^2; with all of them in place it is `inertia`."""
         return self.inertia - sum(mode.mass * mode.arm**2 for mode in self.oscillators)
 
     @property

@@ -112,7 +112,7 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     pinned = eigh(kinetic[np.ix_(held, held)], spring[np.ix_(held, held)], eigvals_only=True)
     push = mass.sum(axis=0)
     surge, turn = push @ shapes, (mass @ turned) @ shapes
-    # The line rises by more than the surface beside it where the wall opens.
+    # The line rises by more than the surface next to it where the wall opens.
     rise = reach * math.cos(lean) * math.cos(slope) / math.cos(lean + slope)
     gravity = np.einsum("in,ij,jn->n", shapes, mass, shapes)
     return CurvedModes(

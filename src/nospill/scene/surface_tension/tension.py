@@ -1,4 +1,4 @@
-"""Surface tension: a spring beside that of gravity, and a rest surface that leans less.
+"""Surface tension: a spring in parallel to that of gravity, and a rest surface that leans less.
 
 With a contact line that slides freely at a contact angle of 90 deg the shapes of a prism's modes stay what they are,
 and each frequency becomes omega^2 = (g k + sigma k^3/rho) tanh(k h) [Lamb, Hydrodynamics, sec. 267]; in any other
