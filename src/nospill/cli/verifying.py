@@ -164,8 +164,8 @@ def margins(
         from nospill.margins.arms import ArmRanges
         from nospill.plans.loading import load_plan
 
-        given = _given_ranges(friction, fill, damping, position, mass)
-        times = {name: _given_time(f"--{name}", text) for name, text in (("delay", delay), ("lag", lag))}
+        given = _range_options(friction, fill, damping, position, mass)
+        times = {name: _time_option(f"--{name}", text) for name, text in (("delay", delay), ("lag", lag))}
         if output is not None:
             require_replaceable(output, replaceable=_only_study)
         plan = load_plan(folder)
@@ -189,7 +189,7 @@ def margins(
     return 0
 
 
-def _given_time(option: str, text: str | None) -> float:
+def _time_option(option: str, text: str | None) -> float:
     """A time that may be left out, s."""
     from nospill.core.units import quantity
     from nospill.errors import ScenarioError
@@ -200,7 +200,7 @@ def _given_time(option: str, text: str | None) -> float:
         raise ScenarioError(f"{option}: {error}") from None
 
 
-def _given_ranges(
+def _range_options(
     friction: str | None, fill: str | None, damping: str | None, position: str | None, mass: str | None
 ) -> dict[str, Any]:
     """The fields of `Ranges` that options set.

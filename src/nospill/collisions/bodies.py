@@ -102,10 +102,10 @@ def scene_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, ...]:
     """
     arm = [_capsule(item) for item in placed_capsules(scene.robot)]
     still = [Body(item.name, 0, item.shape, item.position, item.rotation, item) for item in scene.obstacles]
-    return (*arm, *_carried(scene, scene.cargo if loaded else ()), *still)
+    return (*arm, *_load_bodies(scene, scene.cargo if loaded else ()), *still)
 
 
-def _carried(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
+def _load_bodies(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     """Holder, tray and cargo in the frame of the last joint."""
     chain = arm_chain(scene.robot)
     tray, *objects = _on_path(scene, cargo)

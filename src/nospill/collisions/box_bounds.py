@@ -32,12 +32,12 @@ def box_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple
     low, high = np.array([box_about(body.shape) for body, _ in pairs]).transpose(1, 0, 2)[:, :, None]
     joints, box_axes = [body.joint for body, _ in pairs], np.array([body.rotation for body, _ in pairs])
     axes = frames.rotation[joints] @ box_axes[:, None]
-    origin = frames.position[joints] + _turned(frames.rotation[joints], np.array([body.position for body, _ in pairs]))
+    origin = frames.position[joints] + _turn(frames.rotation[joints], np.array([body.position for body, _ in pairs]))
     others = [capsule.joint for _, capsule in pairs]
     ends = np.array([capsule.points[[0, -1]] for _, capsule in pairs])
     back = np.swapaxes(axes, 2, 3)
     start, end = (
-        _turned(back, frames.position[others] + _turned(frames.rotation[others], ends[:, index]) - origin)
+        _turn(back, frames.position[others] + _turn(frames.rotation[others], ends[:, index]) - origin)
         for index in (0, 1)
     )
     axis = end - start
@@ -53,7 +53,7 @@ def box_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple
     error = _LEFT * np.sqrt(np.sum(axis * axis, axis=-1))
     radii = np.array([capsule.shape.ball for _, capsule in pairs])[:, None]
     away = np.where(distance[..., None] > _SHORTEST, gap / np.maximum(distance, _SHORTEST)[..., None], [0.0, 0.0, 1.0])
-    return distance - error - radii, _turned(axes, away)
+    return distance - error - radii, _turn(axes, away)
 
 
 def box_about(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
@@ -80,7 +80,7 @@ def _least(beyond: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -
     return np.where(square[0] <= square[1], inner, outer)
 
 
-def _turned(turns: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def _turn(turns: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (k, m, 3) or (k, 3) turned by axes (k, m, 3, 3)."""
     some = vectors[:, None] if vectors.ndim == 2 else vectors
     return (turns @ some[..., None])[..., 0]

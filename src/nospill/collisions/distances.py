@@ -50,7 +50,7 @@ class Distances:
 
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
-        (positions, rotations), (others, turns) = (_placed(body, frames, samples) for body in (self.first, self.second))
+        (positions, rotations), (others, turns) = (_pose(body, frames, samples) for body in (self.first, self.second))
         back = np.swapaxes(turns, 1, 2)
         gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
         distance, normals = np.empty(len(samples)), np.empty((len(samples), 3))
@@ -117,7 +117,7 @@ def _support(
     return along + np.max(values, axis=1) + shape.ball
 
 
-def _placed(body: Body, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _pose(body: Body, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position (m, 3) and axes (m, 3, 3) of a body's own frame."""
     turns = frames.rotation[body.joint][samples]
     return frames.position[body.joint][samples] + turns @ body.position, turns @ body.rotation

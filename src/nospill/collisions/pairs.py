@@ -156,7 +156,7 @@ def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
 
 def pair_table(scene: Scene) -> tuple[SampledPair, ...]:
     """Every pair of parts of the arm that move against each other, by name."""
-    return tuple(_sampled(scene.robot, _parts(scene)).values())
+    return tuple(_sampled_pairs(scene.robot, _parts(scene)).values())
 
 
 def self_collision(scene: Scene) -> SelfCollision:
@@ -184,7 +184,7 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     around += [Pair(load, item, 0.0) for item in sides]
     if not scene.robot.self_collision:
         return tuple(around)
-    table = _sampled(scene.robot, _parts(scene))
+    table = _sampled_pairs(scene.robot, _parts(scene))
     may_enter = _OF_RADIUS if are_estimated(scene.robot) else 0.0
     against = []
     for first, second in combinations(moving, 2):
@@ -200,7 +200,7 @@ def _parts(scene: Scene) -> tuple[Body, ...]:
     return tuple(body for body in scene_bodies(scene, loaded=False) if body.of_arm)
 
 
-def _sampled(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:
+def _sampled_pairs(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:
     """By both names. Bodies of one link belong together: the one that touches most speaks for all."""
     shapes = tuple((body.name, body.joint, body.shape.ball, *body.points.ravel().tolist()) for body in parts)
     ranges = tuple(part.tobytes() for part in (robot.lower, robot.upper, robot.home) if part is not None)
@@ -208,7 +208,7 @@ def _sampled(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], Sa
     if key not in _KNOWN:
         if len(_KNOWN) >= _MOST_KNOWN:
             _KNOWN.clear()
-        _KNOWN[key] = _sampled_anew(robot, parts)
+        _KNOWN[key] = _sample_pairs(robot, parts)
     return _KNOWN[key]
 
 
@@ -217,7 +217,7 @@ _MOST_KNOWN = 16
 """Arms whose table is kept."""
 
 
-def _sampled_anew(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], SampledPair]:
+def _sample_pairs(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], SampledPair]:
     generator = np.random.default_rng(_SEED)
     q = generator.uniform(robot.lower, robot.upper, (SAMPLES, len(robot.joints)))
     if robot.home is not None:

@@ -96,7 +96,7 @@ def functions(
             _compile_waiting(wait=True)
             ready = _load(kind, structure)
         if ready is None:
-            return made | _interpreted(tapes), data, False
+            return made | _interpret(tapes), data, False
     return *ready, True
 
 
@@ -106,7 +106,7 @@ def _tapes(made: Functions, of_columns: Shared, steps: int) -> dict[str, Tape]:
     return {name: tape for name, tape in found.items() if tape is not None}
 
 
-def _interpreted(tapes: Mapping[str, Tape]) -> Functions:
+def _interpret(tapes: Mapping[str, Tape]) -> Functions:
     """The functions interpreted on many columns; none where the interpreter cannot be had, or not yet."""
     library = small_library("interpreter", wait=sum(tape.count for tape in tapes.values()) >= _LONG) if tapes else None
     if library is None:

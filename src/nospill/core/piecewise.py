@@ -59,10 +59,10 @@ def bspline_pieces(points: np.ndarray, degree: int, knots: np.ndarray) -> Pieces
                 f"B-spline of degree {degree} with knot {knot:g}: its second derivative jumps there, so the tray's "
                 "acceleration would; raise the degree or remove the repeated knot"
             )
-    return _expanded(points, degree, knots, np.concatenate(([0.0], np.unique(inner), [1.0])))
+    return _expand(points, degree, knots, np.concatenate(([0.0], np.unique(inner), [1.0])))
 
 
-def _expanded(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
+def _expand(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
     """A B-spline about the left ends of its spans between `breaks`."""
     return Pieces(breaks, _Expansion.between(breaks, knots, degree).of(points))
 

@@ -43,10 +43,10 @@ def least_share(trials: Trials, relaxation: Relaxation, motion: Found, share: fl
             break
         wider = 1.5 * share + 0.05 if trial is None else _next_share(points, 0.5 * (WITHIN + _CLOSE) * limit)
         share = min(wider, relaxation.most)
-    return None if best is None else _confirmed(trials, relaxation, min(best * SPARE, relaxation.most))
+    return None if best is None else _confirm(trials, relaxation, min(best * SPARE, relaxation.most))
 
 
-def _confirmed(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
+def _confirm(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
     """The share with which a motion is found from nothing too, as a user will who writes it into the file."""
     for _ in range(_CONFIRMATIONS):
         trial = trials.fastest(relaxation.scene(share))

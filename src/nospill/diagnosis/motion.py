@@ -115,7 +115,7 @@ def _too_slow(trials: Trials, motion: Found) -> NoSolutionError:
     helped += _other_end(trials, motion)
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
-    named = _named(helped, culprits)
+    named = _limiting_constraint(helped, culprits)
     singular = (
         at_singularity(scene.robot, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
     )
@@ -175,7 +175,7 @@ def _slowest_liquid(scene: Scene) -> str | None:
     return min(swings, key=lambda name: swings[name]) if swings else None
 
 
-def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
+def _limiting_constraint(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
     """The constraint that the message names: that of the smallest change, else that of most sensitivity."""
     change = next((change for _, change in helped if change.constraint), None)
     if change is None:

@@ -61,9 +61,9 @@ def option_groups(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
     yield smaller_turn(scene)
     yield _lower_tray(scene)
     yield _shifts(scene, reason)
-    yield _turned_tray(scene)
+    yield _tray_directions(scene)
     if reason.constraint != "reach":
-        yield _turned_base(scene)
+        yield _base_directions(scene)
 
 
 def _task(scene: Scene) -> Task:
@@ -173,7 +173,7 @@ def smaller_turn(scene: Scene) -> list[Option]:
     return [Option(amounts, 1.0 / math.pi, moved, change, lambda amount: min(amount + _SPARE_ANGLE, turn))]
 
 
-def _turned_tray(scene: Scene) -> list[Option]:
+def _tray_directions(scene: Scene) -> list[Option]:
     """The tray mounted in another direction."""
     task = _task(scene)
     return _both_ways(
@@ -184,7 +184,7 @@ def _turned_tray(scene: Scene) -> list[Option]:
     )
 
 
-def _turned_base(scene: Scene) -> list[Option]:
+def _base_directions(scene: Scene) -> list[Option]:
     """The base turned about the world's vertical, which is the path turned the other way about it."""
     given = _robot_table(scene).get("base_yaw", 0.0)
     if given == "free":

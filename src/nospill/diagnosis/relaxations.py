@@ -41,13 +41,13 @@ def relaxations_of(scene: Scene, constraint: str, subject: str, sensitivities: S
             if limit.falls_with_load:
                 relaxations += lighter_load(scene, constraint, subject)
         case MotionKey():
-            relaxations = _relaxed_rule(scene, limit, constraint, subject)
+            relaxations = _rule_relaxations(scene, limit, constraint, subject)
         case None:
             relaxations = []
     return [relaxation for relaxation in relaxations if relaxation.most > _SMALLEST]
 
 
-def _relaxed_rule(scene: Scene, limit: MotionKey, constraint: str, subject: str) -> list[Relaxation]:
+def _rule_relaxations(scene: Scene, limit: MotionKey, constraint: str, subject: str) -> list[Relaxation]:
     """A rule of the motion, wider."""
     key = limit.key
     now = float(getattr(scene.motion, key))

@@ -170,7 +170,7 @@ def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.nd
         ride = camera_frame(film, view)
         normal = np.einsum("mji,mj->mi", ride.rotation, film.tray_rotation[:, :, 2])
         worst = np.minimum(worst, (normal @ towards.T).min(axis=0))
-        hidden = np.maximum(hidden, _hidden(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
+        hidden = np.maximum(hidden, _hidden_share(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
     points = np.concatenate([load_outline(film, view).reshape(-1, 3) for film in films])
     cameras = [framed(points, each, aspect=aspect, angle=_CLOSE_ANGLE) for each in towards]
     distance = np.array([np.linalg.norm(each.position - each.look_at) for each in cameras])
@@ -198,7 +198,7 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
     return np.array(overlaps)
 
 
-def _hidden(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
+def _hidden_share(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
     """Part of the pictures (d,) in which the arm stands between the objects and a far camera in directions (d, 3)."""
     scene = film.plan.scene
     picked = slice(None, None, max(1, len(film.t) // _MOMENTS))

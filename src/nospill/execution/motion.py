@@ -93,7 +93,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    smooth, coarser, followed = _smoothed(log.position[sampling.kept], sampling, bandwidth)
+    smooth, coarser, followed = _smooth(log.position[sampling.kept], sampling, bandwidth)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
@@ -122,7 +122,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     return motion
 
 
-def _smoothed(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
+def _smooth(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
     """The splines, those with knots twice as far apart, and the bandwidth, Hz: all of it where there is no noise."""
     highest = 0.5 / sampling.period
 

@@ -73,14 +73,14 @@ def sampling_of(log: JointLog) -> Sampling:
         raise ScenarioError(f"{log.origin}: its time never advances; a column of times in s is needed")
     resolution = np.array([_resolution(column) for column in log.position.T])
     again = (steps == 0.0) & np.all(np.diff(log.position, axis=0) == 0.0, axis=1)
-    doubled = _doubled(log.position, float(np.max(resolution))) | np.concatenate([[False], again])
+    doubled = _repeated_rows(log.position, float(np.max(resolution))) | np.concatenate([[False], again])
     ticks = _ticks(steps, usual, ~again)
     period, first = np.polyfit(ticks, log.t, 1)
     off = log.t - (first + period * ticks)
     jitter = float(np.sqrt(np.mean(off**2)))
     kept = np.flatnonzero(~doubled & np.concatenate([[True], np.diff(ticks) > 0]))
     uneven = jitter > _UNEVEN * period
-    share = 1.0 if uneven else _followed(log.position, ticks, off, kept, float(period))
+    share = 1.0 if uneven else _jitter_share(log.position, ticks, off, kept, float(period))
     if share >= 0.5:
         kept = kept[np.concatenate([[True], np.diff(log.t[kept]) > 0.0])]
     t = log.t[kept] if share >= 0.5 else first + period * ticks[kept]
@@ -138,7 +138,7 @@ def _resolution(values: np.ndarray) -> float:
     return 0.0
 
 
-def _doubled(position: np.ndarray, resolution: float) -> np.ndarray:
+def _repeated_rows(position: np.ndarray, resolution: float) -> np.ndarray:
     """Rows that repeat the one before, the arm moving before and after them, (m,)."""
     steps = np.max(np.abs(np.diff(position, axis=0)), axis=1)
     moves = steps > _STEPS_OF_RESOLUTION * resolution
@@ -146,7 +146,7 @@ def _doubled(position: np.ndarray, resolution: float) -> np.ndarray:
     return np.concatenate([[False], (steps == 0.0) & before & after])
 
 
-def _followed(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np.ndarray, period: float) -> float:
+def _jitter_share(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np.ndarray, period: float) -> float:
     """Part of the jitter that shows in the positions: least squares of fourth differences, which leave the motion out.
 
     A sample taken late by d is ahead of the even one by its speed times d.

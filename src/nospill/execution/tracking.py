@@ -62,7 +62,7 @@ def tracking(recorded: RecordedMotion, scene: Scene, planned: JointMotion, durat
     t = np.arange(0.0, duration + _STEP, _STEP)
     first = float(t[np.argmax(np.max(np.abs(planned(t, 1)), axis=1) > REST)])
     clock = float(delays(executed, planned, t, recorded.begin - first, together=True)[0])
-    compared = _compared(executed, planned, t, clock, scene)
+    compared = _compare(executed, planned, t, clock, scene)
     worst = int(np.argmax(compared.error))
     if compared.error[worst] > _OTHER:
         raise ScenarioError(
@@ -72,10 +72,10 @@ def tracking(recorded: RecordedMotion, scene: Scene, planned: JointMotion, durat
     return compared
 
 
-def followed_command(recorded: RecordedMotion, scene: Scene, command: JointMotion) -> Tracking:
+def track_command(recorded: RecordedMotion, scene: Scene, command: JointMotion) -> Tracking:
     """Compare a log with the command that it has itself, on one clock."""
     t = np.arange(recorded.begin, recorded.end, _STEP)
-    return _compared(recorded.held(), command, t, 0.0, scene, of_command=True)
+    return _compare(recorded.held(), command, t, 0.0, scene, of_command=True)
 
 
 def delays(
@@ -107,7 +107,7 @@ def delays(
     return delay[:1] if together else delay
 
 
-def _compared(
+def _compare(
     executed: JointMotion, asked: JointMotion, t: np.ndarray, clock: float, scene: Scene, *, of_command: bool = False
 ) -> Tracking:
     wanted, done = asked(t), executed(t + clock)

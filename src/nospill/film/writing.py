@@ -118,11 +118,11 @@ def save_film(
     require_film(path)
     count = max(len(film.t) for film in films)
     with atomic_file(path) as partial:
-        _write(partial, _counted(pictures(films, form, placed), count, progress), form.rate, count)
+        _write(partial, _count(pictures(films, form, placed), count, progress), form.rate, count)
     return count
 
 
-def _counted(
+def _count(
     found: Iterator[np.ndarray], count: int, progress: Callable[[int, int], None] | None
 ) -> Iterator[np.ndarray]:
     for number, picture in enumerate(found):

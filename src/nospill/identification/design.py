@@ -106,7 +106,7 @@ def optimal_experiment(scene: Scene, records: Records | None = None) -> Design:
     way = preferred_path(joint_paths(scene.robot, scene.path, tool=scene.tray.tool), scene.robot, scene.start_near)
     members = sorted(_members(scene, way, records), key=lambda member: -member.value)
     for refused, member in enumerate(members):
-        plan = _certified(scene, way, member)
+        plan = _certify(scene, way, member)
         if plan is not None:
             return Design(plan, member.expected, len(members), refused)
     raise NoSolutionError(
@@ -124,7 +124,7 @@ def experiment_scene(scene: Scene) -> Scene:
     return scene_from_table({**scene.source, "motion": motion}, name=f"{scene.name}-test")
 
 
-def _certified(scene: Scene, way: JointPath, member: _Member) -> Plan | None:
+def _certify(scene: Scene, way: JointPath, member: _Member) -> Plan | None:
     """The plan of a motion; None where the judge does not certify it."""
     try:
         trajectory = trapezoid_trajectory(scene, way, member.duration, member.ramp)
@@ -144,8 +144,8 @@ def _members(scene: Scene, way: JointPath, records: Records) -> Iterator[_Member
         duration = _shortest(scene, base)
         last = SLOWEST * duration
         while duration <= last:
-            motion = _stretched(base, duration)
-            expected = _expected(scene, motion, duration, records)
+            motion = _stretch(base, duration)
+            expected = _expected_information(scene, motion, duration, records)
             if expected is not None:
                 yield _Member(duration, ramp, *expected)
             duration *= _GROWTH
@@ -161,7 +161,7 @@ def _shortest(scene: Scene, base: JointMotion) -> float:
     return found
 
 
-def _stretched(base: JointMotion, duration: float) -> JointMotion:
+def _stretch(base: JointMotion, duration: float) -> JointMotion:
     """The same joint path in another time."""
     pace = _BASE / duration
 
@@ -171,7 +171,7 @@ def _stretched(base: JointMotion, duration: float) -> JointMotion:
     return motion
 
 
-def _expected(
+def _expected_information(
     scene: Scene, motion: JointMotion, duration: float, records: Records
 ) -> tuple[float, tuple[Estimate, ...]] | None:
     """Logarithm of the determinants, and deviations; None where a liquid rises above its limit."""

@@ -55,10 +55,10 @@ def peaks_between(
 def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:
     """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each."""
     between = {peak.id: peak for peak in peaks}
-    return tuple(_merged(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
+    return tuple(_merge(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
 
 
-def _merged(trace: Trace, peak: Trace) -> Trace:
+def _merge(trace: Trace, peak: Trace) -> Trace:
     at = np.searchsorted(trace.t, peak.t)
     own, others = ((item.t, item.value, item.limit, item.margin) for item in (trace, peak))
     t, value, limit, margin = (np.insert(column, at, more) for column, more in zip(own, others, strict=True))

@@ -138,7 +138,7 @@ def judge_motion(
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
-    judged = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    judged = _judge(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
     require_converged(judged.replay.slosh_error)
     controls = () if alone else constraint_traces(held, scene, judged.replay, points=[EvaluationPoint.CONTROL])
     of_command = [] if run.command is None else command_traces(scene, run.command)
@@ -207,10 +207,10 @@ def judge_joints(
         motion: what they do between and outside of the samples.
         rate: Hz, the least rate of the grid.
     """
-    return _judged(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
+    return _judge(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
 
 
-def _judged(
+def _judge(
     held: Trajectory,
     scene: Scene,
     *,

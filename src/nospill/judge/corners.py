@@ -62,7 +62,7 @@ def corner_traces(
 
     def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
-            for trace in _played(trajectory, corner, motion, rate):
+            for trace in _corner_traces(trajectory, corner, motion, rate):
                 use = uses.setdefault(trace.id, {})
                 use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
                 yield trace
@@ -77,7 +77,7 @@ def corner_traces(
         yield from worst_load_traces(scene, played)
 
 
-def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
+def _corner_traces(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
     """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
@@ -88,7 +88,7 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
         traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
     else:
         scene = replace(scene, cargo=hull_objects(scene))
-        slow, played = _slowed(trajectory, scene, speed, motion, rate)
+        slow, played = _slow_down(trajectory, scene, speed, motion, rate)
         traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
         joints = None if motion is None else SlowedMotion(motion, speed)
         traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
@@ -98,7 +98,7 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
             yield replace(trace, variant=corner.texts[trace.subject])
 
 
-def _slowed(
+def _slow_down(
     trajectory: Trajectory, scene: Scene, speed: float, motion: JointMotion | None, rate: float
 ) -> tuple[Trajectory, Replay]:
     """The record of a motion at a part of its speed, and its replay."""
@@ -114,7 +114,7 @@ def _torques(
 
     Under the worst load where masses may be off.
     """
-    slow, played = _slowed(trajectory, replace(scene, cargo=()), least, motion, rate)
+    slow, played = _slow_down(trajectory, replace(scene, cargo=()), least, motion, rate)
     traces = constraint_traces(slow, scene, played, points=[EvaluationPoint.JOINT])
     traces = (*traces, *worst_load_traces(scene, played)) if is_uncertain(scene) else traces
     for trace in traces:

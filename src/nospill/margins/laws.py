@@ -58,10 +58,10 @@ def tray_motion(trajectory: Trajectory, scene: Scene, *, after: float = 0.0) -> 
         after: s of rest that are added to the end.
     """
     run = run_of(trajectory, scene.controller)
-    return _sampled(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
+    return _sample(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
 
 
-def followed_motions(
+def simulate_arms(
     trajectory: Trajectory, scene: Scene, arms: Iterable[Controller], *, after: float
 ) -> Iterator[TrayMotion]:
     """The tray's motion as each of some arms follows the command of a plan.
@@ -76,10 +76,10 @@ def followed_motions(
     command, span = QUINTIC_SPLINE.motion(samples), (float(samples.t[0]), float(samples.t[-1]))
     start, end = float(trajectory.t[0]), run_of(trajectory, scene.controller).record.end_time + after
     for arm in arms:
-        yield _sampled(followed(command, arm, *span), scene, start, end)
+        yield _sample(followed(command, arm, *span), scene, start, end)
 
 
-def _sampled(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:
+def _sample(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
     _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])

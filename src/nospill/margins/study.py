@@ -20,9 +20,9 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
 from nospill.laws.scene_parameters import object_numbers
-from nospill.margins.arms import ArmRanges, drawn_arms
+from nospill.margins.arms import ArmRanges, draw_arms
 from nospill.margins.drawn_object import drawn_object
-from nospill.margins.laws import Margins, TrayMotion, followed_motions, object_margins, tray_motion
+from nospill.margins.laws import Margins, TrayMotion, object_margins, simulate_arms, tray_motion
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
 from nospill.plans.plan import Plan
@@ -142,11 +142,11 @@ def margins(
         worst_margin=worst[drawn],
         draws=draws,
         spill=probability(np.any([_spilt(item) for item in all_margins], axis=0)[drawn]),
-        over_limit=probability(_broken(all_margins, (SloshHeight.name,))[drawn]),
-        slide=probability(_broken(all_margins, (Slip.name, Twist.name, Lift.name))[drawn]),
-        tip=probability(_broken(all_margins, (Tip.name,))[drawn]),
+        over_limit=probability(_breaks(all_margins, (SloshHeight.name,))[drawn]),
+        slide=probability(_breaks(all_margins, (Slip.name, Twist.name, Lift.name))[drawn]),
+        tip=probability(_breaks(all_margins, (Tip.name,))[drawn]),
         any_limit=probability(
-            _broken(all_margins, tuple({name: None for item in all_margins for name in item.use}))[drawn]
+            _breaks(all_margins, tuple({name: None for item in all_margins for name in item.use}))[drawn]
         ),
         constraints=_risks(all_margins, drawn),
         influences=_influences(all_margins, labels, samples),
@@ -171,8 +171,8 @@ def _motions(plan: Plan, ranges: ArmRanges, samples: int, total: int, seed: int)
     """
     after, first = 0.0, 0
     if not ranges.certain:
-        arms, after = drawn_arms(plan.scene, ranges, samples, seed=seed)
-        for first, motion in enumerate(followed_motions(plan.trajectory, plan.scene, arms, after=after)):
+        arms, after = draw_arms(plan.scene, ranges, samples, seed=seed)
+        for first, motion in enumerate(simulate_arms(plan.trajectory, plan.scene, arms, after=after)):
             yield motion, slice(first, first + 1)
         first = samples
     planned = tray_motion(plan.trajectory, plan.scene, after=after)
@@ -204,7 +204,7 @@ def _spilt(item: _Found) -> np.ndarray:
     return np.maximum(item.value[SloshHeight.name], item.value[ResidualHeight.name]) > item.freeboard
 
 
-def _broken(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:
+def _breaks(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:
     """Where any object breaks one of these constraints, (m,)."""
     count = len(next(iter(found[0].use.values())))
     columns = [item.use[name] > 1.0 for item in found for name in names if name in item.use]
@@ -217,7 +217,7 @@ def _risks(found: list[_Found], drawn: slice) -> tuple[ConstraintRisk, ...]:
     for name in names:
         owners = [(float(np.max(item.use[name][drawn])), item.name) for item in found if name in item.use]
         largest, subject = max(owners)
-        risks.append(ConstraintRisk(name, probability(_broken(found, (name,))[drawn]), largest, subject))
+        risks.append(ConstraintRisk(name, probability(_breaks(found, (name,))[drawn]), largest, subject))
     return tuple(risks)
 
 
@@ -245,7 +245,7 @@ def _sweeps(ranges: Sequence[Ranges]) -> tuple[np.ndarray, list[tuple[str, str]]
             row[:, column] = low[:, column] + share * (high[:, column] - low[:, column])
             rows.append(row)
             labels.append(
-                (factor, _common(row[:, column], share, lambda value, factor=factor: _written(factor, value)))
+                (factor, _common(row[:, column], share, lambda value, factor=factor: _range_text(factor, value)))
             )
     x, y = FACTORS.index("position x"), FACTORS.index("position y")
     for right in (-1, 0, 1):
@@ -266,7 +266,7 @@ def _common(values: np.ndarray, share: float, written: Callable[[float], str]) -
     return written(float(values[0])) if alike else f"{100 * share:.3g} % of the range"
 
 
-def _written(factor: str, value: float) -> str:
+def _range_text(factor: str, value: float) -> str:
     if factor == "damping":
         return f"x {math.exp(value):.3g}"
     return f"{1e3 * value:+.3g} mm" if factor == "fill" else f"{1e2 * value:+.3g} %"

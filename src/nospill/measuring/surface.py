@@ -116,10 +116,10 @@ def line(edges: Edges) -> Line | None:
         weighted = terms[on] * np.sqrt(edges.strength[on])[:, None]
         best = np.linalg.lstsq(weighted, edges.level[on] * np.sqrt(edges.strength[on]), rcond=1e-6)[0]
         on = np.abs(terms @ best - edges.level) < _NEAR
-    return _judged(edges, terms, best, on)
+    return _assess(edges, terms, best, on)
 
 
-def _judged(edges: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -> Line | None:
+def _assess(edges: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -> Line | None:
     left = edges.level[on] - terms[on] @ best
     if len(left) < 12:
         return None

@@ -90,7 +90,7 @@ def followed(command: JointMotion, controller: Controller, start: float, stop: f
     spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))
     assert isinstance(spline, HeldMotion)
     assert isinstance(spline.inside, Pieces)
-    return _Followed(_lagged(spline.inside, controller.lag), controller, start, stop)
+    return _Followed(_lag_spline(spline.inside, controller.lag), controller, start, stop)
 
 
 def settling_after(controller: Controller) -> float:
@@ -123,7 +123,7 @@ class _Lagged:
         return values + self.left[place] * (-1.0 / lag) ** order * np.exp(-since[:, None] / lag)
 
 
-def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
+def _lag_spline(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     degree = pieces.coefficients.shape[0] - 1
     derived, steady = pieces.coefficients, pieces.coefficients.copy()
     for order in range(1, degree + 1):

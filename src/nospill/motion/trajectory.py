@@ -213,7 +213,7 @@ def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, 
     return columns
 
 
-def _carried(header: list[str]) -> tuple[tuple[str, ...], dict[str, int]]:
+def _columns_of_header(header: list[str]) -> tuple[tuple[str, ...], dict[str, int]]:
     """Joints and slosh coordinates per object, read by position from the header: names may look like other columns."""
     before = len(_columns((), {})) - _TRAY_COLUMNS
     tray = header.index("tray_x_m") if "tray_x_m" in header else before
@@ -281,7 +281,7 @@ def read_trajectory(path: FilePath) -> Trajectory:
         raise PlanFolderError(f"{path}: cannot be read ({error})") from error
     lines = text.rstrip().splitlines()
     header = [name.strip() for name in next(csv.reader(lines[:1]), [])]
-    joints, slosh = _carried(header)
+    joints, slosh = _columns_of_header(header)
     columns = _columns(joints, slosh)
     if header != [name for name, _, _ in columns]:
         missing = [name for name, _, _ in columns if name not in header]

@@ -21,7 +21,7 @@ from nospill.motion.resampling import sampled
 from nospill.motion.trajectory import Trajectory
 from nospill.motion_files.points import MotionFile
 from nospill.motion_files.reading import read_motion
-from nospill.motion_files.receivers import played_by, receiver_named, usual_receiver
+from nospill.motion_files.receivers import interpolation_of, receiver_named, usual_receiver
 from nospill.scene.scene import Scene
 
 NOT_JUDGED = "path, corridor, tilt and goal of the plan, jerks"
@@ -110,7 +110,7 @@ def judge_file(
     require_rate(rate)
     file = read_motion(path, scene, unit=unit, rate=rows_per_second)
     chosen = usual_receiver(file.samples) if receiver is None else receiver_named(receiver)
-    played = played_by(chosen, file.samples, scene.output_rate, file.origin)
+    played = interpolation_of(chosen, file.samples, scene.output_rate, file.origin)
     motion = played.motion(file.samples)
     _require_level(file, scene)
     even = sampled(motion, 0.0, float(file.samples.t[-1]), scene.output_rate)

@@ -36,7 +36,7 @@ def choose_base_yaw(scene: Scene) -> Scene:
     choices: list[tuple[float, float, int, Scene]] = []
     nearest: tuple[float, int, Scene] | None = None
     for order, turn in enumerate(turns):
-        candidate = _turned(scene, turn)
+        candidate = _turn_base(scene, turn)
         reached = farthest_reached(candidate.robot, candidate.path, candidate.tray.tool)
         if reached == 1.0:  # else following it, which takes much longer, leads nowhere
             tried = try_joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
@@ -72,7 +72,7 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
     return table
 
 
-def _turned(scene: Scene, turn: int) -> Scene:
+def _turn_base(scene: Scene, turn: int) -> Scene:
     table = scene.source | {"robot": _robot_table(scene) | {"base_yaw": f"{turn} deg"}}
     return scene_from_table(table, name=scene.name).limited_as(scene)
 

@@ -166,7 +166,7 @@ def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
     kinds = (False, True) if seven or axis is not None else (False,)
     for farther, spare in product(kinds, _SPARES):
         arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
-        short = [way for seed in SEEDS if (way := _shortened_sample(arm, over, seed)) is not None]
+        short = [way for seed in SEEDS if (way := _short_sample(arm, over, seed)) is not None]
         short.sort(key=lambda way: time_along(arm, way.q))
         smooth = [*islice(filter(None, (_smooth(scene, arm, over, way) for way in short)), _SMOOTHED)]
         if smooth:
@@ -175,7 +175,7 @@ def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
     return None
 
 
-def _shortened_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledPath | None:
+def _short_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledPath | None:
     """The way that one seed finds, made shorter; None where it finds none.
 
     Where it passes over the axis of the base it is kept as it is.

@@ -97,7 +97,7 @@ class LevelArm:
         if self.redundant is not None:
             # the nearest positions at which there is a closed form: making one takes as long as ten solutions
             given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
-        tool, turns = self.scene.tray.tool, _turned(poses[:, 3])
+        tool, turns = self.scene.tray.tool, _level_rotations(poses[:, 3])
         solutions = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
         q = np.concatenate(solutions)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
@@ -203,7 +203,7 @@ class LevelArm:
         solved, error = newton(
             kinematics(self.robot),
             poses[:, :3],
-            _turned(poses[:, 3]),
+            _level_rotations(poses[:, 3]),
             near,
             tool=tool,
             max_iterations=_CORRECTIONS,
@@ -268,7 +268,12 @@ class LevelArm:
             None where one is not found, or lies far from the one that is given; in stated joints where those are.
         """
         q, error = newton(
-            kinematics(self.robot), poses[:, :3], _turned(poses[:, 3]), near, tool=self.scene.tray.tool, held=held
+            kinematics(self.robot),
+            poses[:, :3],
+            _level_rotations(poses[:, 3]),
+            near,
+            tool=self.scene.tray.tool,
+            held=held,
         )
         if error.max() > RESIDUAL or np.abs(q - near).max() > _JUMP:
             return None
@@ -286,7 +291,7 @@ class LevelArm:
         return choices[best] if steps[best] < _JUMP else None
 
 
-def _turned(yaw: np.ndarray) -> np.ndarray:
+def _level_rotations(yaw: np.ndarray) -> np.ndarray:
     """Rotations (m, 3, 3) of a level tray."""
     turns = np.tile(np.eye(3), (len(yaw), 1, 1))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(yaw)

@@ -196,7 +196,7 @@ class ActiveSet:
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
-        spent = dict.fromkeys(self._members.spent_at_end(self.backoff), _OF_SUM)
+        spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
         grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))

@@ -150,7 +150,7 @@ def solved(
     return Candidate(active, solution, problem)
 
 
-def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
+def solve_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
     """Solve; what the answer breaks joins, and it is solved again from there, until it breaks no row."""
     while True:
         candidate = solved(active, start, log, options)

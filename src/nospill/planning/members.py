@@ -124,7 +124,7 @@ class Members:
                 for member in next_to or same or self.names:
                     yield replace(row, subject=self.names[member], variant="")
 
-    def spent_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
+    def saturated_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
         """Rows on the final state whose back-off is so large that more would not do at adjacent speeds, and of whom.
 
         Of slowed members alone.
@@ -150,7 +150,7 @@ class Members:
 
     def _next_to_saturated(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
         """Rows on the final state of slowed liquids next to a member whose back-off is spent."""
-        spent = set(self.spent_at_end(backoff).values())
+        spent = set(self.saturated_at_end(backoff).values())
         at_end = (row for row in liquids if spent and row.at_end)
         return {row for row in at_end if not spent.isdisjoint(self._next_to(row))}
 

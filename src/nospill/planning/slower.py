@@ -89,7 +89,7 @@ def slower(planned: Plan, speed: float) -> Plan:
             nearest = worst
         if worst is not None and worst.use > 1.0:
             continue
-        scene, trajectory, judgement = _judged(planned, law)
+        scene, trajectory, judgement = _judge(planned, law)
         if judgement.certificate.ok:
             report = replace(
                 PlanningReport.empty("another time law"),
@@ -182,7 +182,7 @@ def _rows(planned: Plan, law: TimeLaw) -> list[Row]:
     return [worst_row(trace) for trace in object_traces(record, scene, motion)]
 
 
-def _judged(planned: Plan, law: TimeLaw) -> tuple[Scene, Trajectory, Judgement]:
+def _judge(planned: Plan, law: TimeLaw) -> tuple[Scene, Trajectory, Judgement]:
     """The scene with the duration, the record with its liquids, and the verdict."""
     scene = planned.scene.changed({"motion.duration": law.duration})
     record = retimed(planned.trajectory, scene, law)

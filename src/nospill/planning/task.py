@@ -121,13 +121,16 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [_refined(item, modes) if item.name in refined and item.id in members else item for item in variants]
+            [
+                _with_excited_modes(item, modes) if item.name in refined and item.id in members else item
+                for item in variants
+            ]
             for variants in self.variants
         ]
         return scene_of(scene, families, members)
 
 
-def _refined(variant: Variant, modes: int) -> Variant:
+def _with_excited_modes(variant: Variant, modes: int) -> Variant:
     """A variant with more modes: at a part v of the speed those that the motion excites as well.
 
     A mode of frequency omega answers there to what one of omega / v answers to at the planned speed.

@@ -151,11 +151,11 @@ def _table(swing: Swing) -> dict[str, object]:
     if swing.yaw_displacement:
         table |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
     if swing.variants:
-        table["variant"] = [_given(offset) | _table(item) for offset, item in swing.variants]
+        table["variant"] = [_perturbation_table(offset) | _table(item) for offset, item in swing.variants]
     return table
 
 
-def _given(offset: LiquidOffset) -> dict[str, object]:
+def _perturbation_table(offset: LiquidOffset) -> dict[str, object]:
     values = asdict(offset) | {"position": list(offset.position)}
     usual = asdict(LiquidOffset()) | {"position": [0.0, 0.0]}
     return {key: value for key, value in values.items() if value != usual[key]}

@@ -96,7 +96,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.add_collection3d(Line3DCollection([shaft], colors=ORANGE, linewidths=1.6, zorder=3, clip_on=False))
         tip = _on_tray(evidence, index, head)
         axes.add_collection3d(Poly3DCollection([tip], facecolors=ORANGE, linewidths=0, zorder=3, clip_on=False))
-    given = _given(scene)
+    given = _given_path(scene)
     if given is not None:
         axes.plot(*given.T, color=GREY, linewidth=1.2, linestyle="--", zorder=4, clip_on=False)
     for item in scene.motion.via:
@@ -122,7 +122,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     return axes
 
 
-def _given(scene: Scene) -> np.ndarray | None:
+def _given_path(scene: Scene) -> np.ndarray | None:
     """The given path (m, 3), m, where the tray may leave it."""
     if scene.motion.corridor is None:
         return None

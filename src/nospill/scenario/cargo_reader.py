@@ -71,7 +71,7 @@ def read_cargo(
     _check_keys(entry)
     filling = None if entry.liquid is None else _filling(entry, container, slosh_modes, fidelity)
     total, empty = (
-        _solid_masses(entry, container) if filling is None else _filled_masses(entry, container, filling, fidelity)
+        _solid_masses(entry, container) if filling is None else _masses_with_liquid(entry, container, filling, fidelity)
     )
     cargo = Cargo(
         name=entry.name,
@@ -268,10 +268,10 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
     assert entry.mass is not None  # _check_keys
     total = container.solid_properties(entry.mass)
     if entry.centre_of_mass is not None:
-        total = _centred(total, np.asarray(entry.centre_of_mass))
+        total = _centre(total, np.asarray(entry.centre_of_mass))
         key, shown = "centre_of_mass", f"({', '.join(_mm(x) for x in entry.centre_of_mass)})"
     elif entry.centre_of_mass_height is not None:
-        total = _centred(total, np.array([0.0, 0.0, entry.centre_of_mass_height]))
+        total = _centre(total, np.array([0.0, 0.0, entry.centre_of_mass_height]))
         key, shown = "centre_of_mass_height", _mm(entry.centre_of_mass_height)
     else:
         return total, total
@@ -284,7 +284,7 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
     return total, total
 
 
-def _filled_masses(
+def _masses_with_liquid(
     entry: CargoTable, container: Container, filling: Filling, fidelity: Fidelity
 ) -> tuple[MassProperties, MassProperties]:
     level = filling.liquid_height
@@ -301,7 +301,7 @@ def _filled_masses(
         empty_mass = 0.0 if empty_mass < _SAME_MASS * liquid_mass else empty_mass
     empty = container.shell_properties(empty_mass)
     if entry.centre_of_mass_height is not None:
-        empty = _centred(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
+        empty = _centre(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
     return mass_at_rest(container, empty, frozen, homogeneous=fidelity == "deliverable"), empty
 
 
@@ -331,7 +331,7 @@ def _check_height(key: str, shown: str, height: float, rim: float) -> None:
         )
 
 
-def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
+def _centre(body: MassProperties, centre: np.ndarray) -> MassProperties:
     return dataclasses.replace(body, centre=read_only(centre))
 
 

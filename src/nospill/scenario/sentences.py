@@ -158,10 +158,10 @@ def _tag(context: Mapping[str, Any]) -> str:
     key, choices = context["discriminator"].strip("'"), re.findall(r"'([^']*)'", context["expected_tags"])
     near = nearest(str(context["tag"]), choices)
     hint = f'; did you mean "{near}"?' if near else ""
-    return f"has the unknown {key} {as_written(context['tag'])}; choose one of {_quoted(choices)}{hint}"
+    return f"has the unknown {key} {as_written(context['tag'])}; choose one of {_quote(choices)}{hint}"
 
 
-def _quoted(choices: Iterable[str]) -> str:
+def _quote(choices: Iterable[str]) -> str:
     return listed([as_written(choice) for choice in choices])
 
 

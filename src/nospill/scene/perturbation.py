@@ -98,7 +98,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         return with_content(changed, content, empty)
     if cargo.filling is None:
         return changed
-    filling = _refilled(cargo, cargo.filling, by)
+    filling = _refill(cargo, cargo.filling, by)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
@@ -133,7 +133,7 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
     return container.shell_properties(mass)
 
 
-def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
+def _refill(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = filling.modes.slowest
     level = filling.liquid_height + by.liquid_height
     line = "pinned" if by.pinned else filling.contact_line

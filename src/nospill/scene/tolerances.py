@@ -72,15 +72,15 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:
     """The cargo, each object as heavy as its tolerance allows, at its stated place."""
-    return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity) for cargo in scene.cargo)
+    return tuple(_load_carrier(cargo, 1.0, fidelity=scene.fidelity) for cargo in scene.cargo)
 
 
 def greatest_mass(cargo: Cargo, *, fidelity: Fidelity) -> float:
     """Greatest mass of an object with its liquid that its tolerance allows, kg."""
-    return _loaded(cargo, 1.0, fidelity=fidelity).total.mass
+    return _load_carrier(cargo, 1.0, fidelity=fidelity).total.mass
 
 
-def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
+def _load_carrier(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
     tolerance = cargo.tolerance
     if tolerance is None:
         return cargo

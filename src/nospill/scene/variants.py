@@ -92,7 +92,7 @@ def variants(cargo: Cargo, *, fidelity: Fidelity, speeds: Sequence[float] = ()) 
     """
     planned = _variants(cargo, fidelity)
     ends = speeds if cargo.oscillators else sorted({*speeds[:1], *speeds[-1:]}, reverse=True)
-    slowed = [_slowed(item, speed) for speed in ends for item in planned]
+    slowed = [_slow_down(item, speed) for speed in ends for item in planned]
     return (*planned, *slowed)
 
 
@@ -101,7 +101,7 @@ def speed_text(speed: float) -> str:
     return f"{100.0 * speed:.4g} % of the speed"
 
 
-def _slowed(item: Variant, speed: float) -> Variant:
+def _slow_down(item: Variant, speed: float) -> Variant:
     parts = (item.text, speed_text(speed))
     return replace(item, text=", ".join(part for part in parts if part), speed=speed)
 

@@ -83,7 +83,7 @@ def compare_runs(
     cargo = read_cup(cup)
     comparisons = []
     for name in names:
-        motion = _held(read_motion(place / f"{name}{_MOTION}"))
+        motion = _hold(read_motion(place / f"{name}{_MOTION}"))
 
         def predicted(item: Cargo, motion: Motion = motion) -> Heights:
             return simulate_slosh(
@@ -120,7 +120,7 @@ def _corners(cargo: Cargo) -> Iterator[Cargo]:
                 yield perturbed(cargo, Perturbation(liquid_height=rise, damping=factor), fidelity="full")
 
 
-def _held(motion: Motion) -> Motion:
+def _hold(motion: Motion) -> Motion:
     """The motion with its last pose kept for a part of its duration."""
     poses = np.hstack([motion.position, motion.quaternion])
     left, arrived = (np.max(np.abs(poses - poses[end]), axis=1) > _STILL for end in (0, -1))

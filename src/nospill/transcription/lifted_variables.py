@@ -80,7 +80,7 @@ class LiftedVariables:
         hessian = ca.triu2symm(ca.triu(hessian))
 
         for start, end, inner in self._slopes(everything):
-            jacobian = _eliminated(jacobian, start, end, inner)
+            jacobian = _eliminate(jacobian, start, end, inner)
             across, inner_block = hessian[:start, start:end] @ inner, hessian[start:end, start:end]
             whole = hessian[:start, :start] + across + across.T + inner.T @ (inner_block @ inner)
             hessian = ca.triu2symm(ca.triu(whole))  # the other half is the same: its operations are left out
@@ -107,7 +107,7 @@ class LiftedVariables:
         everything = ca.vertcat(z, *self._symbols)
         jacobian = ca.jacobian(outputs, everything)
         for start, end, inner in self._slopes(everything):
-            jacobian = _eliminated(jacobian, start, end, inner)
+            jacobian = _eliminate(jacobian, start, end, inner)
         return jacobian.sparsity()
 
     def _slopes(self, everything: SX) -> Iterator[tuple[int, int, SX]]:
@@ -125,7 +125,7 @@ class LiftedVariables:
         return written
 
 
-def _eliminated(jacobian: SX, start: int, end: int, slopes: SX) -> SX:
+def _eliminate(jacobian: SX, start: int, end: int, slopes: SX) -> SX:
     """J_a + J_b E: the last columns, from `start` to `end`, are of the variables with slopes E."""
     found: SX = jacobian[:, :start] + jacobian[:, start:end] @ slopes
     return found

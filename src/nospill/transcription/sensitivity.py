@@ -53,7 +53,7 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
         if name in savings_of:
             continue
-        more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
+        more, less = (_scale_limit(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
         if more is not None and less is not None:
             parameters = [problem.parameters_of(varied, problem.backoff) for varied in (more, less)]
             high, low = (_lagrangian(problem, solution, varied) for varied in parameters)
@@ -74,7 +74,7 @@ def _lagrangian(problem: Problem, solution: Solution, parameters: np.ndarray) ->
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 
-def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:
+def _scale_limit(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:
     """The numbers with one limit so many times as large; None where nothing is called a limit alone."""
     numbers = problem.numbers
     if isinstance(key, JointKey):

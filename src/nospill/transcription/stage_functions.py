@@ -139,10 +139,10 @@ def stage_functions(structure: Structure) -> StageFunctions:
         end_lower=end_rows.lower,
         end_upper=end_rows.upper,
         end_blocks=end_rows.blocks,
-        jacobian=_joined([_on(placed.rows, placed.variables, tray.jacobian), *_object_jacobians(layout, objects)]),
-        hessian=_joined([_on(placed.variables, placed.variables, tray.hessian), *_object_hessians(layout, objects)]),
-        end_jacobian=_joined([_on(item.end_rows, item.end_variables, item.end.jacobian) for item in objects]),
-        end_hessian=_joined([_on(item.end_variables, item.end_variables, item.end.hessian) for item in objects]),
+        jacobian=_join([_on(placed.rows, placed.variables, tray.jacobian), *_object_jacobians(layout, objects)]),
+        hessian=_join([_on(placed.variables, placed.variables, tray.hessian), *_object_hessians(layout, objects)]),
+        end_jacobian=_join([_on(item.end_rows, item.end_variables, item.end.jacobian) for item in objects]),
+        end_hessian=_join([_on(item.end_variables, item.end_variables, item.end.hessian) for item in objects]),
     )
     return StageFunctions(layout, sizes, backoff_keys(structure), placed, tuple(objects))
 
@@ -167,7 +167,7 @@ def _on(rows: np.ndarray, columns: np.ndarray, triplets: Triplets) -> Triplets:
     return rows[triplets[0]], columns[triplets[1]]
 
 
-def _joined(parts: Iterable[Triplets]) -> Triplets:
+def _join(parts: Iterable[Triplets]) -> Triplets:
     table = [np.zeros((2, 0), dtype=int), *(np.array(part) for part in parts)]
     rows, columns = np.concatenate(table, axis=1)
     return rows, columns

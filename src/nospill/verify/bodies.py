@@ -120,7 +120,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
         inertia = inertia + cargo.container.shell_properties(missing).inertia
     if oscillators:
         shell = cargo.container.shell_properties(_LEAST_OWN_FRACTION * total).inertia
-        inertia = _raised(inertia, float(np.linalg.eigvalsh(shell)[0]))
+        inertia = _raise_moments(inertia, float(np.linalg.eigvalsh(shell)[0]))
     return Body(
         name=cargo.name,
         position=cargo.position,
@@ -148,7 +148,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
     )
 
 
-def _raised(inertia: np.ndarray, least: float) -> np.ndarray:
+def _raise_moments(inertia: np.ndarray, least: float) -> np.ndarray:
     """The inertia (3, 3) with no principal moment below `least`, kg m^2."""
     moments, axes = np.linalg.eigh(inertia)
     return inertia if moments[0] >= least else (axes * np.maximum(moments, least)) @ axes.T

@@ -213,7 +213,7 @@ def with_supplied(scene: Scene, constraints: Iterable[object] | None, known: Ite
         raise ScenarioError(f"constraints: a list is needed, as constraints=[MyLimit()], not {_short(constraints)}")
     supplied, taken = list[Supplied](), set(known)
     for item in constraints:
-        one = _supplied(item)
+        one = _make_supplied(item)
         if one.name in taken:
             raise ScenarioError(f'constraints: there is a constraint "{one.name}" already; give it another name')
         taken.add(one.name)
@@ -222,7 +222,7 @@ def with_supplied(scene: Scene, constraints: Iterable[object] | None, known: Ite
     return scene.with_constraints(supplied)
 
 
-def _supplied(item: object) -> Supplied:
+def _make_supplied(item: object) -> Supplied:
     if isinstance(item, type) and issubclass(item, Constraint):
         raise ScenarioError(f"constraints: {item.__name__} is a class; an instance is needed, {item.__name__}(...)")
     if isinstance(item, Supplied):  # of another scene

@@ -85,7 +85,7 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     lean, radius = meridian.lean(level), meridian.radius(level)
     slope = slope_at_wall(lean, contact_angle)
     surface = rest_surface(length, radius, slope)
-    mesh = _raised(mesh_liquid(meridian, level, elements), meridian, level, surface)
+    mesh = _raise_surface(mesh_liquid(meridian, level, elements), meridian, level, surface)
     stiffness, turning = volume_terms(mesh, level)
     surface_nodes = np.unique(mesh.surface)
     mass, tension = surface_terms(mesh, surface_nodes)
@@ -126,7 +126,7 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     )
 
 
-def _raised(mesh: MeridianMesh, meridian: Meridian, level: float, surface: RestSurface) -> MeridianMesh:
+def _raise_surface(mesh: MeridianMesh, meridian: Meridian, level: float, surface: RestSurface) -> MeridianMesh:
     """The mesh below the flat surface, moved up and down with the surface at rest, its outer nodes along the wall.
 
     Nodes crowd towards a steep wall, so that they are alike far apart along the surface.

@@ -75,12 +75,12 @@ def liquid_modes(
         return modes
     meridian = None if contact_angle is None else _meridian(container)
     if meridian is not None and contact_angle is not None:
-        return _curved(modes, meridian, liquid, contact_angle, pinned=contact_line == "pinned")
+        return _curved_surface_modes(modes, meridian, liquid, contact_angle, pinned=contact_line == "pinned")
     free = with_tension(modes, liquid)
     if contact_line == "free":
-        return replace(free, oscillators=tuple(map(_bounded, free.oscillators)))
+        return replace(free, oscillators=tuple(map(_bound_frequency, free.oscillators)))
     many = with_tension(_many(container, liquid, level, count), liquid)
-    return replace(free, oscillators=tuple(_bounded(_pinned(item, many.oscillators)) for item in free.oscillators))
+    return replace(free, oscillators=tuple(_bound_frequency(_pin(item, many.oscillators)) for item in free.oscillators))
 
 
 def _many(container: Container, liquid: Liquid, level: float, count: int) -> SloshModes:
@@ -107,10 +107,10 @@ def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
     length = capillary_length(liquid)
     round_section = "y" in modes.oscillators[0].directions and "x" in modes.oscillators[0].directions
     gain = [_gain(half, length, round_section=round_section) for half in modes.quasi_static_gain.tolist()]
-    oscillators = tuple(_stretched(item, length) for item in modes.oscillators)
+    oscillators = tuple(_stretch(item, length) for item in modes.oscillators)
     yaw = modes.yaw and yaw_with_tension(modes.yaw, length)
     if yaw is not None:
-        yaw = replace(yaw, oscillators=tuple(map(_bounded, yaw.oscillators)))
+        yaw = replace(yaw, oscillators=tuple(map(_bound_frequency, yaw.oscillators)))
     return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain), yaw=yaw)
 
 
@@ -122,7 +122,9 @@ def _meridian(container: Container) -> Meridian | None:
     return container.meridian if isinstance(container, Vessel) else None
 
 
-def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool) -> SloshModes:
+def _curved_surface_modes(
+    modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool
+) -> SloshModes:
     """Modes below the curved surface at rest, with the damping of the flat one; the rest of the liquid follows."""
     from nospill.scene.surface_tension.curved_modes import curved_modes  # only few vessels need the solver
 
@@ -131,7 +133,7 @@ def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float,
     masses = liquid.density * solved.volume
     heights = np.where(masses > _UNMOVED * modes.liquid_mass, solved.height, modes.liquid_height)
     oscillators = tuple(
-        _bounded(
+        _bound_frequency(
             replace(
                 item,
                 frequency=math.sqrt(squares[n]),
@@ -147,7 +149,7 @@ def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float,
     return replace(modes.with_oscillators(oscillators), quasi_static_gain=gain)
 
 
-def _bounded(item: Oscillator) -> Oscillator:
+def _bound_frequency(item: Oscillator) -> Oscillator:
     """A mode that is no faster than it needs to be: one that only follows would ask for ever finer steps."""
     fastest = max(_FASTEST, math.sqrt(item.frequency**2 - item.tension))
     if item.frequency <= fastest:
@@ -155,7 +157,7 @@ def _bounded(item: Oscillator) -> Oscillator:
     return replace(item, frequency=fastest, tension=fastest**2 - STANDARD_GRAVITY * item.stiffness)
 
 
-def _stretched(item: Oscillator, length: float) -> Oscillator:
+def _stretch(item: Oscillator, length: float) -> Oscillator:
     tension = STANDARD_GRAVITY * item.stiffness * (length * item.wave_number) ** 2
     return replace(item, frequency=math.sqrt(item.frequency**2 + tension), tension=tension)
 
@@ -177,7 +179,7 @@ def _gain(half: float, length: float, *, round_section: bool) -> float:
     return half - length / float(ive(0, x) / ive(1, x) - 1.0 / x)
 
 
-def _pinned(item: Oscillator, free: Sequence[Oscillator]) -> Oscillator:
+def _pin(item: Oscillator, free: Sequence[Oscillator]) -> Oscillator:
     """An oscillator at the frequency that it has where the contact line is held; all else is the free line's."""
     own = [mode for mode in free if mode.directions == item.directions]
     low, high = (_root(own[: max(len(own) // part, item.number + 1)], item.number) for part in (2, 1))

@@ -100,14 +100,14 @@ def _attempt(
     """Answer, statistics and order of pivots of one run of IPOPT; None where the linear solver keeps none."""
     with watched(problem, options.progress) as watching:
         nlpsol = ca.nlpsol("plan", "ipopt", problem.transcription.nlp, settings | watching)
-        run = partial(_called, nlpsol, arguments)
+        run = partial(_call, nlpsol, arguments)
         with interruptible():
             library = settings.get("ipopt.hsllib")
             (results, stats), kept = (run(), None) if library is None else with_order(library, order, run)
             return results, stats, kept
 
 
-def _called(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def _call(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The outputs by name, and the statistics; what there is no argument for is zero.
 
     The solver reads and writes the arrays themselves: CasADi's matrices, through which a plain call goes, take as long
