@@ -76,7 +76,8 @@ def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:
     foot, _ = base_pose(robot.urdf)
     depth = -obstacle.distance(foot)
     if depth > 1e-9:
-        return f"swallows the foot of the arm, {_point(foot)}, which is {_length(depth)} inside; the arm must stand outside"
+        inside = f"{_point(foot)}, which is {_length(depth)} inside"
+        return f"swallows the foot of the arm, {inside}; the arm must stand outside"
     ends = path.at(np.array([0.0, 1.0]))[:, :3]
     for name, end in zip(("start", "end"), ends, strict=True):
         short = obstacle.clearance - obstacle.distance(end)
